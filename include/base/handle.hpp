@@ -1,0 +1,47 @@
+// Owning handles for PETSc objects: destroyed with their scope, moved but never copied.
+#pragma once
+
+#include "base/petsc.hpp"
+
+#include <utility>
+
+namespace mlgimp
+{
+
+/// Owns one PETSc object of type T; `Out()` hands the address of an empty handle to a Create function.
+template <class T, PetscErrorCode (*Destroy)(T *)> class Handle
+{
+public:
+  Handle() = default;
+  Handle(Handle &&other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Handle &operator=(Handle &&other) noexcept
+  {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Handle() { Reset(); }
+
+  operator T() const { return object_; }
+  T *Out()
+  {
+    Reset();
+    return &object_;
+  }
+
+private:
+  void Reset()
+  {
+    PetscFunctionBegin;
+    PetscCallVoid(Destroy(&object_));
+    PetscFunctionReturnVoid();
+  }
+  T object_ = nullptr;
+};
+
+using DMHandle = Handle<DM, DMDestroy>;
+using VecHandle = Handle<Vec, VecDestroy>;
+using MatHandle = Handle<Mat, MatDestroy>;
+using KSPHandle = Handle<KSP, KSPDestroy>;
+using SFHandle = Handle<PetscSF, PetscSFDestroy>;
+
+} // namespace mlgimp

@@ -1,0 +1,21 @@
+// The log events of a step's phases and their counted flops, for -log_view.
+#pragma once
+
+#include "base/petsc.hpp"
+
+namespace mlgimp
+{
+
+struct LogEvents {
+  PetscLogEvent points_to_grid, halo, grid_update, contact, grid_to_points, migrate, sort, output;
+};
+
+PetscErrorCode RegisterLogEvents(LogEvents *events);
+
+/// Floating-point operations per point, counted in the sweeps' source (2D, nine nodes).
+inline constexpr double kStencilFlops = 2 * 26 + 9 * 5, kPointsToGridFlops = kStencilFlops + 25 + 9 * 24,
+                        kGridToPointsFlops = kStencilFlops + 9 * 24 + 12, kScatterRatesFlops = 7 + 9 * 16,
+                        kGatherRatesFlops = kStencilFlops + 9 * 32, kStressFlops = 90, kShortWaveFlops = 35,
+                        kNodeFlops = 20;
+
+} // namespace mlgimp

@@ -1,0 +1,36 @@
+// Pressure on the sides of bodies: it acts on the current faces of the points and follows them.
+#pragma once
+
+#include "level/grid.hpp"
+#include "level/points.hpp"
+#include "pointwise/indenter.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// A pressure history on one side of a body.
+struct Load {
+  int body;
+  Side side;
+  double span[2];           ///< start and end along the side, m
+  PiecewiseLinear pressure; ///< positive pushes into the body, Pa
+};
+
+/// Adds the forces of the loads at `time` to the nodal forces and to the external forces in `sums`.
+/// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
+PetscErrorCode AddLoads(const Grid &grid, Points &points, const std::vector<Load> &loads, double thickness, double time);
+
+/// One face of a point in the current configuration.
+struct Face {
+  Vec2 center;      ///< m
+  Vec2 half_edge;   ///< from the centre to an end, m
+  Vec2 area_normal; ///< outward normal times length, m
+};
+
+/// The face of point p on `side`: centre x + F (+-l0 e_a), edge F (l0 e_b), normal cof(F) e_a.
+Face PointFace(const PointArrays &points, int p, Side side);
+
+} // namespace mlgimp

@@ -1,0 +1,60 @@
+// The physics that all levels share: bodies, materials, loads, indenter, and the variants of the step.
+#pragma once
+
+#include "level/loads.hpp"
+#include "level/nodes.hpp"
+#include "level/transfer.hpp"
+#include "pointwise/indenter.hpp"
+#include "pointwise/material.hpp"
+#include "pointwise/region.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+enum class StressUpdate { kUsl, kUsf, kMusl };
+
+struct Body {
+  std::string name;
+  std::unique_ptr<Region> region;
+  int material;         ///< place in Model::materials
+  Vec2 velocity;        ///< initial, m/s
+  int points_per_cell;  ///< per direction
+};
+
+struct Model {
+  double thickness = 1; ///< m
+  std::array<SideKind, kSides> sides{};
+  std::vector<std::unique_ptr<Material>> materials;
+  std::vector<Body> bodies;
+  std::vector<Load> loads;
+  std::optional<Indenter> indenter;
+  std::string contact = "pressure", shape_function = "cpgimp";
+  bool contact_monitor = false;
+  StressUpdate stress_update = StressUpdate::kMusl;
+  ShortWaveViscosity short_wave;
+  double xpic_fraction = 0;
+  NodalSettings nodal;             ///< mass_cutoff is set by each level
+  BodyAcceleration acceleration;   ///< beside gravity; empty for none
+
+  /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes.
+  bool UsesRates() const { return stress_update == StressUpdate::kMusl || short_wave.On() || xpic_fraction > 0; }
+  int HistoryComponents() const
+  {
+    int largest = 0;
+    for (const auto &material : materials) largest = std::max(largest, material->HistorySize());
+    return largest;
+  }
+  BodyTable Table() const
+  {
+    BodyTable table;
+    for (const Body &body : bodies) table.material.push_back(materials[body.material].get());
+    return table;
+  }
+};
+
+} // namespace mlgimp

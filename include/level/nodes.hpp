@@ -1,0 +1,67 @@
+// What happens at the nodes of a level: the update of velocities, the sides of the domain, and the books of both.
+#pragma once
+
+#include "base/tensor.hpp"
+#include "level/grid.hpp"
+
+#include <array>
+
+namespace mlgimp
+{
+
+enum class SideKind { kFree, kSymmetry, kFixed };
+
+/// The sides of the domain as a level's grid sees them.
+struct Sides {
+  std::array<SideKind, kSides> kind{};
+  std::array<int, kSides> node{}; ///< box index of the side's nodes; nodes beyond it are bound as well
+
+  bool Reaches(Side side, int i, int j) const
+  {
+    const int index = AxisOf(side) == 0 ? i : j;
+    return SignOf(side) < 0 ? index <= node[side] : index >= node[side];
+  }
+  bool Binds(Side side, int axis) const
+  {
+    return kind[side] == SideKind::kFixed || (kind[side] == SideKind::kSymmetry && AxisOf(side) == axis);
+  }
+  /// True where the velocity component `axis` of node (i, j) is held at zero.
+  bool Holds(int i, int j, int axis) const
+  {
+    for (int s = 0; s < kSides; ++s)
+      if (Reaches(static_cast<Side>(s), i, j) && Binds(static_cast<Side>(s), axis)) return true;
+    return false;
+  }
+};
+
+/// Settings of the nodal update.
+struct NodalSettings {
+  Vec2 gravity{};          ///< m/s2
+  double damping = 0;      ///< 1/s
+  double mass_cutoff = 0;  ///< nodes with less are skipped, kg
+  int xpic_order = 2;
+};
+
+/// Sums over the steps so far of what the nodes of this rank exchange with the outside.
+struct NodalTotals {
+  Vec2 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
+  double external_work = 0, damping_dissipation = 0;         ///< J
+};
+
+/// v = p/m + dt f/m with damping and gravity, on owned nodes; velocity := (v, dv). Books impulses of loads and gravity.
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+
+/// Holds the velocities of owned nodes at the sides, booking the impulse on the body.
+void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &settings, NodalTotals &totals);
+
+/// Books the work of gravity, loads and damping with the mean velocity of the step, after sides and contact.
+void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+
+/// rates := p/m from `sums`, for a strain update before the forces (USF).
+void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings);
+
+/// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
+/// order 1), smooth strain rate. Owned nodes.
+void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings);
+
+} // namespace mlgimp

@@ -1,0 +1,63 @@
+// The material points of one level: a DMSwarm of type BASIC as storage, sorting, and moving points between ranks.
+#pragma once
+
+#include "base/handle.hpp"
+#include "pointwise/point_fields.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace mlgimp
+{
+
+class Points
+{
+public:
+  PetscErrorCode Create(MPI_Comm comm, int history_components);
+
+  int Count() const { return count_; }
+  const std::array<PointFieldInfo, kPointFields> &Table() const { return table_; }
+  MPI_Comm Comm() const { return comm_; }
+
+  /// The fields as arrays; valid until the next Resize.
+  PetscErrorCode Arrays(PointArrays *arrays);
+  PetscErrorCode Field(PointField field, void **data);
+
+  /// Keeps the first `count` points, or adds uninitialised ones. Storage grows by a tenth at a time.
+  PetscErrorCode Resize(int count);
+
+  /// Reorders the points so that point k is the one that was at order[k].
+  PetscErrorCode Reorder(const std::vector<int> &order);
+
+  /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.
+  PetscErrorCode SurfacePoints(const std::vector<int> **indices);
+
+  ~Points();
+  Points() = default;
+  Points(const Points &) = delete;
+  Points &operator=(const Points &) = delete;
+
+private:
+  PetscErrorCode ReleaseFields();
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  DMHandle swarm_;
+  std::array<PointFieldInfo, kPointFields> table_{};
+  std::array<void *, kPointFields> data_{};
+  bool have_fields_ = false;
+  int count_ = 0, capacity_ = 0;
+  std::vector<int> surface_;
+  bool surface_known_ = false;
+};
+
+/// Points that leave, and the rank each goes to.
+struct Departures {
+  std::vector<int> points;            ///< indices, ascending
+  std::vector<PetscMPIInt> ranks;     ///< destination of each
+};
+
+/// Moves points out of `from` into `to` (the same object for migration within a level), across the ranks of `comm`.
+/// Collective. Arrivals are ordered by source rank and place, so that a fixed number of ranks repeats bit for bit.
+PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures);
+
+} // namespace mlgimp

@@ -1,0 +1,53 @@
+// Fills bodies with material points.
+#pragma once
+
+#include "level/grid.hpp"
+#include "level/model.hpp"
+#include "level/points.hpp"
+
+#include <functional>
+
+namespace mlgimp
+{
+
+/// A point to be: its body, the tile it stands for, and its number, the same on any number of ranks.
+struct Seed {
+  int body;
+  Tile tile;
+  std::int64_t id;
+};
+
+/// The places where one level's points start.
+class Seeding
+{
+public:
+  /// `belongs`: true for places that this level owns; `first_id`: the least number of the level's points.
+  Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, std::function<bool(Vec2)> belongs,
+          std::int64_t first_id);
+
+  /// Calls work for every seed with its cell within [lower, upper) along both axes, row by row.
+  void ForEach(const int lower[2], const int upper[2], const std::function<void(const Seed &)> &work) const;
+
+  /// Seeds per node (by nearest node) of each column (axis 0) or row (axis 1) of the padded grid.
+  std::vector<double> CountByNode(int axis) const;
+
+  /// Adds the points whose nearest node this rank owns.
+  PetscErrorCode Fill(const Grid &grid, Points &points) const;
+
+  /// One more than the largest number a point of this level can have.
+  std::int64_t EndId() const;
+
+private:
+  int FaceBits(const Seed &seed) const;
+  bool Occupied(Vec2 x) const;
+
+  const Model &model_;
+  GridGeometry geometry_;
+  Sides sides_;
+  std::function<bool(Vec2)> belongs_;
+  std::int64_t first_id_;
+  int tiles_per_cell_ = 1; ///< the most of any body
+  std::vector<Tiling> tilings_;
+};
+
+} // namespace mlgimp

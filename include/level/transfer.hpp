@@ -1,0 +1,96 @@
+// The sweeps over the points of a level: points to grid, grid to points, and strain with stress.
+//
+// Each sweep works on blocks of kBlock points: weights, then gather, then the points' own update, then scatter, while
+// the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeArrays in grid.hpp.
+#pragma once
+
+#include "level/grid.hpp"
+#include "pointwise/material.hpp"
+#include "pointwise/point_fields.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Bodies as the sweeps see them: the material of each.
+struct BodyTable {
+  std::vector<const Material *> material;
+};
+
+/// h_p = min(0.3, a + b |E_p|^2), the strength of the short-wave viscosity; none where both are zero.
+struct ShortWaveViscosity {
+  double a = 0, b = 0;
+  bool On() const { return a > 0 || b > 0; }
+};
+
+/// Acceleration of `count` points from ids and positions [count][2] at a time: acceleration [count][2], m/s2.
+using BodyAcceleration =
+    std::function<void(double time, int count, const std::int64_t *id, const double *position, double *acceleration)>;
+
+/// What went wrong first with a point.
+struct PointFailure {
+  enum Kind { kNone, kLeftGrid, kDeformedTooFast, kNotFinite } kind = kNone;
+  std::int64_t id = -1;
+  Vec2 position{};
+};
+
+/// Sums that the sweeps collect on this rank.
+struct SweepTotals {
+  double short_wave_dissipation = 0, plastic_dissipation = 0, xpic_dissipation = 0; ///< J
+  long clamped_sizes = 0; ///< half sizes that were clamped, counted once a step
+};
+
+/// Settings of one grid-to-points sweep.
+struct GridToPointsPlan {
+  double dt;
+  bool strain;       ///< advance F and stress here, with the new nodal velocity (USL)
+  bool strain_rate;  ///< keep the strain rate of the points for the short-wave viscosity
+  bool scatter;      ///< add momentum, projected momentum and strain rate to `rates`
+  bool move;         ///< move the points: nothing of the step comes after
+};
+
+/// Settings of the sweep that reads `rates`.
+struct RatesPlan {
+  double dt;
+  bool strain;                    ///< advance F and stress with the velocities in `rates` (MUSL, USF)
+  ShortWaveViscosity short_wave;  ///< turn the strain rate kept into the short-wave stress
+  double xpic_fraction;           ///< share of the projected velocity in `rates`
+  bool move;                      ///< move the points with the velocities that GridToPoints left
+};
+
+/// One rank's points and nodes during a sweep.
+struct SweepView {
+  const Grid &grid;
+  PointArrays points;
+  double *grid_velocity; ///< [count][2] velocity of the grid at the points, from GridToPoints to the move, m/s
+  const BodyTable &bodies;
+};
+
+/// The sweeps, for one shape function.
+class Transfer
+{
+public:
+  virtual ~Transfer() = default;
+
+  /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to `sums`.
+  virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
+                            SweepTotals &totals) const = 0;
+
+  /// v_p += sum S dv (FLIP); leaves the grid's velocity at the points.
+  virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
+                            PointFailure &failure) const = 0;
+
+  /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
+  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
+                          PointFailure &failure) const = 0;
+};
+
+/// Names that -shape_function accepts: linear, ugimp, cpgimp.
+std::vector<std::string> ShapeFunctions();
+std::unique_ptr<Transfer> CreateTransfer(const std::string &shape_function);
+
+} // namespace mlgimp

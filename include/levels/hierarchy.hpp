@@ -1,0 +1,77 @@
+// The hierarchy of levels: creation, the recursion of the paper's Fig. 8, and the books of the whole run.
+#pragma once
+
+#include "level/level.hpp"
+#include "level/seeding.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Where the levels lie and how they are kept.
+struct HierarchySettings {
+  std::vector<LevelGeometry> levels;
+  int sort_interval = 50;
+  double rebalance_threshold = 1.1;
+};
+
+/// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
+struct Books {
+  double kinetic_energy, strain_energy, mass, momentum[2], points, contact_points;
+  double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
+  double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
+      damping_impulse[2];
+  double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
+  double Dissipated() const
+  {
+    return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation;
+  }
+};
+
+/// Largest speeds over all points, and whether any level has failed.
+struct Pulse {
+  double wave_speed = 0, point_speed = 0; ///< of c + |v| and |v|, m/s
+  bool failed = false;
+};
+
+class Hierarchy
+{
+public:
+  /// Creates the grids and fills them with points, or leaves them empty for a restart. Collective.
+  PetscErrorCode Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events,
+                        bool fill);
+
+  /// One step of level 0, with all steps of the finer levels within it.
+  PetscErrorCode Advance(double time, double dt);
+
+  PetscErrorCode MeasurePulse(Pulse *pulse);
+  /// Migrates with intervals that suit the speeds, and re-cuts ownership where points have become uneven.
+  PetscErrorCode Adapt(const Pulse &pulse, double dt);
+  PetscErrorCode ReduceBooks(Books *books);
+  /// Puts totals of an earlier run on the first rank, so that they go on from there.
+  PetscErrorCode RestoreBooks(const Books &books);
+  /// One line about the first failure, the same on every rank; empty where there is none.
+  PetscErrorCode DescribeFailure(std::string *message);
+
+  int Levels() const { return static_cast<int>(levels_.size()); }
+  Level &At(int l) { return *levels_[l]; }
+  MPI_Comm Comm() const { return comm_; }
+  const std::vector<PetscLogStage> &Stages() const { return stages_; }
+  PetscErrorCode PointsOn(int l, double *total, double *largest);
+
+private:
+  PetscErrorCode AdvanceLevel(int l, double time, double dt);
+  PetscErrorCode CreateLevel(int l, const GridLayout &layout);
+  PetscErrorCode Rebalance(int l);
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  const Model *model_ = nullptr;
+  HierarchySettings settings_;
+  LogEvents events_{};
+  std::vector<PetscLogStage> stages_;
+  std::vector<std::unique_ptr<Level>> levels_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,79 @@
+// Materials: stress, energy and wave speed of batches of points in plane strain.
+//
+// Points are stored interleaved: F [count][4] as xx, xy, yx, yy (F_zz = 1) and Cauchy stress [count][4] as xx, yy, zz,
+// xy in Pa. A material registers by name in materials.cpp; docs/extending.md shows how to add one.
+#pragma once
+
+#include "pointwise/shape.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+inline constexpr int kStressComponents = 4, kGradientComponents = 4;
+
+/// What a user gives for a material; NaN where nothing was given.
+struct MaterialConstants {
+  double youngs_modulus;    ///< Pa
+  double poissons_ratio;    ///< -
+  double density;           ///< initial, kg/m3
+  double yield_stress;      ///< Pa
+  double hardening_modulus; ///< d(yield stress)/d(equivalent plastic strain), Pa
+};
+
+/// The points of one material in a block, after F was advanced by `increment`.
+struct MaterialBatch {
+  int count;                   ///< number of points, <= kBlock
+  double dt;                   ///< s
+  const double *L[4];          ///< velocity gradient, components xx, xy, yx, yy of [count] each, 1/s
+  const double *increment[4];  ///< exp(dt L), likewise
+  const double *F;             ///< [count][4] new deformation gradient
+  double *stress;              ///< [count][4] overwritten with the new stress, Pa
+  double *history;             ///< [count][HistorySize()] internal variables, updated in place
+};
+
+class Material
+{
+public:
+  explicit Material(const MaterialConstants &constants);
+  virtual ~Material() = default;
+
+  double Density() const { return density_; }        ///< initial density, kg/m3
+  double Lambda() const { return lambda_; }          ///< first Lame constant, Pa
+  double Mu() const { return mu_; }                  ///< shear modulus, Pa
+  double SpeedOfSound() const;                       ///< sqrt((lambda + 2 mu)/rho0), m/s
+
+  /// Stress at the end of a step. Returns nothing; adds the plastic work per initial volume (J/m3) to dissipated[p].
+  virtual void UpdateStress(const MaterialBatch &batch, double *dissipated) const = 0;
+
+  /// Recoverable energy per initial volume, J/m3, into energy [count].
+  virtual void StoredEnergy(int count, const double *F, const double *stress, const double *history,
+                            double *energy) const = 0;
+
+  /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
+  virtual void WaveSpeedSquared(int count, const double *F, double *speed2) const = 0;
+
+  /// Number of internal variables per point, and their values in the undeformed body.
+  virtual int HistorySize() const { return 0; }
+  virtual void InitialHistory(double *) const {}
+
+protected:
+  double density_, lambda_, mu_;
+};
+
+/// Names that -NAME_model accepts.
+std::vector<std::string> MaterialModels();
+
+/// True where the model reads the constants of plasticity.
+bool ModelHasYield(const std::string &model);
+
+std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants);
+
+/// Advances F <- exp(dt L) F in closed form (det F > 0 always) and leaves exp(dt L) in increment.
+/// L, increment [4][kBlock]: xx, xy, yx, yy; F [count][4]. Valid for |dt L| < 1/2; returns the largest |dt L| met.
+double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], double (*increment)[kBlock], double *F);
+
+} // namespace mlgimp

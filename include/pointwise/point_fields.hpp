@@ -1,0 +1,80 @@
+// The table of point fields: it drives registration, exchange, output and restart, so that a new field is one line.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace mlgimp
+{
+
+/// Places in the table below.
+enum PointField : int {
+  kId,
+  kPosition,
+  kVelocity,
+  kDeformation,
+  kStress,
+  kShortWaveStress,
+  kMass,
+  kHalfSize,
+  kBody,
+  kFaces,
+  kHistory,
+  kPointFields
+};
+
+enum class FieldType { kReal, kInt32, kInt64 };
+
+struct PointFieldInfo {
+  const char *name;
+  FieldType type;
+  int components;
+  const char *unit;
+};
+
+/// What a point carries. The number of internal variables depends on the materials; all else is fixed.
+inline std::array<PointFieldInfo, kPointFields> PointFieldTable(int history_components)
+{
+  return {{
+      {"id", FieldType::kInt64, 1, ""},
+      {"position", FieldType::kReal, 2, "m"},
+      {"velocity", FieldType::kReal, 2, "m/s"},
+      {"deformation_gradient", FieldType::kReal, 4, ""}, // xx, xy, yx, yy
+      {"stress", FieldType::kReal, 4, "Pa"},             // Cauchy: xx, yy, zz, xy
+      {"short_wave_stress", FieldType::kReal, 3, "Pa"},  // xx, yy, xy: acts with the stress, is no material stress
+      {"mass", FieldType::kReal, 1, "kg"},
+      {"initial_half_size", FieldType::kReal, 2, "m"},
+      {"body", FieldType::kInt32, 1, ""},
+      {"faces", FieldType::kInt32, 1, ""}, // bits: see below
+      {"history", FieldType::kReal, history_components, ""},
+  }};
+}
+
+inline std::size_t FieldBytes(const PointFieldInfo &field)
+{
+  return static_cast<std::size_t>(field.components) * (field.type == FieldType::kInt32 ? 4 : 8);
+}
+
+/// Sides of a point, of a body and of the domain, in this order everywhere.
+enum Side : int { kXLower, kXUpper, kYLower, kYUpper, kSides };
+
+inline int AxisOf(Side side) { return side / 2; }
+inline int SignOf(Side side) { return side % 2 ? 1 : -1; }
+
+/// Bits of the field `faces`: the outer sides of the body that the point has, then one bit for each load.
+inline int OuterFaceBit(Side side) { return 1 << side; }
+inline int LoadBit(int load) { return 1 << (kSides + load); }
+inline constexpr int kMaxLoads = 31 - kSides;
+
+/// The fields of a rank's points as plain arrays [count][components]; history is null where no material has any.
+struct PointArrays {
+  int count;
+  std::int64_t *id;
+  double *position, *velocity, *F, *stress, *short_wave_stress, *mass, *half_size;
+  int *body, *faces;
+  double *history;
+  int history_components;
+};
+
+} // namespace mlgimp

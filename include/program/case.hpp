@@ -1,0 +1,54 @@
+// A case: everything that options say, validated.
+#pragma once
+
+#include "level/model.hpp"
+#include "program/options.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Steps above this fraction of h/(c + |v|) are refused as unstable.
+inline constexpr double kLargestCfl = 1;
+
+/// When a run ends and how long its steps are.
+struct TimeSettings {
+  double end_time = HUGE_VAL; ///< s
+  int max_steps = 0;          ///< of level 0; 0 = no limit
+  double time_step = 0;       ///< s; 0 = from cfl
+  double cfl = 0.4;           ///< fraction of h/(c + |v|)
+};
+
+/// What is written, and where.
+struct OutputSettings {
+  std::string directory;
+  bool overwrite = false, monitor = false;
+  int history_interval = 1, frames = 20, checkpoint_interval = 0;
+  std::string restart; ///< checkpoint to go on from; empty for none
+};
+
+struct Case {
+  std::string name;
+  Box domain;
+  double cell_size = 0; ///< of level 0, m
+  int levels = 1;
+  int refinement_ratio = 2;
+  Model model;
+  TimeSettings time;
+  OutputSettings output;
+  int sort_interval = 50;
+  double rebalance_threshold = 1.1;
+  std::vector<std::string> identity; ///< options that a restart must share
+
+  int Cells(int axis) const
+  {
+    return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size));
+  }
+};
+
+/// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
+PetscErrorCode ReadCase(OptionReader &reader, Case *settings);
+
+} // namespace mlgimp

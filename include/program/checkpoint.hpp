@@ -1,0 +1,30 @@
+// Checkpoints: all that a restart needs, on any number of ranks.
+#pragma once
+
+#include "levels/hierarchy.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// The state of a run beside its points.
+struct RunState {
+  double time = 0, time_step = 0;
+  long step = 0;
+  int frames = 0;               ///< written so far
+  double initial_mass = 0, initial_points = 0;
+  double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
+};
+
+/// Writes directory/checkpoint_SSSSSS.h5. Collective.
+PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity,
+                               Hierarchy &hierarchy, const RunState &state);
+
+/// Fills the empty levels of a hierarchy; ends the run with one line where the file is not whole, of another format or
+/// of another case. Collective.
+PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::string> &identity, Hierarchy &hierarchy,
+                              RunState *state);
+
+} // namespace mlgimp

@@ -1,0 +1,92 @@
+// A parallel HDF5 file: groups, attributes, and datasets that each rank holds a slab of.
+//
+// Files are written under another name and renamed when they are complete, so that a file with its final name is whole.
+#pragma once
+
+#include "base/petsc.hpp"
+
+#include <hdf5.h>
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Owns one HDF5 identifier.
+class H5Handle
+{
+public:
+  H5Handle() = default;
+  H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  H5Handle(H5Handle &&other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
+  H5Handle &operator=(H5Handle &&other) noexcept
+  {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~H5Handle() { Close(); }
+  /// False if the library reports an error, for instance when what it still had to write did not fit on the disk.
+  bool Close()
+  {
+    const hid_t id = id_;
+    id_ = -1;
+    return id < 0 || close_(id) >= 0;
+  }
+  operator hid_t() const { return id_; }
+  bool Valid() const { return id_ >= 0; }
+
+private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+/// Where a rank's rows lie in a dataset.
+struct Slab {
+  hsize_t start, count, total;
+};
+
+/// Writes one file. After any failure further calls do nothing; Finish tells.
+class H5Writer
+{
+public:
+  /// Starts path + ".part". Collective, like all members.
+  PetscErrorCode Open(MPI_Comm comm, const std::string &path);
+  void Group(const std::string &name);
+  void Attribute(const std::string &object, const std::string &name, double value);
+  void Attribute(const std::string &object, const std::string &name, const std::string &value);
+  void Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
+  /// Rows of `components` values; one component gives a dataset of rank 1.
+  void Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
+  /// Closes and renames; a file that could not be written whole is removed and the run ends with one line.
+  PetscErrorCode Finish();
+
+private:
+  void Note(bool success) { good_ = good_ && success; }
+  void WriteAttribute(const std::string &object, const std::string &name, hid_t type, hid_t space, const void *data);
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  std::string path_;
+  H5Handle file_;
+  bool good_ = true;
+};
+
+/// Reads one file; every function returns false where what it asks for is not there.
+class H5Reader
+{
+public:
+  bool Open(MPI_Comm comm, const std::string &path);
+  bool Has(const std::string &name) const { return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0; }
+  bool Attribute(const std::string &object, const std::string &name, double *value) const;
+  bool Attribute(const std::string &object, const std::string &name, std::string *value) const;
+  bool Attribute(const std::string &object, const std::string &name, std::vector<double> *values) const;
+  bool Rows(const std::string &name, hsize_t *rows) const;
+  bool Dataset(const std::string &name, hid_t type, int components, const Slab &slab, void *data) const;
+
+private:
+  H5Handle OpenAttribute(const std::string &object, const std::string &name) const;
+  H5Handle file_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,34 @@
+// history.csv: one row of totals per interval, flushed as written.
+#pragma once
+
+#include "levels/hierarchy.hpp"
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// A row; the columns are named in history.cpp.
+struct HistoryRow {
+  long step;
+  double time, depth, load, half_width, penetration;
+  Books books;
+};
+
+class History
+{
+public:
+  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. Collective.
+  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, long resume_step);
+  PetscErrorCode Write(const HistoryRow &row);
+  ~History();
+
+private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  std::string path_;
+  std::FILE *file_ = nullptr; ///< on the first rank
+};
+
+} // namespace mlgimp

@@ -1,0 +1,87 @@
+// Reading of command-line options with their text, unit, range and default, and one-line errors about them.
+#pragma once
+
+#include "base/petsc.hpp"
+#include "base/tensor.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// The interval that a number must lie in.
+struct Range {
+  double lower, upper;
+  bool lower_open, upper_open;
+  bool Contains(double x) const
+  {
+    return (lower_open ? x > lower : x >= lower) && (upper_open ? x < upper : x <= upper);
+  }
+  std::string Text() const;
+};
+inline constexpr Range kAnyNumber = {-HUGE_VAL, HUGE_VAL, true, true}, kPositive = {0, HUGE_VAL, true, true},
+                       kNotNegative = {0, HUGE_VAL, false, true};
+inline Range Open(double lower, double upper) { return {lower, upper, true, true}; }
+inline Range Closed(double lower, double upper) { return {lower, upper, false, false}; }
+
+/// One option as the user sees it.
+struct OptionText {
+  std::string name; ///< with the dash
+  std::string help; ///< one sentence
+  std::string unit; ///< empty for none
+};
+
+/// Reads options between PetscOptionsBegin and PetscOptionsEnd, so that -help lists them. Every function ends the run
+/// with one line (PETSC_ERR_USER_INPUT) where the value is missing or not allowed. With -help nothing is required.
+class OptionReader
+{
+public:
+  OptionReader(MPI_Comm comm, bool help) : comm_(comm), help_(help) {}
+  void SetItems(OptionItems items) { items_ = items; }
+
+  bool Help() const { return help_; }
+  MPI_Comm Comm() const { return comm_; }
+
+  /// While on (the default), options count for the identity of the case that a restart checks.
+  void Identify(bool on) { identify_ = on; }
+  /// "name value" of every option that counts for the identity.
+  const std::vector<std::string> &Identity() const { return identity_; }
+
+  PetscErrorCode Text(const OptionText &option, bool required, std::string *value, bool *given = nullptr);
+  PetscErrorCode Flag(const OptionText &option, bool *value);
+  PetscErrorCode Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value);
+  PetscErrorCode Integer(const OptionText &option, const Range &range, int *value);
+  PetscErrorCode Number(const OptionText &option, const Range &range, bool required, double *value, bool *given = nullptr);
+  /// A list of at least `least` numbers; at most `most` where that is not 0.
+  PetscErrorCode Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
+                         std::vector<double> *values, bool *given = nullptr);
+  PetscErrorCode Vector(const OptionText &option, bool required, Vec2 *value, bool *given = nullptr);
+  /// A list of names, each a letter followed by letters, digits or underscores, none twice.
+  PetscErrorCode Names(const OptionText &option, bool required, std::vector<std::string> *names);
+
+  /// Ends the run: "name value: must be allowed".
+  PetscErrorCode Refuse(const std::string &name, const std::string &value, const std::string &allowed) const;
+  /// Ends the run if an option was given that nothing has read, with the nearest known name.
+  PetscErrorCode RefuseUnused() const;
+
+private:
+  PetscErrorCode Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given);
+
+  MPI_Comm comm_;
+  bool help_, identify_ = true;
+  OptionItems items_ = nullptr;
+  std::vector<std::string> known_, identity_;
+};
+
+/// Numbers as they are written in messages and files, exact.
+std::string FormatNumber(double x);
+std::string FormatVector(Vec2 x);
+std::string Join(const std::vector<std::string> &words, const std::string &separator);
+std::vector<std::string> Split(const std::string &text, char separator);
+
+/// Looks at the command line before PETSc does: options files that cannot be read or parsed, options given twice.
+/// Returns an empty string, or the message.
+std::string CheckCommandLine(int argc, char **argv);
+
+} // namespace mlgimp

@@ -1,0 +1,55 @@
+// A run: set-up from a case, the loop over steps, and all that is written on the way.
+#pragma once
+
+#include "program/case.hpp"
+#include "program/checkpoint.hpp"
+#include "program/frames.hpp"
+#include "program/history.hpp"
+#include "levels/hierarchy.hpp"
+
+#include <string>
+
+namespace mlgimp
+{
+
+class Simulation
+{
+public:
+  /// The case is kept by reference and must outlive the simulation.
+  explicit Simulation(const Case &settings) : case_(settings), frames_(settings.output.directory, settings.model) {}
+
+  /// Creates levels and points, or reads them from a checkpoint, and checks what only they can tell. Collective.
+  PetscErrorCode SetUp(MPI_Comm comm);
+  /// Prepares the output folder and runs to the end.
+  PetscErrorCode Run();
+
+private:
+  PetscErrorCode CheckBodies();
+  PetscErrorCode CheckIndenter();
+  PetscErrorCode CheckOutputFolder();
+  PetscErrorCode PrepareOutputFolder();
+  PetscErrorCode ControlStep();
+  PetscErrorCode WriteDue();
+  PetscErrorCode WriteHistoryRow();
+  PetscErrorCode WriteSummary(const std::string &status);
+  PetscErrorCode Fail(const std::string &message);
+  PetscErrorCode ShowProgress(bool last);
+  PetscErrorCode SettleFailure();
+  bool AtEnd() const;
+  double Progress() const;
+  double StepLength(double wave_speed) const;
+
+  const Case &case_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  LogEvents events_{};
+  Hierarchy hierarchy_;
+  RunState state_;
+  Books books_{}; ///< of the last history row
+  History history_;
+  FrameWriter frames_;
+  double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
+  long start_step_ = 0;
+  double start_progress_ = 0, load_ = 0;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Draws pictures that compare several result folders: load against depth, or fields side by side."""
+
+import argparse
+import re
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import plot
+import results
+
+MILLINEWTON, NANOMETRE = plot.Unit(1e3, "mN"), plot.Unit(1e9, "nm")
+
+
+def labelled(text):
+    """Splits PATH:LABEL into the two."""
+    path, colon, label = text.rpartition(":")
+    if not (path and label):
+        raise argparse.ArgumentTypeError(f"{text}: must be PATH:LABEL")
+    return path, label
+
+
+def labelled_frame(text):
+    """Splits DIR[:FRAME]:LABEL into folder, number of the frame (None for the last one) and label."""
+    path, label = labelled(text)
+    with_frame = re.fullmatch(r"(.+):(\d+)", path)
+    return (with_frame[1], int(with_frame[2]), label) if with_frame else (path, None, label)
+
+
+def read_fem(path):
+    """Returns depth (m) and load (N), arrays [rows], of a CSV with '#' comments and the header depth,load."""
+    try:
+        lines = [line for line in Path(path).read_text().splitlines() if line and not line.startswith("#")]
+        table = np.genfromtxt(lines, delimiter=",", names=True, ndmin=1)
+        return table["depth"], table["load"]
+    except (OSError, ValueError, IndexError):
+        raise results.ResultError(path, "cannot be read as a CSV file with the columns depth,load") from None
+
+
+def run_curve(directory, label):
+    """Returns the curve (label, depth, load, line style) of a result folder, for plot.draw_load_depth."""
+    history = results.read_history(directory)
+    if not results.has_indenter(history):
+        raise results.ResultError(directory, "this run has no indenter")
+    return label, history["depth"], history["load"], {}
+
+
+def load_depth(options):
+    """Draws load (mN) against depth (nm) of several runs, and of finite elements in black, in one picture."""
+    curves = [run_curve(*run) for run in options.runs]
+    curves += [(label, *read_fem(path), {"color": "black", "linestyle": ":"}) for path, label in options.fem]
+    figure, axes = plt.subplots(figsize=(7, 5))
+    plot.draw_load_depth(axes, curves, MILLINEWTON, NANOMETRE)
+    plot.save(figure, options.picture)
+
+
+def fields(options):
+    """Draws one stress component of several frames side by side, with one common colour scale."""
+    panels = [plot.read_panel(directory, number, label) for directory, number, label in options.runs]
+    plot.plot_fields(panels, options.component, options.picture, options.window)
+
+
+def main(arguments=None):
+    """Draws the picture that the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    curves = commands.add_parser("load-depth", help=load_depth.__doc__)
+    curves.add_argument("picture", metavar="OUT.png")
+    curves.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")
+    curves.add_argument("--fem", action="append", default=[], type=labelled, metavar="CSV:LABEL",
+                        help="finite-element curve: '#' comments, a header depth,load, then SI values")
+    curves.set_defaults(draw=load_depth)
+    stresses = commands.add_parser("fields", help=fields.__doc__)
+    stresses.add_argument("picture", metavar="OUT.png")
+    stresses.add_argument("runs", nargs="+", type=labelled_frame, metavar="DIR[:FRAME]:LABEL")
+    stresses.add_argument("--component", choices=plot.STRESS_COLUMN, default="yy")
+    plot.add_window_option(stresses)
+    stresses.set_defaults(draw=fields)
+    options = parser.parse_args(arguments)
+    options.draw(options)
+
+
+if __name__ == "__main__":
+    main()

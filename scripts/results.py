@@ -1,0 +1,109 @@
+"""Reads the result folder of a run: history.csv, points_FFFFFF.h5 and summary.json. All values are SI."""
+
+import json
+from collections import namedtuple
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+Frame = namedtuple("Frame", "time step levels")
+Frame.__doc__ = """One frame of points: time (s), step of level 0, and levels, a list with one dict per grid
+level that maps each dataset's name to its array [points of the level][components]."""
+
+
+class ResultError(SystemExit):
+    """Ends a script with its one line on standard error and exit status 1, unless somebody catches it."""
+
+    def __init__(self, path, problem):
+        super().__init__(f"error: {path}: {problem}")
+
+
+def read_history(directory):
+    """Returns history.csv as a dict from column name to array [rows], in the order of the file."""
+    path = Path(directory) / "history.csv"
+    try:
+        header, *lines = path.read_text().splitlines() or [""]
+        names = header.split(",")
+        table = np.array([line.split(",") for line in lines], float).reshape(-1, len(names))
+    except OSError:
+        raise ResultError(directory, "no results here (history.csv cannot be read)") from None
+    except ValueError:
+        raise ResultError(path, f"not a table of {len(names)} columns of numbers") from None
+    return dict(zip(names, table.T))
+
+
+def read_summary(directory):
+    """Returns summary.json as a dict; an empty one where the run has not ended and so has not written it."""
+    path = Path(directory) / "summary.json"
+    if not path.exists():
+        return {}
+    try:
+        return json.loads(path.read_text())
+    except ValueError as problem:
+        raise ResultError(path, f"not valid JSON ({problem})") from None
+
+
+def level_boxes(summary):
+    """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y] in m, coarsest first."""
+    boxes = [(level["lower"], level["upper"]) for level in summary.get("levels", [])]
+    return np.array(boxes, float).reshape(-1, 2, 2)
+
+
+def frames(directory):
+    """Returns the paths of the frames points_FFFFFF.h5, in the order of their numbers."""
+    return sorted(Path(directory).glob("points_*.h5"), key=_number)
+
+
+def find_frame(directory, number=None):
+    """Returns the path of the frame with this number, by default of the last one."""
+    numbered = {_number(path): path for path in frames(directory)}
+    if not numbered:
+        raise ResultError(directory, "no results here (there is no points_*.h5)")
+    if number is None:
+        number = max(numbered)
+    if number not in numbered:
+        raise ResultError(directory, f"no frame {number}; there are {min(numbered)} to {max(numbered)}")
+    return numbered[number]
+
+
+def read_frame(path):
+    """Returns the Frame stored in a points_FFFFFF.h5; a level without points has arrays of length 0."""
+    try:
+        with h5py.File(path, "r") as file:
+            groups = sorted((name for name in file if name.startswith("level_")), key=_number)
+            levels = [{name: data[()] for name, data in file[group].items()} for group in groups]
+            if not levels:
+                raise KeyError("no group level_0")
+            return Frame(float(file.attrs["time"]), int(file.attrs["step"]), levels)
+    except (OSError, KeyError) as problem:
+        raise ResultError(path, f"not a frame of points ({problem})") from None
+
+
+def all_points(levels):
+    """Returns the points of all levels as one dict of arrays; `level` tells where each point came from."""
+    counts = [len(level["position"]) for level in levels]
+    points = {name: np.concatenate([level[name] for level in levels]) for name in levels[0]}
+    return points | {"level": np.repeat(np.arange(len(levels)), counts)}
+
+
+def has_indenter(history):
+    """True where a history [rows] tells of an indenter: one that has moved from where it began."""
+    return bool(np.any(np.nan_to_num(history["depth"])))
+
+
+def energy_residual(history):
+    """Returns the energy that the run cannot account for, an array [rows] in J.
+
+    Energy now (kinetic, strain, dissipated) less the work put in (external, indenter) and the kinetic
+    energy at the start: 0 for a perfect balance, positive where energy has appeared.
+    """
+    present = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
+    supplied = history["external_work"] + history["indenter_work"]
+    return present - supplied - history["kinetic_energy"][:1]
+
+
+def _number(name):
+    """Returns the number at the end of a frame's path or of a group's name: 12 for points_000012.h5."""
+    digits = Path(name).stem.rpartition("_")[2]
+    return int(digits) if digits.isdigit() else -1

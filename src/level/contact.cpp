@@ -1,0 +1,47 @@
+// The surface of the body as contact sees it, and the choice of a method.
+#include "level/contact.hpp"
+
+#include "level/contact_methods.hpp"
+#include "level/loads.hpp"
+
+namespace mlgimp
+{
+
+int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSides * kSegmentsPerFace])
+{
+  int count = 0;
+  for (int s = 0; s < kSides; ++s) {
+    const Side side = static_cast<Side>(s);
+    if (!(points.faces[p] & OuterFaceBit(side))) continue;
+    const Face face = PointFace(points, p, side);
+    const double area = Norm(face.area_normal);
+    for (int k = 0; k < kSegmentsPerFace; ++k) {
+      const double xi = (2 * k + 1.0) / kSegmentsPerFace - 1;
+      segments[count++] = {face.center + xi * face.half_edge, (1 / area) * face.area_normal,
+                           2 * Norm(face.half_edge) / kSegmentsPerFace};
+    }
+  }
+  return count;
+}
+
+bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
+{
+  const double *x = points.position + 2 * p, h = view.grid.Geometry().spacing;
+  return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > (kContactRange + 1.5) * h;
+}
+
+std::vector<std::string> ContactMethods() { return {"pressure", "point_pressure", "multimesh"}; }
+
+PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact)
+{
+  PetscFunctionBeginUser;
+  if (method == "pressure")
+    PetscCall(CreatePressureContact(monitor, contact));
+  else if (method == "point_pressure")
+    PetscCall(CreatePointPressureContact(monitor, contact));
+  else
+    PetscCall(CreateMultimeshContact(contact));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,120 @@
+// Contact with one pressure per grid column: P(x) = sum_j H_j(x) lambda_j on the deformed surface.
+//
+//   B_ij = sum_s H_j(x_s) N_i(x_s) n_s w_s,   gbar_j = sum_s H_j w_s g_s,   sum over segments s of outer faces,
+// with the same B in the force on the nodes and in the condition, so that the work of the indenter is what the body gets.
+#include "level/contact_methods.hpp"
+#include "level/contact_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kSmallestWeight = 0.05; ///< of a column's share of the surface, in cells
+
+class PressureContact : public Contact
+{
+public:
+  PetscErrorCode Create(bool monitor) { return system_.Create(true, 0, monitor); }
+
+  PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
+  {
+    const double h = view.grid.Geometry().spacing;
+    PetscFunctionBeginUser;
+    rows_.clear();
+    entries_.clear();
+    loaded_.clear();
+    *report = {};
+    PetscCall(CollectSurface(view, report));
+    PetscCall(system_.Solve(view, rows_, entries_, kSmallestWeight * h * view.thickness, report));
+    report->local_points = CountLoadedPoints();
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+private:
+  /// The columns that the segments of a point touch.
+  struct PointColumns {
+    std::int64_t first, last;
+  };
+
+  PetscErrorCode CollectSurface(const ContactView &view, ContactReport *report)
+  {
+    const std::vector<int> *surface = nullptr;
+    PointArrays points;
+    SurfaceSegment segments[kSides * kSegmentsPerFace];
+    PetscFunctionBeginUser;
+    PetscCall(view.points.Arrays(&points));
+    PetscCall(view.points.SurfacePoints(&surface));
+    for (int p : *surface) {
+      if (FarFromIndenter(view, points, p)) continue;
+      const int count = PointSegments(points, p, segments);
+      PointColumns columns{INT64_MAX, INT64_MIN};
+      for (int s = 0; s < count; ++s) AddSegment(view, segments[s], columns, report);
+      if (columns.first <= columns.last) loaded_.push_back(columns);
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  void AddSegment(const ContactView &view, const SurfaceSegment &segment, PointColumns &columns, ContactReport *report)
+  {
+    const Grid &grid = view.grid;
+    const double h = grid.Geometry().spacing;
+    const SurfaceGap gap = view.indenter.Gap(segment.x, view.time + view.dt);
+    if (gap.distance > kContactRange * h || !Faces(segment, gap.normal)) return;
+    report->penetration = std::max(report->penetration, -view.indenter.Gap(segment.x, view.time).distance);
+    int node[2];
+    double part[2];
+    for (int axis = 0; axis < 2; ++axis) {
+      const double a = (segment.x[axis] - grid.Geometry().lower[axis]) / h;
+      node[axis] = static_cast<int>(std::floor(a));
+      part[axis] = a - node[axis];
+    }
+    for (int c = 0; c < 2; ++c) {
+      const double weight = (c ? part[0] : 1 - part[0]) * segment.length * view.thickness;
+      const std::int64_t column = node[0] + c;
+      const double x = grid.Coordinate(0, node[0] + c);
+      const double half = 0.5 * segment.length;
+      rows_.push_back({column, weight, weight * gap.distance, x, std::max(segment.x[0] - half, x - h),
+                       std::min(segment.x[0] + half, x + h)});
+      for (int k = 0; k < 4; ++k) {
+        const double N = (k % 2 ? part[0] : 1 - part[0]) * (k / 2 ? part[1] : 1 - part[1]);
+        const Vec2 B = weight * N * gap.normal;
+        if (grid.Holds(node[0] + k % 2, node[1] + k / 2))
+          entries_.push_back({column, node[0] + k % 2, node[1] + k / 2, B, B});
+      }
+    }
+    columns.first = std::min<std::int64_t>(columns.first, node[0]);
+    columns.last = std::max<std::int64_t>(columns.last, node[0] + 1);
+  }
+
+  int CountLoadedPoints() const
+  {
+    const ContactPressures &pressures = system_.Pressures();
+    return static_cast<int>(std::count_if(loaded_.begin(), loaded_.end(), [&](const PointColumns &columns) {
+      auto next = pressures.lower_bound(columns.first);
+      return next != pressures.end() && next->first <= columns.last;
+    }));
+  }
+
+  ContactSystem system_;
+  std::vector<ContactRow> rows_;
+  std::vector<ContactEntry> entries_;
+  std::vector<PointColumns> loaded_;
+};
+
+} // namespace
+
+PetscErrorCode CreatePressureContact(bool monitor, std::unique_ptr<Contact> *contact)
+{
+  PetscFunctionBeginUser;
+  auto created = std::make_unique<PressureContact>();
+  PetscCall(created->Create(monitor));
+  *contact = std::move(created);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

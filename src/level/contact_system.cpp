@@ -1,0 +1,296 @@
+// Gathering, solving and applying the contact equations.
+#include "level/contact_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// What a rank sends for a row, an entry (with the node's state, which every holder of the node knows).
+struct RowRecord {
+  double key, weight, gap, x, left, right;
+};
+struct EntryRecord {
+  double key, node, test[2], force[2], inverse_mass[2], velocity[2];
+};
+
+/// What the root sends back: a header, then (key, pressure) pairs and (i, j, dv) quadruples.
+struct Header {
+  double pressures, nodes, impulse[2], side_impulse[2], half_width, set_updates, fallback, solved;
+};
+constexpr int kHeaderSize = sizeof(Header) / sizeof(double);
+
+/// Gathers arrays of plain records of doubles on rank 0; empty everywhere else, and where nobody has any.
+template <class Record>
+PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
+{
+  constexpr int doubles = sizeof(Record) / sizeof(double);
+  PetscMPIInt rank, size;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  const int count = static_cast<int>(mine.size()) * doubles;
+  std::vector<int> counts(size), offsets(size + 1, 0);
+  PetscCallMPI(MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm));
+  for (int k = 0; k < size; ++k) offsets[k + 1] = offsets[k] + counts[k];
+  if (rank == 0) all->resize(offsets[size] / doubles);
+  PetscCallMPI(MPI_Gatherv(mine.data(), count, MPI_DOUBLE, all->data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Adds up records that `same` finds equal, after sorting by `less`.
+template <class Record, class Less, class Add> void Merge(std::vector<Record> &records, Less less, Add add)
+{
+  std::stable_sort(records.begin(), records.end(), less);
+  std::size_t kept = 0;
+  for (std::size_t k = 1; k < records.size(); ++k) {
+    if (less(records[kept], records[k]))
+      records[++kept] = records[k];
+    else
+      add(records[kept], records[k]);
+  }
+  if (!records.empty()) records.resize(kept + 1);
+}
+
+/// Where the contact ends beyond the outermost unknown under pressure: a smooth edge has p^2 linear in x there, an
+/// edge of the indenter ends what the unknown covers.
+double ContactEdge(double x_inner, double p_inner, double x_outer, double p_outer, double limit)
+{
+  const double slope = p_inner * p_inner - p_outer * p_outer;
+  const double reach = slope > 0 ? (x_outer - x_inner) * p_outer * p_outer / slope : limit - x_outer;
+  return limit > x_outer ? std::min(x_outer + reach, limit) : std::max(x_outer + reach, limit);
+}
+
+} // namespace
+
+/// The gathered problem on the root.
+struct ContactSystem::Problem {
+  std::vector<RowRecord> rows;
+  std::vector<EntryRecord> entries; ///< those of one node stand together
+  std::vector<int> unknown;         ///< number of each entry's unknown, or -1 where it was left out
+
+  void Assemble(double dt, double diagonal_shift, BandMatrix *A, std::vector<double> *r) const;
+  std::vector<double> Answer(double dt, const std::vector<double> &lambda, Header header) const;
+
+  /// Calls work(first, end) for the range of entries of each node.
+  template <class Work> void ForEachNode(Work work) const
+  {
+    const int count = static_cast<int>(entries.size());
+    for (int first = 0, end; first < count; first = end) {
+      for (end = first; end < count && entries[end].node == entries[first].node;) ++end;
+      work(first, end);
+    }
+  }
+
+  void MergeRanks()
+  {
+    Merge(rows, [](const RowRecord &a, const RowRecord &b) { return a.key < b.key; },
+          [](RowRecord &a, const RowRecord &b) {
+            a.weight += b.weight;
+            a.gap += b.gap;
+            a.left = std::min(a.left, b.left);
+            a.right = std::max(a.right, b.right);
+          });
+    Merge(entries,
+          [](const EntryRecord &a, const EntryRecord &b) { return a.node != b.node ? a.node < b.node : a.key < b.key; },
+          [](EntryRecord &a, const EntryRecord &b) {
+            for (int d = 0; d < 2; ++d) a.test[d] += b.test[d], a.force[d] += b.force[d];
+          });
+  }
+
+  /// Leaves out weak unknowns and those that reach no mass; numbers the rest.
+  void NumberUnknowns(double drop_below)
+  {
+    std::map<double, int> number;
+    for (const EntryRecord &e : entries) number[e.key] = -1;
+    std::vector<RowRecord> kept;
+    for (const RowRecord &row : rows) {
+      auto found = number.find(row.key);
+      if (row.weight < drop_below || found == number.end()) continue;
+      found->second = static_cast<int>(kept.size());
+      kept.push_back(row);
+    }
+    rows = kept;
+    unknown.clear();
+    for (const EntryRecord &e : entries) unknown.push_back(number[e.key]);
+  }
+
+  /// Half the width of the part under pressure, or its whole width on one side of the tip.
+  double HalfWidth(const std::vector<double> &lambda, bool smooth, double tip) const
+  {
+    int first = -1, last = -1;
+    for (int k = 0; k < static_cast<int>(rows.size()); ++k)
+      if (lambda[k] > 0) {
+        if (first < 0 || rows[k].x < rows[first].x) first = k;
+        if (last < 0 || rows[k].x > rows[last].x) last = k;
+      }
+    if (first < 0) return 0;
+    double left = rows[first].left, right = rows[last].right;
+    if (smooth && last - first >= 2) {
+      right = ContactEdge(rows[last - 1].x, lambda[last - 1], rows[last].x, lambda[last], right);
+      left = ContactEdge(rows[first + 1].x, lambda[first + 1], rows[first].x, lambda[first], left);
+    }
+    if (rows[first].left >= tip - 1e-3 * (rows[last].right - rows[first].left)) return right - tip;
+    if (rows[last].right <= tip + 1e-3 * (rows[last].right - rows[first].left)) return tip - left;
+    return 0.5 * (right - left);
+  }
+};
+
+PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, bool monitor)
+{
+  PetscFunctionBeginUser;
+  symmetric_ = symmetric;
+  diagonal_shift_ = diagonal_shift;
+  PetscCall(solver_.Create(symmetric));
+  monitor_ = monitor;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A_jk = dt^2 sum_i test_ij . force_ik/m_i and r_j = -gap_j - dt sum_i test_ij . v_i.
+void ContactSystem::Problem::Assemble(double dt, double diagonal_shift, BandMatrix *A, std::vector<double> *r) const
+{
+  const int n = static_cast<int>(rows.size());
+  int reach = 0;
+  ForEachNode([&](int first, int end) {
+    int low = n, high = -1;
+    for (int e = first; e < end; ++e)
+      if (unknown[e] >= 0) low = std::min(low, unknown[e]), high = std::max(high, unknown[e]);
+    reach = std::max(reach, high - low);
+  });
+  A->Reset(n, reach);
+  r->resize(n);
+  for (int k = 0; k < n; ++k) (*r)[k] = -rows[k].gap;
+  ForEachNode([&](int first, int end) {
+    for (int a = first; a < end; ++a) {
+      if (unknown[a] < 0) continue;
+      const EntryRecord &row = entries[a];
+      (*r)[unknown[a]] -= dt * (row.test[0] * row.velocity[0] + row.test[1] * row.velocity[1]);
+      for (int b = first; b < end; ++b)
+        if (unknown[b] >= 0)
+          A->At(unknown[a], unknown[b]) += dt * dt * (row.test[0] * entries[b].force[0] * row.inverse_mass[0] +
+                                                      row.test[1] * entries[b].force[1] * row.inverse_mass[1]);
+    }
+  });
+  for (int k = 0; k < n; ++k) A->At(k, k) *= 1 + diagonal_shift;
+}
+
+/// The answer to all ranks: header, pressures, changes of nodal velocities.
+std::vector<double> ContactSystem::Problem::Answer(double dt, const std::vector<double> &lambda, Header header) const
+{
+  std::vector<double> answer(kHeaderSize);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (lambda[k] > 0) {
+      answer.insert(answer.end(), {rows[k].key, lambda[k]});
+      ++header.pressures;
+    }
+  ForEachNode([&](int first, int end) {
+    const EntryRecord &node = entries[first];
+    Vec2 impulse{};
+    for (int e = first; e < end; ++e)
+      if (unknown[e] >= 0)
+        for (int d = 0; d < 2; ++d) impulse[d] += dt * entries[e].force[d] * lambda[unknown[e]];
+    if (impulse[0] == 0 && impulse[1] == 0) return;
+    answer.insert(answer.end(), {node.node, impulse[0] * node.inverse_mass[0], impulse[1] * node.inverse_mass[1]});
+    ++header.nodes;
+    for (int d = 0; d < 2; ++d) {
+      header.impulse[d] += impulse[d];
+      if (node.inverse_mass[d] == 0) header.side_impulse[d] -= impulse[d];
+    }
+  });
+  std::copy_n(reinterpret_cast<const double *>(&header), kHeaderSize, answer.begin());
+  return answer;
+}
+
+PetscErrorCode ContactSystem::SolveOnRoot(const ContactView &view, Problem &problem, double drop_below,
+                                          std::vector<double> *answer)
+{
+  BandMatrix A;
+  ActiveSetReport report;
+  Header header{};
+  std::vector<double> r, lambda;
+  PetscFunctionBeginUser;
+  problem.NumberUnknowns(drop_below);
+  problem.Assemble(view.dt, diagonal_shift_, &A, &r);
+  for (const RowRecord &row : problem.rows) {
+    auto previous = pressures_.find(static_cast<std::int64_t>(row.key));
+    lambda.push_back(previous == pressures_.end() ? 0 : previous->second);
+  }
+  PetscCall(solver_.Solve(A, r, lambda, &report));
+  header.half_width = problem.HalfWidth(lambda, symmetric_, view.indenter.Tip(view.time)[0]);
+  header.set_updates = report.set_updates;
+  header.fallback = report.fallback;
+  header.solved = report.solved;
+  *answer = problem.Answer(view.dt, lambda, header);
+  if (monitor_ && report.active)
+    PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n",
+                          view.time, A.size, report.active, report.set_updates, report.linear_iterations));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<ContactRow> &rows,
+                                    const std::vector<ContactEntry> &entries, double drop_below, ContactReport *report)
+{
+  const Grid &grid = view.grid;
+  const int width = grid.Geometry().Nodes(0), padding = grid.Geometry().padding;
+  PetscMPIInt rank;
+  Problem problem;
+  std::vector<RowRecord> my_rows;
+  std::vector<EntryRecord> my_entries;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
+  for (const ContactRow &row : rows)
+    my_rows.push_back({static_cast<double>(row.key), row.weight, row.gap, row.x, row.left, row.right});
+  for (const ContactEntry &e : entries) {
+    const std::ptrdiff_t index = grid.Index(e.i, e.j);
+    const double mass = grid.Arrays().sums[NodeArrays::kSums * index];
+    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * index;
+    if (mass <= view.mass_cutoff) continue;
+    my_entries.push_back({static_cast<double>(e.key),
+                          static_cast<double>(e.j + padding) * width + e.i + padding,
+                          {e.test[0], e.test[1]},
+                          {e.force[0], e.force[1]},
+                          {view.sides.Holds(e.i, e.j, 0) ? 0 : 1 / mass, view.sides.Holds(e.i, e.j, 1) ? 0 : 1 / mass},
+                          {velocity[0], velocity[1]}});
+  }
+  Problem mine{std::move(my_rows), std::move(my_entries), {}};
+  mine.MergeRanks();
+  PetscCall(GatherRecords(grid.Comm(), mine.rows, &problem.rows));
+  PetscCall(GatherRecords(grid.Comm(), mine.entries, &problem.entries));
+
+  std::vector<double> answer;
+  if (rank == 0) {
+    problem.MergeRanks();
+    PetscCall(SolveOnRoot(view, problem, drop_below, &answer));
+  }
+  int size = static_cast<int>(answer.size());
+  PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, grid.Comm()));
+  answer.resize(size);
+  PetscCallMPI(MPI_Bcast(answer.data(), size, MPI_DOUBLE, 0, grid.Comm()));
+
+  Header header;
+  std::copy_n(answer.begin(), kHeaderSize, reinterpret_cast<double *>(&header));
+  report->impulse = {header.impulse[0], header.impulse[1]};
+  report->side_impulse = {header.side_impulse[0], header.side_impulse[1]};
+  report->half_width = header.half_width;
+  report->set_updates = static_cast<int>(header.set_updates);
+  report->fallback = header.fallback != 0;
+  report->solved = header.solved != 0;
+  const double *next = answer.data() + kHeaderSize;
+  pressures_.clear();
+  for (int k = 0; k < static_cast<int>(header.pressures); ++k, next += 2)
+    pressures_[static_cast<std::int64_t>(next[0])] = next[1];
+  for (int k = 0; k < static_cast<int>(header.nodes); ++k, next += 3) {
+    const std::int64_t node = static_cast<std::int64_t>(next[0]);
+    const int i = static_cast<int>(node % width) - padding, j = static_cast<int>(node / width) - padding;
+    if (!grid.Holds(i, j)) continue;
+    double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(grid.Index(i, j));
+    for (int d = 0; d < 2; ++d) velocity[d] += next[1 + d], velocity[2 + d] += next[1 + d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,137 @@
+// Creation of a level's grid and the exchange of its ghost nodes.
+#include "level/grid.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+PetscErrorCode Grid::Create(MPI_Comm comm, const GridGeometry &geometry, const GridLayout &layout)
+{
+  PetscInt m = static_cast<PetscInt>(layout.widths[0].size()), n = static_cast<PetscInt>(layout.widths[1].size());
+  PetscInt xs, ys, xm, ym;
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  geometry_ = geometry;
+  layout_ = layout;
+  PetscCall(DMDACreate2d(comm, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry.Nodes(0),
+                         geometry.Nodes(1), m, n, NodeArrays::kSums, kHaloWidth, layout.widths[0].data(),
+                         layout.widths[1].data(), nodes8_.Out()));
+  PetscCall(DMSetUp(nodes8_));
+  PetscCall(DMDACreateCompatibleDMDA(nodes8_, NodeArrays::kVelocity, nodes4_.Out()));
+
+  PetscCall(DMDAGetCorners(nodes8_, &xs, &ys, nullptr, &xm, &ym, nullptr));
+  const PetscInt owned_start[2] = {xs, ys}, owned_size[2] = {xm, ym};
+  PetscCall(DMDAGetGhostCorners(nodes8_, &xs, &ys, nullptr, &xm, &ym, nullptr));
+  const PetscInt ghost_start[2] = {xs, ys}, ghost_size[2] = {xm, ym};
+  for (int d = 0; d < 2; ++d) {
+    owned_lower_[d] = owned_start[d] - geometry.padding;
+    owned_upper_[d] = owned_lower_[d] + owned_size[d];
+    ghost_lower_[d] = ghost_start[d] - geometry.padding;
+    ghost_size_[d] = ghost_size[d];
+    starts_[d] = {-geometry.padding};
+    for (PetscInt width : layout.widths[d]) starts_[d].push_back(starts_[d].back() + width);
+    lattice_.origin[d] = geometry.lower[d];
+    lattice_.first[d] = ghost_lower_[d];
+  }
+  lattice_.inverse_spacing = 1 / geometry.spacing;
+  lattice_.stride[0] = 1;
+  lattice_.stride[1] = ghost_size_[0];
+
+  PetscCall(DMCreateLocalVector(nodes8_, sums_.Out()));
+  PetscCall(DMCreateLocalVector(nodes8_, rates_.Out()));
+  PetscCall(DMCreateLocalVector(nodes4_, velocity_.Out()));
+  PetscCall(VecGetArray(sums_, &arrays_.sums));
+  PetscCall(VecGetArray(rates_, &arrays_.rates));
+  PetscCall(VecGetArray(velocity_, &arrays_.velocity));
+  PetscCallMPI(MPI_Type_contiguous(8, MPIU_SCALAR, &unit8_));
+  PetscCallMPI(MPI_Type_contiguous(4, MPIU_SCALAR, &unit4_));
+  PetscCallMPI(MPI_Type_commit(&unit8_));
+  PetscCallMPI(MPI_Type_commit(&unit4_));
+  PetscCall(CreateHalo());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Grid::~Grid()
+{
+  PetscFunctionBegin;
+  if (sums_) PetscCallVoid(VecRestoreArray(sums_, &arrays_.sums));
+  if (rates_) PetscCallVoid(VecRestoreArray(rates_, &arrays_.rates));
+  if (velocity_) PetscCallVoid(VecRestoreArray(velocity_, &arrays_.velocity));
+  for (MPI_Datatype *unit : {&unit4_, &unit8_})
+    if (*unit != MPI_DATATYPE_NULL) MPI_Type_free(unit);
+  PetscFunctionReturnVoid();
+}
+
+/// Roots are owned nodes and leaves ghost nodes, both as places in the ghosted arrays, so that the exchange is in place.
+PetscErrorCode Grid::CreateHalo()
+{
+  PetscMPIInt size, rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm_, &size));
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  const int mine[4] = {ghost_lower_[0], ghost_lower_[1], ghost_size_[0], ghost_size_[1]};
+  std::vector<int> ghosts(4 * static_cast<std::size_t>(size));
+  PetscCallMPI(MPI_Allgather(mine, 4, MPI_INT, ghosts.data(), 4, MPI_INT, comm_));
+  std::vector<PetscInt> leaves;
+  std::vector<PetscSFNode> roots;
+  for (int j = ghost_lower_[1]; j < ghost_lower_[1] + ghost_size_[1]; ++j)
+    for (int i = ghost_lower_[0]; i < ghost_lower_[0] + ghost_size_[0]; ++i) {
+      const PetscMPIInt owner = OwnerOfNode(i, j);
+      if (owner == rank) continue;
+      const int *ghost = &ghosts[4 * static_cast<std::size_t>(owner)];
+      leaves.push_back(Index(i, j));
+      roots.push_back({owner, (j - ghost[1]) * ghost[2] + i - ghost[0]});
+    }
+  PetscCall(PetscSFCreate(comm_, halo_.Out()));
+  PetscCall(PetscSFSetGraph(halo_, GhostedNodes(), static_cast<PetscInt>(leaves.size()), leaves.data(), PETSC_COPY_VALUES,
+                            roots.data(), PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetUp(halo_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscMPIInt Grid::OwnerOfNode(int i, int j) const
+{
+  const int node[2] = {i, j};
+  int block[2];
+  for (int d = 0; d < 2; ++d) {
+    if (node[d] < starts_[d].front() || node[d] >= starts_[d].back()) return -1;
+    block[d] = static_cast<int>(std::upper_bound(starts_[d].begin(), starts_[d].end(), node[d]) - starts_[d].begin()) - 1;
+  }
+  return block[1] * static_cast<int>(starts_[0].size() - 1) + block[0];
+}
+
+PetscErrorCode Grid::ReduceToOwners(double *array)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscSFReduceBegin(halo_, unit8_, array, array, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(halo_, unit8_, array, array, MPI_SUM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Grid::Broadcast(double *array, int components)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscSFBcastBegin(halo_, Unit(components), array, array, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(halo_, Unit(components), array, array, MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int parts, int minimum)
+{
+  const int count = static_cast<int>(weights.size());
+  double total = 0, sum = 0;
+  for (double w : weights) total += w;
+  std::vector<PetscInt> widths;
+  int start = 0, end = 0;
+  for (int part = 1; part <= parts; ++part) {
+    const int last = count - (parts - part) * minimum; // leaves room for the parts to come
+    while (end < last && (end < start + minimum || sum + 0.5 * weights[end] < total * part / parts)) sum += weights[end++];
+    if (part == parts) end = count;
+    widths.push_back(end - start);
+    start = end;
+  }
+  return widths;
+}
+
+} // namespace mlgimp

@@ -1,0 +1,319 @@
+// One explicit step of a level, as a list of its verbs.
+#include "level/level.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+PetscErrorCode RegisterLogEvents(LogEvents *events)
+{
+  PetscClassId id;
+  PetscFunctionBeginUser;
+  PetscCall(PetscClassIdRegister("mlgimp", &id));
+  PetscCall(PetscLogEventRegister("P2G", id, &events->points_to_grid));
+  PetscCall(PetscLogEventRegister("Halo", id, &events->halo));
+  PetscCall(PetscLogEventRegister("GridUpdate", id, &events->grid_update));
+  PetscCall(PetscLogEventRegister("Contact", id, &events->contact));
+  PetscCall(PetscLogEventRegister("G2PStress", id, &events->grid_to_points));
+  PetscCall(PetscLogEventRegister("Migrate", id, &events->migrate));
+  PetscCall(PetscLogEventRegister("Sort", id, &events->sort));
+  PetscCall(PetscLogEventRegister("Output", id, &events->output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Create(MPI_Comm comm, const LevelGeometry &geometry, const GridLayout &layout)
+{
+  constexpr double kEmptyNode = 1e-12; // of the mass of a full cell
+  double density = HUGE_VAL;
+  PetscFunctionBeginUser;
+  geometry_ = geometry;
+  grid_ = std::make_unique<Grid>();
+  PetscCall(grid_->Create(comm, geometry.grid, layout));
+  PetscCall(points_.Create(comm, model_.HistoryComponents()));
+  transfer_ = CreateTransfer(model_.shape_function);
+  if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
+  bodies_ = model_.Table();
+  for (const auto &material : model_.materials) density = std::min(density, material->Density());
+  nodal_ = model_.nodal;
+  nodal_.mass_cutoff = kEmptyNode * density * geometry.grid.spacing * geometry.grid.spacing * model_.thickness;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Step(double time, double dt)
+{
+  PetscFunctionBeginUser;
+  time_ = time;
+  if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
+  PetscCall(GatherForces(time));
+  PetscCall(AdvanceNodes(time, dt));
+  PetscCall(AdvancePoints(dt));
+  PetscCall(KeepOrder());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Level::NoteFailure(const PointFailure &failure, double time)
+{
+  if (failure.kind != PointFailure::kNone && failure_.kind == LevelFailure::kNone)
+    failure_ = {LevelFailure::kPoint, failure, time};
+}
+
+/// Calls a sweep with views of the current points and nodes.
+static SweepView MakeView(const Grid &grid, const PointArrays &points, std::vector<double> &grid_velocity,
+                          const BodyTable &bodies)
+{
+  grid_velocity.resize(2 * static_cast<std::size_t>(points.count));
+  return {grid, points, grid_velocity.data(), bodies};
+}
+
+PetscErrorCode Level::PointsToGrid(double time)
+{
+  PointArrays points;
+  PetscFunctionBeginUser;
+  PetscCall(points_.Arrays(&points));
+  PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
+  std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  transfer_->PointsToGrid(MakeView(*grid_, points, grid_velocity_, bodies_), model_.acceleration, time, sweep_totals_);
+  PetscCall(AddLoads(*grid_, points_, model_.loads, model_.thickness, time));
+  PetscCall(PetscLogFlops(kPointsToGridFlops * points.count));
+  PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::GatherForces(double time)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PointsToGrid(time));
+  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
+  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
+  if (contact_) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
+  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::AdvanceNodes(double time, double dt)
+{
+  const int owned = (grid_->OwnedUpper(0) - grid_->OwnedLower(0)) * (grid_->OwnedUpper(1) - grid_->OwnedLower(1));
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
+  UpdateVelocities(*grid_, nodal_, dt, nodal_totals_);
+  ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
+  PetscCall(PetscLogFlops(kNodeFlops * owned));
+  PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
+  PetscCall(grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity));
+  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  if (contact_) PetscCall(ApplyContact(time, dt));
+  const bool has_work = !model_.loads.empty() || nodal_.damping > 0 || Norm(nodal_.gravity) > 0 || model_.acceleration;
+  if (has_work) BookWork(*grid_, nodal_, dt, nodal_totals_);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::ApplyContact(double time, double dt)
+{
+  const Indenter &indenter = *model_.indenter;
+  ContactTotals &totals = contact_totals_;
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
+  PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
+  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.thickness, nodal_.mass_cutoff, time, dt};
+  PetscCall(contact_->Apply(view, &totals.last));
+  if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
+  totals.penetration = std::max(totals.penetration, totals.last.penetration);
+  if (rank == 0) {
+    const Vec2 travel = indenter.Tip(time + dt) - indenter.Tip(time);
+    totals.impulse = totals.impulse + totals.last.impulse;
+    nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
+    totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
+    totals.steps += totals.last.set_updates > 0;
+    totals.set_updates += totals.last.set_updates;
+    totals.fallbacks += totals.last.fallback;
+  }
+  PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::StrainBeforeForces(double dt)
+{
+  PointArrays points;
+  PointFailure failure;
+  const RatesPlan plan = {dt, true, {}, 0, false};
+  PetscFunctionBeginUser;
+  PetscCall(PointsToGrid(time_));
+  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
+  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
+  VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
+  PetscCall(grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates));
+  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscCall(points_.Arrays(&points));
+  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
+  transfer_->ApplyRates(MakeView(*grid_, points, grid_velocity_, bodies_), plan, sweep_totals_, failure);
+  NoteFailure(failure, time_);
+  PetscCall(PetscLogFlops((kGatherRatesFlops + kStressFlops) * points.count));
+  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::ExchangeRates()
+{
+  double *rates = grid_->Arrays().rates;
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
+  PetscCall(grid_->ReduceToOwners(rates));
+  UpdateRates(*grid_, geometry_.sides, nodal_);
+  PetscCall(grid_->Broadcast(rates, NodeArrays::kRates));
+  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::AdvancePoints(double dt)
+{
+  const bool rates = model_.UsesRates(), usl = model_.stress_update == StressUpdate::kUsl;
+  const GridToPointsPlan first = {dt, usl, model_.short_wave.On(), rates, !rates};
+  const RatesPlan second = {dt, model_.stress_update == StressUpdate::kMusl, model_.short_wave, model_.xpic_fraction, true};
+  PointArrays points;
+  PointFailure failure;
+  PetscFunctionBeginUser;
+  PetscCall(points_.Arrays(&points));
+  const SweepView view = MakeView(*grid_, points, grid_velocity_, bodies_);
+  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
+  if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  transfer_->GridToPoints(view, first, sweep_totals_, failure);
+  PetscCall(PetscLogFlops((kGridToPointsFlops + rates * kScatterRatesFlops + usl * kStressFlops) * points.count));
+  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  if (rates) {
+    PetscCall(ExchangeRates());
+    PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
+    transfer_->ApplyRates(view, second, sweep_totals_, failure);
+    PetscCall(PetscLogFlops((kGatherRatesFlops + second.strain * kStressFlops + second.short_wave.On() * kShortWaveFlops) *
+                            points.count));
+    PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  }
+  NoteFailure(failure, time_);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::KeepOrder()
+{
+  PetscFunctionBeginUser;
+  ++steps_;
+  if (steps_ % migration_interval_ == 0) PetscCall(Migrate());
+  if (steps_ % sort_interval_ == 0) PetscCall(Sort());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Level::PlanMigration(double largest_speed, double dt)
+{
+  // Speeds may double before they are measured again, and a body at rest may be set in motion.
+  constexpr double kDrift = 0.9, kSafety = 2, kSurprise = 0.02; // cells, -, cells a step
+  const double cells_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
+  migration_interval_ = std::max(1, static_cast<int>(kDrift / cells_per_step));
+}
+
+PetscErrorCode Level::Migrate()
+{
+  PointArrays points;
+  PetscMPIInt rank;
+  Departures departures;
+  PointFailure failure;
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
+  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
+  PetscCall(points_.Arrays(&points));
+  const int cells[2] = {grid_->Geometry().cells[0], grid_->Geometry().cells[1]};
+  for (int p = 0; p < points.count; ++p) {
+    const double *x = points.position + 2 * p;
+    const int i = grid_->Nearest(0, x[0]), j = grid_->Nearest(1, x[1]);
+    if (i >= grid_->OwnedLower(0) && i < grid_->OwnedUpper(0) && j >= grid_->OwnedLower(1) && j < grid_->OwnedUpper(1) &&
+        i >= 0 && i <= cells[0] && j >= 0 && j <= cells[1])
+      continue;
+    if (i < 0 || i > cells[0] || j < 0 || j > cells[1]) {
+      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], {x[0], x[1]}};
+      continue;
+    }
+    departures.points.push_back(p);
+    departures.ranks.push_back(grid_->OwnerOfNode(i, j));
+  }
+  NoteFailure(failure, time_);
+  PetscCall(MovePoints(grid_->Comm(), points_, points_, departures));
+  PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Recut(const GridLayout &layout)
+{
+  PetscFunctionBeginUser;
+  auto grid = std::make_unique<Grid>();
+  PetscCall(grid->Create(grid_->Comm(), geometry_.grid, layout));
+  grid_ = std::move(grid);
+  PetscCall(Migrate());
+  PetscCall(Sort());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Sort()
+{
+  PointArrays points;
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
+  PetscCall(points_.Arrays(&points));
+  std::vector<int> start(grid_->GhostedNodes() + 1, 0), key(points.count), order(points.count);
+  for (int p = 0; p < points.count; ++p) {
+    key[p] = grid_->Index(grid_->Nearest(0, points.position[2 * p]), grid_->Nearest(1, points.position[2 * p + 1]));
+    ++start[key[p] + 1];
+  }
+  for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
+  for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
+  PetscCall(points_.Reorder(order));
+  PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Tally(PointTally *tally)
+{
+  PointArrays points;
+  double energy[kBlock];
+  PetscFunctionBeginUser;
+  *tally = {};
+  PetscCall(points_.Arrays(&points));
+  for (int first = 0, end; first < points.count; first = end) {
+    const Material *material = bodies_.material[points.body[first]];
+    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
+    const double *history = points.history ? points.history + points.history_components * first : nullptr;
+    material->StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, energy);
+    for (int p = first; p < end; ++p) {
+      const double m = points.mass[p], *v = points.velocity + 2 * p;
+      tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
+      tally->strain_energy += energy[p - first] * m / material->Density();
+      tally->mass += m;
+      tally->momentum[0] += m * v[0];
+      tally->momentum[1] += m * v[1];
+    }
+  }
+  tally->count = points.count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
+{
+  PointArrays points;
+  double speed2[kBlock];
+  PetscFunctionBeginUser;
+  *wave = *point = 0;
+  PetscCall(points_.Arrays(&points));
+  for (int first = 0, end; first < points.count; first = end) {
+    const Material *material = bodies_.material[points.body[first]];
+    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
+    material->WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
+    for (int p = first; p < end; ++p) {
+      const double v = std::hypot(points.velocity[2 * p], points.velocity[2 * p + 1]);
+      *point = std::max(*point, v);
+      *wave = std::max(*wave, v + std::sqrt(speed2[p - first]));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,72 @@
+// Consistent nodal forces of pressures on faces.
+#include "level/loads.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+Face PointFace(const PointArrays &points, int p, Side side)
+{
+  const double *F = points.F + 4 * p, *half = points.half_size + 2 * p, *x = points.position + 2 * p;
+  const int a = AxisOf(side), b = 1 - a, sign = SignOf(side);
+  Vec2 out{}, along{};
+  out[a] = sign * half[a];
+  along[b] = half[b];
+  const Vec2 cofactor = a == 0 ? Vec2{F[3], -F[1]} : Vec2{-F[2], F[0]};
+  return {Vec2{x[0], x[1]} + Multiply(F, out), Multiply(F, along), 2 * half[b] * sign * cofactor};
+}
+
+/// Weights of a face on the three nodes around its centre along one axis.
+static void FaceWeights(double d, double l, double w[3])
+{
+  double slope[3];
+  if (l < kMinHalfSize)
+    Linear::Evaluate(d, l, w, slope);
+  else
+    UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize), w, slope);
+}
+
+static void AddFaceForce(const Grid &grid, const Face &face, Vec2 force)
+{
+  double w[2][3];
+  int nearest[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    const double inverse_h = grid.IndexSpace().inverse_spacing;
+    const int first = grid.GhostLower(axis) + 1, last = grid.GhostLower(axis) + grid.GhostSize(axis) - 2;
+    nearest[axis] = std::clamp(grid.Nearest(axis, face.center[axis]), first, last);
+    const double d = (face.center[axis] - grid.Coordinate(axis, nearest[axis])) * inverse_h;
+    FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h, w[axis]);
+  }
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const int index = grid.Index(nearest[0] + i - 1, nearest[1] + j - 1);
+      double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+      for (int axis = 0; axis < 2; ++axis) {
+        const double part = w[0][i] * w[1][j] * force[axis];
+        sums[4 + axis] += part;
+        sums[6 + axis] += part;
+      }
+    }
+}
+
+PetscErrorCode AddLoads(const Grid &grid, Points &points, const std::vector<Load> &loads, double thickness, double time)
+{
+  const std::vector<int> *surface = nullptr;
+  PointArrays arrays;
+  std::vector<double> pressure;
+  PetscFunctionBeginUser;
+  if (loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const Load &load : loads) pressure.push_back(load.pressure.Value(time));
+  PetscCall(points.Arrays(&arrays));
+  PetscCall(points.SurfacePoints(&surface));
+  for (int p : *surface)
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+      if (!(arrays.faces[p] & LoadBit(static_cast<int>(k)))) continue;
+      const Face face = PointFace(arrays, p, loads[k].side);
+      AddFaceForce(grid, face, -pressure[k] * thickness * face.area_normal);
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

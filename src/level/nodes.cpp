@@ -1,0 +1,133 @@
+// Loops over the owned nodes of a grid.
+#include "level/nodes.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Calls work(index) with the place in the ghosted arrays of every owned node.
+template <class Work> void ForEachOwned(const Grid &grid, Work work)
+{
+  for (int j = grid.OwnedLower(1); j < grid.OwnedUpper(1); ++j) {
+    const int row = grid.Index(0, j);
+    for (int i = grid.OwnedLower(0); i < grid.OwnedUpper(0); ++i) work(row + i);
+  }
+}
+
+/// Calls work(index, side) for every owned node at or beyond each bound side.
+template <class Work> void ForEachBound(const Grid &grid, const Sides &sides, Work work)
+{
+  for (int s = 0; s < kSides; ++s) {
+    const Side side = static_cast<Side>(s);
+    if (sides.kind[s] == SideKind::kFree) continue;
+    int lower[2] = {grid.OwnedLower(0), grid.OwnedLower(1)}, upper[2] = {grid.OwnedUpper(0), grid.OwnedUpper(1)};
+    const int axis = AxisOf(side);
+    if (SignOf(side) < 0)
+      upper[axis] = std::min(upper[axis], sides.node[s] + 1);
+    else
+      lower[axis] = std::max(lower[axis], sides.node[s]);
+    for (int j = lower[1]; j < upper[1]; ++j)
+      for (int i = lower[0]; i < upper[0]; ++i) work(grid.Index(i, j), side);
+  }
+}
+
+} // namespace
+
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+{
+  const NodeArrays &nodes = grid.Arrays();
+  ForEachOwned(grid, [&](int index) {
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
+    const double mass = sums[0];
+    std::fill_n(velocity, NodeArrays::kVelocity, 0.0);
+    if (mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double old = sums[1 + axis] / mass;
+      const double change = dt * (sums[4 + axis] / mass + settings.gravity[axis] - settings.damping * old);
+      velocity[axis] = old + change;
+      velocity[2 + axis] = change;
+      totals.load_impulse[axis] += dt * sums[6 + axis];
+      totals.gravity_impulse[axis] += dt * mass * settings.gravity[axis];
+      totals.damping_impulse[axis] -= dt * settings.damping * sums[1 + axis];
+    }
+  });
+}
+
+void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &settings, NodalTotals &totals)
+{
+  const NodeArrays &nodes = grid.Arrays();
+  ForEachBound(grid, sides, [&](int index, Side side) {
+    const double mass = nodes.sums[NodeArrays::kSums * static_cast<std::ptrdiff_t>(index)];
+    double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
+    if (mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < 2; ++axis) {
+      if (!sides.Binds(side, axis)) continue;
+      totals.support_impulse[axis] -= mass * velocity[axis];
+      velocity[2 + axis] -= velocity[axis];
+      velocity[axis] = 0;
+    }
+  });
+}
+
+void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+{
+  const NodeArrays &nodes = grid.Arrays();
+  ForEachOwned(grid, [&](int index) {
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double mean = velocity[axis] - 0.5 * velocity[2 + axis], old = velocity[axis] - velocity[2 + axis];
+      totals.external_work += dt * mean * (sums[6 + axis] + sums[0] * settings.gravity[axis]);
+      totals.damping_dissipation += dt * settings.damping * sums[0] * old * mean;
+    }
+  });
+}
+
+/// Zero normal velocities of the second extrapolation at the sides.
+static void BindRates(const Grid &grid, const Sides &sides)
+{
+  ForEachBound(grid, sides, [&](int index, Side side) {
+    double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+    for (int axis = 0; axis < 2; ++axis)
+      if (sides.Binds(side, axis)) rates[axis] = rates[2 + axis] = 0;
+  });
+}
+
+void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings)
+{
+  const NodeArrays &nodes = grid.Arrays();
+  ForEachOwned(grid, [&](int index) {
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+    std::fill_n(rates, NodeArrays::kRates, 0.0);
+    if (sums[0] <= settings.mass_cutoff) return;
+    rates[0] = sums[1] / sums[0];
+    rates[1] = sums[2] / sums[0];
+  });
+  BindRates(grid, sides);
+}
+
+void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings)
+{
+  const NodeArrays &nodes = grid.Arrays();
+  ForEachOwned(grid, [&](int index) {
+    const double mass = nodes.sums[NodeArrays::kSums * static_cast<std::ptrdiff_t>(index)];
+    const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
+    double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+    if (mass <= settings.mass_cutoff) {
+      std::fill_n(rates, NodeArrays::kRates, 0.0);
+      return;
+    }
+    for (int k = 0; k < NodeArrays::kRates; ++k) rates[k] /= mass;
+    for (int axis = 0; axis < 2; ++axis)
+      rates[2 + axis] = settings.xpic_order == 1 ? velocity[axis] : 2 * velocity[axis] - rates[2 + axis];
+  });
+  BindRates(grid, sides);
+}
+
+} // namespace mlgimp

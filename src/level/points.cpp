@@ -1,0 +1,287 @@
+// Storage of material points on DMSwarm, and their migration in one sparse exchange.
+#include "level/points.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+namespace mlgimp
+{
+
+static PetscDataType PetscType(FieldType type)
+{
+  switch (type) {
+  case FieldType::kInt32: return PETSC_INT;
+  case FieldType::kInt64: return PETSC_INT64;
+  default: return PETSC_REAL;
+  }
+}
+
+PetscErrorCode Points::Create(MPI_Comm comm, int history_components)
+{
+  static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  table_ = PointFieldTable(history_components);
+  PetscCall(DMCreate(comm, swarm_.Out()));
+  PetscCall(DMSetType(swarm_, DMSWARM));
+  PetscCall(DMSetDimension(swarm_, 2));
+  PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
+  PetscCall(DMSwarmInitializeFieldRegister(swarm_));
+  for (const PointFieldInfo &field : table_)
+    if (field.components) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, PetscType(field.type)));
+  PetscCall(DMSwarmFinalizeFieldRegister(swarm_));
+  PetscCall(DMSwarmSetLocalSizes(swarm_, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Points::~Points()
+{
+  PetscFunctionBegin;
+  PetscCallVoid(ReleaseFields());
+  PetscFunctionReturnVoid();
+}
+
+PetscErrorCode Points::ReleaseFields()
+{
+  PetscFunctionBeginUser;
+  if (!have_fields_) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int k = 0; k < kPointFields; ++k)
+    if (table_[k].components) PetscCall(DMSwarmRestoreField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+  have_fields_ = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::Field(PointField field, void **data)
+{
+  PetscFunctionBeginUser;
+  if (!have_fields_) {
+    for (int k = 0; k < kPointFields; ++k)
+      if (table_[k].components) PetscCall(DMSwarmGetField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+    have_fields_ = true;
+  }
+  *data = data_[field];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::Arrays(PointArrays *arrays)
+{
+  void *first = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(Field(kId, &first));
+  auto real = [this](PointField field) { return static_cast<double *>(data_[field]); };
+  auto integer = [this](PointField field) { return static_cast<int *>(data_[field]); };
+  *arrays = {count_,
+             static_cast<std::int64_t *>(first),
+             real(kPosition),
+             real(kVelocity),
+             real(kDeformation),
+             real(kStress),
+             real(kShortWaveStress),
+             real(kMass),
+             real(kHalfSize),
+             integer(kBody),
+             integer(kFaces),
+             real(kHistory),
+             table_[kHistory].components};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::Resize(int count)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReleaseFields());
+  if (count > capacity_) capacity_ = capacity_ == 0 ? count : count + count / 10;
+  PetscCall(DMSwarmSetLocalSizes(swarm_, count, capacity_ - count));
+  count_ = count;
+  surface_known_ = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::Reorder(const std::vector<int> &order)
+{
+  std::vector<char> scratch;
+  PetscFunctionBeginUser;
+  for (int k = 0; k < kPointFields; ++k) {
+    if (!table_[k].components) continue;
+    const std::size_t bytes = FieldBytes(table_[k]);
+    void *data = nullptr;
+    PetscCall(Field(static_cast<PointField>(k), &data));
+    char *field = static_cast<char *>(data);
+    scratch.resize(bytes * count_);
+    for (int p = 0; p < count_; ++p) std::memcpy(&scratch[bytes * p], field + bytes * order[p], bytes);
+    std::memcpy(field, scratch.data(), bytes * count_);
+  }
+  surface_known_ = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::SurfacePoints(const std::vector<int> **indices)
+{
+  PetscFunctionBeginUser;
+  if (!surface_known_) {
+    void *faces = nullptr;
+    PetscCall(Field(kFaces, &faces));
+    surface_.clear();
+    for (int p = 0; p < count_; ++p)
+      if (static_cast<int *>(faces)[p]) surface_.push_back(p);
+    surface_known_ = true;
+  }
+  *indices = &surface_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+namespace
+{
+
+/// Copies whole points between the arrays of fields and contiguous records.
+class RecordCopier
+{
+public:
+  static PetscErrorCode Create(Points &points, RecordCopier *copier)
+  {
+    PetscFunctionBeginUser;
+    copier->fields_.clear();
+    copier->record_bytes_ = 0;
+    for (int k = 0; k < kPointFields; ++k) {
+      const std::size_t bytes = FieldBytes(points.Table()[k]);
+      if (bytes == 0) continue;
+      void *data = nullptr;
+      PetscCall(points.Field(static_cast<PointField>(k), &data));
+      copier->fields_.push_back({static_cast<char *>(data), bytes});
+      copier->record_bytes_ += bytes;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  std::size_t RecordBytes() const { return record_bytes_; }
+  void Pack(int point, char *record) const
+  {
+    for (const auto &f : fields_) {
+      std::memcpy(record, f.data + f.bytes * point, f.bytes);
+      record += f.bytes;
+    }
+  }
+  void Unpack(const char *record, int point) const
+  {
+    for (const auto &f : fields_) {
+      std::memcpy(f.data + f.bytes * point, record, f.bytes);
+      record += f.bytes;
+    }
+  }
+  void Copy(int source, int target) const
+  {
+    for (const auto &f : fields_) std::memcpy(f.data + f.bytes * target, f.data + f.bytes * source, f.bytes);
+  }
+
+private:
+  struct FieldMemory {
+    char *data;
+    std::size_t bytes;
+  };
+  std::vector<FieldMemory> fields_;
+  std::size_t record_bytes_ = 0;
+};
+
+/// Packed departures grouped by destination rank.
+struct Parcel {
+  std::vector<PetscMPIInt> ranks, counts;
+  std::vector<char> records;
+};
+
+PetscErrorCode PackParcel(Points &from, const Departures &departures, Parcel *parcel)
+{
+  const std::size_t n = departures.points.size();
+  std::vector<std::size_t> order(n);
+  RecordCopier copier;
+  PetscFunctionBeginUser;
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return departures.ranks[a] < departures.ranks[b]; });
+  PetscCall(RecordCopier::Create(from, &copier));
+  parcel->records.resize(n * copier.RecordBytes());
+  for (std::size_t k = 0; k < n; ++k) {
+    const PetscMPIInt rank = departures.ranks[order[k]];
+    if (parcel->ranks.empty() || parcel->ranks.back() != rank) {
+      parcel->ranks.push_back(rank);
+      parcel->counts.push_back(0);
+    }
+    ++parcel->counts.back();
+    copier.Pack(departures.points[order[k]], &parcel->records[k * copier.RecordBytes()]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Fills the holes that departures leave from the end of the storage.
+PetscErrorCode RemovePoints(Points &points, const std::vector<int> &holes)
+{
+  int last = points.Count() - 1;
+  std::size_t top = holes.size();
+  RecordCopier copier;
+  PetscFunctionBeginUser;
+  if (holes.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RecordCopier::Create(points, &copier));
+  for (std::size_t k = 0; k < top; ++k) {
+    while (top > k && holes[top - 1] == last) --top, --last;
+    if (k >= top) break;
+    copier.Copy(last--, holes[k]);
+  }
+  PetscCall(points.Resize(points.Count() - static_cast<int>(holes.size())));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures)
+{
+  Parcel parcel;
+  PetscMPIInt sources;
+  PetscMPIInt *source_ranks = nullptr, *source_counts = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PackParcel(from, departures, &parcel));
+  PetscCall(PetscCommBuildTwoSided(comm, 1, MPI_INT, static_cast<PetscMPIInt>(parcel.ranks.size()), parcel.ranks.data(),
+                                   parcel.counts.data(), &sources, &source_ranks, &source_counts));
+  std::vector<std::pair<PetscMPIInt, PetscMPIInt>> arrivals;
+  int arriving = 0;
+  for (PetscMPIInt k = 0; k < sources; ++k) {
+    arrivals.emplace_back(source_ranks[k], source_counts[k]);
+    arriving += source_counts[k];
+  }
+  PetscCall(PetscFree(source_ranks));
+  PetscCall(PetscFree(source_counts));
+  std::sort(arrivals.begin(), arrivals.end());
+  PetscCall(RemovePoints(from, departures.points));
+  if (arriving == 0 && parcel.ranks.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+
+  RecordCopier copier;
+  const int before = to.Count();
+  PetscCall(to.Resize(before + arriving));
+  PetscCall(RecordCopier::Create(to, &copier));
+  const std::size_t bytes = copier.RecordBytes();
+  std::vector<char> incoming(bytes * arriving);
+  std::vector<MPI_Request> requests;
+  MPI_Datatype record;
+  PetscMPIInt tag;
+  MPI_Comm inner;
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
+  PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
+  PetscCallMPI(MPI_Type_commit(&record));
+  std::size_t offset = 0;
+  for (const auto &[rank, count] : arrivals) {
+    PetscCallMPI(MPI_Irecv(&incoming[offset], count, record, rank, tag, inner, &requests.emplace_back()));
+    offset += bytes * count;
+  }
+  offset = 0;
+  for (std::size_t k = 0; k < parcel.ranks.size(); ++k) {
+    PetscCallMPI(MPI_Isend(&parcel.records[offset], parcel.counts[k], record, parcel.ranks[k], tag, inner,
+                           &requests.emplace_back()));
+    offset += bytes * parcel.counts[k];
+  }
+  PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  PetscCallMPI(MPI_Type_free(&record));
+  PetscCall(PetscCommDestroy(&inner));
+  for (int k = 0; k < arriving; ++k) copier.Unpack(&incoming[bytes * k], before + k);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,129 @@
+// Placement of points, their numbers, and the marking of outer and loaded faces.
+#include "level/seeding.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides,
+                 std::function<bool(Vec2)> belongs, std::int64_t first_id)
+    : model_(model), geometry_(geometry), sides_(sides), belongs_(std::move(belongs)), first_id_(first_id)
+{
+  for (const Body &body : model.bodies) {
+    tilings_.emplace_back(body.region->Bounds(), geometry.lower, geometry.spacing, body.points_per_cell);
+    tiles_per_cell_ = std::max(tiles_per_cell_, body.points_per_cell * body.points_per_cell);
+  }
+}
+
+void Seeding::ForEach(const int lower[2], const int upper[2], const std::function<void(const Seed &)> &work) const
+{
+  const std::int64_t bodies = static_cast<std::int64_t>(model_.bodies.size());
+  const std::int64_t row = geometry_.cells[0] + 2 * geometry_.padding;
+  for (int j = std::max(lower[1], -geometry_.padding); j < std::min(upper[1], geometry_.cells[1] + geometry_.padding); ++j)
+    for (int i = std::max(lower[0], -geometry_.padding); i < std::min(upper[0], geometry_.cells[0] + geometry_.padding); ++i)
+      for (int b = 0; b < bodies; ++b) {
+        const std::int64_t cell = (j + geometry_.padding) * row + i + geometry_.padding;
+        std::int64_t id = first_id_ + (cell * bodies + b) * tiles_per_cell_;
+        for (const Tile &tile : tilings_[b].InCell(i, j)) {
+          if (model_.bodies[b].region->Contains(tile.center) && belongs_(tile.center)) work({b, tile, id});
+          ++id;
+        }
+      }
+}
+
+std::int64_t Seeding::EndId() const
+{
+  std::int64_t cells = 1;
+  for (int axis = 0; axis < 2; ++axis) cells *= geometry_.cells[axis] + 2 * geometry_.padding;
+  return first_id_ + cells * static_cast<std::int64_t>(model_.bodies.size()) * tiles_per_cell_;
+}
+
+std::vector<double> Seeding::CountByNode(int axis) const
+{
+  std::vector<double> counts(geometry_.Nodes(axis), 0.0);
+  const int lower[2] = {-geometry_.padding, -geometry_.padding};
+  const int upper[2] = {geometry_.cells[0] + geometry_.padding, geometry_.cells[1] + geometry_.padding};
+  ForEach(lower, upper, [&](const Seed &seed) {
+    const double a = (seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing;
+    ++counts[static_cast<std::size_t>(std::floor(a + 0.5)) + geometry_.padding];
+  });
+  return counts;
+}
+
+bool Seeding::Occupied(Vec2 x) const
+{
+  for (std::size_t b = 0; b < tilings_.size(); ++b) {
+    Tile tile;
+    if (tilings_[b].At(x, tile) && model_.bodies[b].region->Contains(tile.center)) return true;
+  }
+  return false;
+}
+
+int Seeding::FaceBits(const Seed &seed) const
+{
+  int bits = 0;
+  for (int s = 0; s < kSides; ++s) {
+    const Side side = static_cast<Side>(s);
+    const int axis = AxisOf(side);
+    Vec2 face = seed.tile.center, beyond = seed.tile.center;
+    face[axis] += SignOf(side) * seed.tile.half_size[axis];
+    beyond[axis] += SignOf(side) * seed.tile.half_size[axis] * (1 + 1e-3);
+    const double wall = geometry_.lower[axis] + sides_.node[s] * geometry_.spacing;
+    const bool at_wall = sides_.kind[s] != SideKind::kFree && std::abs(face[axis] - wall) < 1e-6 * geometry_.spacing;
+    if (at_wall || Occupied(beyond)) continue;
+    bits |= OuterFaceBit(side);
+    for (std::size_t k = 0; k < model_.loads.size(); ++k) {
+      const Load &load = model_.loads[k];
+      const double along = seed.tile.center[1 - axis];
+      if (load.body == seed.body && load.side == side && along >= load.span[0] && along < load.span[1])
+        bits |= LoadBit(static_cast<int>(k));
+    }
+  }
+  return bits;
+}
+
+PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
+{
+  PointArrays a;
+  std::vector<Seed> seeds;
+  PetscMPIInt rank;
+  int lower[2], upper[2];
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
+  for (int d = 0; d < 2; ++d) {
+    lower[d] = grid.OwnedLower(d) - 1;
+    upper[d] = grid.OwnedUpper(d);
+  }
+  ForEach(lower, upper, [&](const Seed &seed) {
+    if (grid.OwnerOfNode(grid.Nearest(0, seed.tile.center[0]), grid.Nearest(1, seed.tile.center[1])) == rank)
+      seeds.push_back(seed);
+  });
+  const int before = points.Count();
+  PetscCall(points.Resize(before + static_cast<int>(seeds.size())));
+  PetscCall(points.Arrays(&a));
+  for (std::size_t k = 0; k < seeds.size(); ++k) {
+    const Seed &seed = seeds[k];
+    const Body &body = model_.bodies[seed.body];
+    const Material &material = *model_.materials[body.material];
+    const int p = before + static_cast<int>(k);
+    a.id[p] = seed.id;
+    a.body[p] = seed.body;
+    a.faces[p] = FaceBits(seed);
+    a.mass[p] = 4 * seed.tile.half_size[0] * seed.tile.half_size[1] * model_.thickness * material.Density();
+    for (int d = 0; d < 2; ++d) {
+      a.position[2 * p + d] = seed.tile.center[d];
+      a.velocity[2 * p + d] = body.velocity[d];
+      a.half_size[2 * p + d] = seed.tile.half_size[d];
+    }
+    for (int c = 0; c < 4; ++c) a.F[4 * p + c] = c == 0 || c == 3 ? 1 : 0, a.stress[4 * p + c] = 0;
+    for (int c = 0; c < 3; ++c) a.short_wave_stress[3 * p + c] = 0;
+    if (a.history) {
+      std::fill_n(a.history + a.history_components * p, a.history_components, 0.0);
+      material.InitialHistory(a.history + a.history_components * p);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

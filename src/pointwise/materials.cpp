@@ -1,0 +1,355 @@
+// The constitutive laws, each a class of its own, and the table that finds them by name.
+#include "pointwise/material.hpp"
+
+#include <cmath>
+#include <functional>
+
+namespace mlgimp
+{
+
+Material::Material(const MaterialConstants &c)
+    : density_(c.density),
+      lambda_(c.youngs_modulus * c.poissons_ratio / ((1 + c.poissons_ratio) * (1 - 2 * c.poissons_ratio))),
+      mu_(c.youngs_modulus / (2 * (1 + c.poissons_ratio)))
+{
+}
+
+double Material::SpeedOfSound() const { return std::sqrt((lambda_ + 2 * mu_) / density_); }
+
+double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], double (*increment)[kBlock], double *F)
+{
+  double largest = 0;
+#pragma omp simd reduction(max : largest)
+  for (int p = 0; p < count; ++p) {
+    const double xx = dt * L[0][p], xy = dt * L[1][p], yx = dt * L[2][p], yy = dt * L[3][p];
+    // exp(A) = e^s (C I + S A'), s = tr A/2, A' = A - s I, q = -det A', C = cosh sqrt(q), S = sinh sqrt(q)/sqrt(q).
+    const double s = 0.5 * (xx + yy), d = 0.5 * (xx - yy), q = d * d + xy * yx;
+    const double C = 1 + q / 2 * (1 + q / 12 * (1 + q / 30 * (1 + q / 56 * (1 + q / 90))));
+    const double S = 1 + q / 6 * (1 + q / 20 * (1 + q / 42 * (1 + q / 72 * (1 + q / 110))));
+    const double t = 0.25 * s; // e^s = (e^t)^4
+    const double root = 1 + t * (1 + t / 2 * (1 + t / 3 * (1 + t / 4 * (1 + t / 5 * (1 + t / 6 * (1 + t / 7 *
+                        (1 + t / 8)))))));
+    const double e = root * root * root * root;
+    const double gxx = e * (C + S * d), gxy = e * S * xy, gyx = e * S * yx, gyy = e * (C - S * d);
+    increment[0][p] = gxx, increment[1][p] = gxy, increment[2][p] = gyx, increment[3][p] = gyy;
+    const double Fxx = F[4 * p], Fxy = F[4 * p + 1], Fyx = F[4 * p + 2], Fyy = F[4 * p + 3];
+    F[4 * p] = gxx * Fxx + gxy * Fyx;
+    F[4 * p + 1] = gxx * Fxy + gxy * Fyy;
+    F[4 * p + 2] = gyx * Fxx + gyy * Fyx;
+    F[4 * p + 3] = gyx * Fxy + gyy * Fyy;
+    const double row = std::max(std::abs(xx) + std::abs(xy), std::abs(yx) + std::abs(yy));
+    largest = std::max(largest, row);
+  }
+  return largest;
+}
+
+namespace
+{
+
+inline double Determinant(const double *F) { return F[0] * F[3] - F[1] * F[2]; }
+
+/// Upper bound of the largest eigenvalue of B = F F^T, the squared stretch.
+inline double LargestStretchSquared(const double *F)
+{
+  const double xx = F[0] * F[0] + F[1] * F[1], yy = F[2] * F[2] + F[3] * F[3], xy = F[0] * F[2] + F[1] * F[3];
+  return std::max(xx, yy) + std::abs(xy);
+}
+
+/// sigma = (mu/J)(B - I) + (lambda ln J/J) I.
+class NeoHookean : public Material
+{
+public:
+  using Material::Material;
+
+  void UpdateStress(const MaterialBatch &b, double *) const override
+  {
+    const double lambda = lambda_, mu = mu_;
+    const double *F = b.F;
+    double *stress = b.stress;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) {
+      const double Fxx = F[4 * p], Fxy = F[4 * p + 1], Fyx = F[4 * p + 2], Fyy = F[4 * p + 3];
+      const double J = Fxx * Fyy - Fxy * Fyx, m = mu / J, pressure = lambda * std::log(J) / J;
+      stress[4 * p] = m * (Fxx * Fxx + Fxy * Fxy - 1) + pressure;
+      stress[4 * p + 1] = m * (Fyx * Fyx + Fyy * Fyy - 1) + pressure;
+      stress[4 * p + 2] = pressure;
+      stress[4 * p + 3] = m * (Fxx * Fyx + Fxy * Fyy);
+    }
+  }
+
+  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const double *f = F + 4 * p, log_J = std::log(Determinant(f));
+      const double trace = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3];
+      energy[p] = 0.5 * mu_ * (trace - 2 - 2 * log_J) + 0.5 * lambda_ * log_J * log_J;
+    }
+  }
+
+  void WaveSpeedSquared(int count, const double *F, double *speed2) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const double *f = F + 4 * p;
+      speed2[p] = (lambda_ * std::max(1 - std::log(Determinant(f)), 0.0) + mu_ * (1 + LargestStretchSquared(f))) / density_;
+    }
+  }
+};
+
+/// S = lambda tr(E) I + 2 mu E, sigma = F S F^T/J: the large-strain elastic law of many finite-element codes.
+class StVenantKirchhoff : public Material
+{
+public:
+  using Material::Material;
+
+  void UpdateStress(const MaterialBatch &b, double *) const override
+  {
+    for (int p = 0; p < b.count; ++p) {
+      const double *f = b.F + 4 * p, J = Determinant(f);
+      double *sigma = b.stress + 4 * p;
+      const Strain E = GreenStrain(f);
+      const double sphere = lambda_ * (E.xx + E.yy), Sxx = sphere + 2 * mu_ * E.xx, Syy = sphere + 2 * mu_ * E.yy,
+                   Sxy = 2 * mu_ * E.xy;
+      sigma[0] = (f[0] * f[0] * Sxx + 2 * f[0] * f[1] * Sxy + f[1] * f[1] * Syy) / J;
+      sigma[1] = (f[2] * f[2] * Sxx + 2 * f[2] * f[3] * Sxy + f[3] * f[3] * Syy) / J;
+      sigma[2] = sphere / J;
+      sigma[3] = (f[0] * f[2] * Sxx + (f[0] * f[3] + f[1] * f[2]) * Sxy + f[1] * f[3] * Syy) / J;
+    }
+  }
+
+  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const Strain E = GreenStrain(F + 4 * p);
+      const double trace = E.xx + E.yy;
+      energy[p] = 0.5 * lambda_ * trace * trace + mu_ * (E.xx * E.xx + E.yy * E.yy + 2 * E.xy * E.xy);
+    }
+  }
+
+  void WaveSpeedSquared(int count, const double *F, double *speed2) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const double b = LargestStretchSquared(F + 4 * p);
+      speed2[p] = (lambda_ + 2 * mu_) / density_ * std::max(1.0, 0.5 * b * (3 * b - 1));
+    }
+  }
+
+private:
+  struct Strain {
+    double xx, yy, xy;
+  };
+  static Strain GreenStrain(const double *f)
+  {
+    return {0.5 * (f[0] * f[0] + f[2] * f[2] - 1), 0.5 * (f[1] * f[1] + f[3] * f[3] - 1),
+            0.5 * (f[0] * f[1] + f[2] * f[3])};
+  }
+};
+
+/// Small strain: sigma = lambda tr(e) I + 2 mu e, e = sym(F - I). For verification at small deformation.
+class LinearElastic : public Material
+{
+public:
+  using Material::Material;
+
+  void UpdateStress(const MaterialBatch &b, double *) const override
+  {
+    for (int p = 0; p < b.count; ++p) {
+      const double *f = b.F + 4 * p, sphere = lambda_ * (f[0] + f[3] - 2);
+      double *sigma = b.stress + 4 * p;
+      sigma[0] = sphere + 2 * mu_ * (f[0] - 1);
+      sigma[1] = sphere + 2 * mu_ * (f[3] - 1);
+      sigma[2] = sphere;
+      sigma[3] = mu_ * (f[1] + f[2]);
+    }
+  }
+
+  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const double *f = F + 4 * p, xx = f[0] - 1, yy = f[3] - 1, xy = 0.5 * (f[1] + f[2]);
+      energy[p] = 0.5 * lambda_ * (xx + yy) * (xx + yy) + mu_ * (xx * xx + yy * yy + 2 * xy * xy);
+    }
+  }
+
+  void WaveSpeedSquared(int count, const double *F, double *speed2) const override
+  {
+    for (int p = 0; p < count; ++p)
+      speed2[p] = (lambda_ + 2 * mu_) / density_ * std::max(1.0, LargestStretchSquared(F + 4 * p));
+  }
+};
+
+/// Jaumann rate of the Cauchy stress, integrated with the rotation of Hughes & Winget (1980).
+class Hypoelastic : public Material
+{
+public:
+  using Material::Material;
+
+  void UpdateStress(const MaterialBatch &b, double *) const override
+  {
+    for (int p = 0; p < b.count; ++p) {
+      const double xx = b.dt * b.L[0][p], yy = b.dt * b.L[3][p], xy = 0.5 * b.dt * (b.L[1][p] + b.L[2][p]);
+      const double w = 0.5 * b.dt * (b.L[2][p] - b.L[1][p]); // rotation from x to y within the step
+      const double q = 0.25 * w * w, c = (1 - q) / (1 + q), s = w / (1 + q);
+      double *sigma = b.stress + 4 * p;
+      const double sxx = sigma[0], syy = sigma[1], sxy = sigma[3], sphere = lambda_ * (xx + yy);
+      sigma[0] = c * c * sxx - 2 * c * s * sxy + s * s * syy + sphere + 2 * mu_ * xx;
+      sigma[1] = s * s * sxx + 2 * c * s * sxy + c * c * syy + sphere + 2 * mu_ * yy;
+      sigma[2] += sphere;
+      sigma[3] = c * s * (sxx - syy) + (c * c - s * s) * sxy + 2 * mu_ * xy;
+    }
+  }
+
+  void StoredEnergy(int count, const double *F, const double *stress, const double *, double *energy) const override
+  {
+    const double bulk = lambda_ + 2 * mu_ / 3;
+    for (int p = 0; p < count; ++p) {
+      const double *s = stress + 4 * p, mean = (s[0] + s[1] + s[2]) / 3;
+      const double xx = s[0] - mean, yy = s[1] - mean, zz = s[2] - mean;
+      energy[p] = Determinant(F + 4 * p) * (0.5 * mean * mean / bulk +
+                                            (xx * xx + yy * yy + zz * zz + 2 * s[3] * s[3]) / (4 * mu_));
+    }
+  }
+
+  void WaveSpeedSquared(int count, const double *F, double *speed2) const override
+  {
+    for (int p = 0; p < count; ++p) speed2[p] = (lambda_ + 2 * mu_) * Determinant(F + 4 * p) / density_;
+  }
+};
+
+/// Von Mises plasticity with linear isotropic hardening: multiplicative, logarithmic elastic strain, radial return
+/// (Simo 1992). History: elastic left Cauchy-Green tensor xx, yy, zz, xy and equivalent plastic strain.
+class VonMises : public Material
+{
+public:
+  explicit VonMises(const MaterialConstants &c)
+      : Material(c), yield_stress_(c.yield_stress), hardening_modulus_(c.hardening_modulus)
+  {
+  }
+
+  int HistorySize() const override { return 5; }
+  void InitialHistory(double *history) const override
+  {
+    const double undeformed[5] = {1, 1, 1, 0, 0};
+    std::copy(undeformed, undeformed + 5, history);
+  }
+
+  void UpdateStress(const MaterialBatch &b, double *dissipated) const override
+  {
+    for (int p = 0; p < b.count; ++p) {
+      double *be = b.history + 5 * p, *sigma = b.stress + 4 * p;
+      const double gxx = b.increment[0][p], gxy = b.increment[1][p], gyx = b.increment[2][p], gyy = b.increment[3][p];
+      const double txx = gxx * gxx * be[0] + 2 * gxx * gxy * be[3] + gxy * gxy * be[1];
+      const double tyy = gyx * gyx * be[0] + 2 * gyx * gyy * be[3] + gyy * gyy * be[1];
+      const double txy = gxx * gyx * be[0] + (gxx * gyy + gxy * gyx) * be[3] + gxy * gyy * be[1];
+      Principal e = LogStrain(txx, tyy, be[2], txy);
+      const double mean = (e.value[0] + e.value[1] + e.value[2]) / 3;
+      double deviator[3], norm2 = 0;
+      for (int k = 0; k < 3; ++k) {
+        deviator[k] = 2 * mu_ * (e.value[k] - mean);
+        norm2 += deviator[k] * deviator[k];
+      }
+      const double equivalent = std::sqrt(1.5 * norm2), yield = yield_stress_ + hardening_modulus_ * be[4];
+      double plastic = 0;
+      if (equivalent > yield) {
+        plastic = (equivalent - yield) / (3 * mu_ + hardening_modulus_);
+        const double shrink = 1 - 3 * mu_ * plastic / equivalent;
+        for (int k = 0; k < 3; ++k) {
+          deviator[k] *= shrink;
+          e.value[k] = mean + deviator[k] / (2 * mu_);
+        }
+        be[4] += plastic;
+        dissipated[p] += plastic * (yield + 0.5 * hardening_modulus_ * plastic);
+      }
+      const double J = Determinant(b.F + 4 * p), pressure = (3 * lambda_ + 2 * mu_) * mean;
+      const double tau[3] = {deviator[0] + pressure, deviator[1] + pressure, deviator[2] + pressure};
+      e.Compose(tau, 1 / J, sigma);
+      const double stretch2[3] = {std::exp(2 * e.value[0]), std::exp(2 * e.value[1]), std::exp(2 * e.value[2])};
+      e.Compose(stretch2, 1, be);
+    }
+  }
+
+  void StoredEnergy(int count, const double *, const double *, const double *history, double *energy) const override
+  {
+    for (int p = 0; p < count; ++p) {
+      const double *be = history + 5 * p;
+      const Principal e = LogStrain(be[0], be[1], be[2], be[3]);
+      const double trace = e.value[0] + e.value[1] + e.value[2];
+      energy[p] = 0.5 * lambda_ * trace * trace;
+      for (double value : e.value) energy[p] += mu_ * value * value;
+    }
+  }
+
+  void WaveSpeedSquared(int count, const double *, double *speed2) const override
+  {
+    std::fill_n(speed2, count, (lambda_ + 2 * mu_) / density_);
+  }
+
+private:
+  /// Principal values (two in the plane, one along z) and the direction (c, s) of the first.
+  struct Principal {
+    double value[3], c, s;
+    /// A tensor with these directions, as xx, yy, zz, xy.
+    void Compose(const double v[3], double scale, double t[4]) const
+    {
+      t[0] = scale * (c * c * v[0] + s * s * v[1]);
+      t[1] = scale * (s * s * v[0] + c * c * v[1]);
+      t[2] = scale * v[2];
+      t[3] = scale * c * s * (v[0] - v[1]);
+    }
+  };
+
+  static Principal LogStrain(double xx, double yy, double zz, double xy)
+  {
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy), centre = 0.5 * (xx + yy);
+    const double radius = std::hypot(0.5 * (xx - yy), xy);
+    return {{0.5 * std::log(centre + radius), 0.5 * std::log(centre - radius), 0.5 * std::log(zz)},
+            std::cos(angle),
+            std::sin(angle)};
+  }
+
+  double yield_stress_, hardening_modulus_;
+};
+
+struct Model {
+  const char *name;
+  bool has_yield;
+  std::function<std::unique_ptr<Material>(const MaterialConstants &)> create;
+};
+
+template <class Law> std::unique_ptr<Material> Create(const MaterialConstants &c) { return std::make_unique<Law>(c); }
+
+const std::vector<Model> &Models()
+{
+  static const std::vector<Model> models = {
+      {"neo_hookean", false, Create<NeoHookean>},
+      {"hypoelastic", false, Create<Hypoelastic>},
+      {"j2", true, Create<VonMises>},
+      {"st_venant_kirchhoff", false, Create<StVenantKirchhoff>},
+      {"linear", false, Create<LinearElastic>},
+  };
+  return models;
+}
+
+const Model &FindModel(const std::string &name)
+{
+  for (const Model &model : Models())
+    if (name == model.name) return model;
+  return Models().front();
+}
+
+} // namespace
+
+std::vector<std::string> MaterialModels()
+{
+  std::vector<std::string> names;
+  for (const Model &model : Models()) names.emplace_back(model.name);
+  return names;
+}
+
+bool ModelHasYield(const std::string &model) { return FindModel(model).has_yield; }
+
+std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants)
+{
+  return FindModel(model).create(constants);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,163 @@
+// Point frames in HDF5 and their XDMF series.
+#include "program/frames.hpp"
+
+#include "program/hdf5_file.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace mlgimp
+{
+
+PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab)
+{
+  unsigned long long mine = static_cast<unsigned long long>(count), before = 0, total = 0;
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
+  *slab = {rank ? before : 0, mine, total};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool ReplaceFile(const std::string &path, const std::string &text)
+{
+  const std::string part = path + ".part";
+  std::ofstream file(part);
+  file << text;
+  file.close();
+  const bool good = file.good() && std::rename(part.c_str(), path.c_str()) == 0;
+  if (!good) std::remove(part.c_str());
+  return good;
+}
+
+std::string FrameWriter::FileName(int number) const
+{
+  char name[32];
+  std::snprintf(name, sizeof name, "points_%06d.h5", number);
+  return name;
+}
+
+/// Datasets of a level that are not fields of the points: current volume and half size.
+static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model, const Slab &slab)
+{
+  const BodyTable bodies = model.Table();
+  std::vector<double> volume(points.count), half_size(2 * static_cast<std::size_t>(points.count));
+  for (int p = 0; p < points.count; ++p) {
+    const double *F = points.F + 4 * p;
+    volume[p] = (F[0] * F[3] - F[1] * F[2]) * points.mass[p] / bodies.material[points.body[p]]->Density();
+    half_size[2 * p] = std::abs(F[0]) * points.half_size[2 * p];
+    half_size[2 * p + 1] = std::abs(F[3]) * points.half_size[2 * p + 1];
+  }
+  file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
+  file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data());
+}
+
+PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
+{
+  H5Writer file;
+  Frame frame{number, time, {}};
+  PetscFunctionBeginUser;
+  PetscCall(file.Open(hierarchy.Comm(), directory_ + "/" + FileName(number)));
+  file.Attribute("/", "time", time);
+  file.Attribute("/", "step", static_cast<double>(step));
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    const std::string group = "/level_" + std::to_string(l);
+    PointArrays points;
+    Slab slab;
+    PetscCall(hierarchy.At(l).PointStore().Arrays(&points));
+    PetscCall(MakeSlab(hierarchy.Comm(), points.count, &slab));
+    file.Group(group);
+    file.Dataset(group + "/id", H5T_NATIVE_INT64, 1, slab, points.id);
+    file.Dataset(group + "/position", H5T_NATIVE_DOUBLE, 2, slab, points.position);
+    file.Dataset(group + "/velocity", H5T_NATIVE_DOUBLE, 2, slab, points.velocity);
+    file.Dataset(group + "/stress", H5T_NATIVE_DOUBLE, 4, slab, points.stress);
+    file.Dataset(group + "/deformation_gradient", H5T_NATIVE_DOUBLE, 4, slab, points.F);
+    file.Dataset(group + "/mass", H5T_NATIVE_DOUBLE, 1, slab, points.mass);
+    file.Dataset(group + "/body", H5T_NATIVE_INT, 1, slab, points.body);
+    AddDerived(file, group, points, model_, slab);
+    frame.counts.push_back(slab.total);
+  }
+  PetscCall(file.Finish());
+  frames_.push_back(frame);
+  PetscCall(WriteSeries(hierarchy.Comm()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FrameWriter::Resume(MPI_Comm comm, double time)
+{
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  for (int number = 1; std::filesystem::exists(directory_ + "/" + FileName(number)); ++number) {
+    H5Reader file;
+    Frame frame{number, 0, {}};
+    const bool kept = file.Open(comm, directory_ + "/" + FileName(number)) && file.Attribute("/", "time", &frame.time) &&
+                      frame.time <= time * (1 + 1e-12);
+    for (int l = 0; kept && file.Has("level_" + std::to_string(l)); ++l) {
+      hsize_t rows = 0;
+      file.Rows("/level_" + std::to_string(l) + "/id", &rows);
+      frame.counts.push_back(rows);
+    }
+    if (!kept) break;
+    frames_.push_back(frame);
+  }
+  PetscCallMPI(MPI_Barrier(comm));
+  if (rank == 0)
+    for (int number = static_cast<int>(frames_.size()) + 1; std::filesystem::remove(directory_ + "/" + FileName(number));) ++number;
+  PetscCallMPI(MPI_Barrier(comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm) const
+{
+  static const struct {
+    const char *name, *kind, *number;
+    int components;
+  } attributes[] = {{"velocity", "Matrix", "Float", 2},     {"stress", "Matrix", "Float", 4},
+                    {"deformation_gradient", "Matrix", "Float", 4}, {"volume", "Scalar", "Float", 1},
+                    {"mass", "Scalar", "Float", 1},         {"half_size", "Matrix", "Float", 2},
+                    {"body", "Scalar", "Int", 1},           {"id", "Scalar", "Int", 1}};
+  PetscMPIInt rank;
+  int good = 1;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
+    std::ostringstream xml;
+    xml.precision(17);
+    xml << "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+        << "<Grid Name=\"points\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+    for (const Frame &frame : frames_) {
+      xml << "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" << frame.time << "\"/>\n";
+      for (std::size_t l = 0; l < frame.counts.size(); ++l) {
+        const auto n = frame.counts[l];
+        if (n == 0) continue;
+        const std::string place = FileName(frame.number) + ":/level_" + std::to_string(l) + "/";
+        xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
+            << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n << "\" NodesPerElement=\"1\"/>\n"
+            << "<Geometry GeometryType=\"XY\"><DataItem Dimensions=\"" << n
+            << " 2\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
+        for (const auto &a : attributes) {
+          const bool wide = a.number[0] == 'F' || a.name == std::string("id");
+          xml << "<Attribute Name=\"" << a.name << "\" AttributeType=\"" << a.kind << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
+          if (a.components > 1) xml << " " << a.components;
+          xml << "\" NumberType=\"" << a.number << "\" Precision=\"" << (wide ? 8 : 4) << "\" Format=\"HDF\">" << place << a.name
+              << "</DataItem></Attribute>\n";
+        }
+        xml << "</Grid>\n";
+      }
+      xml << "</Grid>\n";
+    }
+    xml << "</Grid>\n</Domain>\n</Xdmf>\n";
+    good = ReplaceFile(directory_ + "/points.xdmf", xml.str());
+  }
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm));
+  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "cannot write %s/points.xdmf: is the disk full, or the folder gone?", directory_.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

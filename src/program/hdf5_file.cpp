@@ -1,0 +1,173 @@
+// Parallel HDF5 through its C interface.
+#include "program/hdf5_file.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace mlgimp
+{
+
+static H5Handle ParallelAccess(MPI_Comm comm)
+{
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
+  H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  return access;
+}
+
+static H5Handle CollectiveTransfer()
+{
+  H5Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  return transfer;
+}
+
+static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
+{
+  const int rank = components > 1 ? 2 : 1;
+  const hsize_t width = static_cast<hsize_t>(components);
+  const hsize_t size[2] = {memory ? slab.count : slab.total, width}, start[2] = {memory ? 0 : slab.start, 0};
+  const hsize_t count[2] = {slab.count, width};
+  H5Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose);
+  if (slab.count == 0)
+    H5Sselect_none(space);
+  else
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+  return space;
+}
+
+PetscErrorCode H5Writer::Open(MPI_Comm comm, const std::string &path)
+{
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  path_ = path;
+  good_ = true;
+  const H5Handle access = ParallelAccess(comm);
+  file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  Note(file_.Valid());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void H5Writer::Group(const std::string &name)
+{
+  if (!good_) return;
+  const H5Handle group(H5Gcreate2(file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  Note(group.Valid());
+}
+
+void H5Writer::WriteAttribute(const std::string &object, const std::string &name, hid_t type, hid_t space, const void *data)
+{
+  if (!good_) return;
+  const H5Handle attribute(
+      H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  Note(attribute.Valid() && H5Awrite(attribute, type, data) >= 0);
+}
+
+void H5Writer::Attribute(const std::string &object, const std::string &name, double value)
+{
+  const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  WriteAttribute(object, name, H5T_NATIVE_DOUBLE, space, &value);
+}
+
+void H5Writer::Attribute(const std::string &object, const std::string &name, const std::string &value)
+{
+  const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, value.size() + 1);
+  WriteAttribute(object, name, type, space, value.c_str());
+}
+
+void H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
+{
+  const hsize_t size = values.size();
+  const H5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  WriteAttribute(object, name, H5T_NATIVE_DOUBLE, space, values.data());
+}
+
+void H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
+{
+  if (!good_) return;
+  const H5Handle file_space = SlabSpace(components, slab, false), memory_space = SlabSpace(components, slab, true);
+  const H5Handle set(H5Dcreate2(file_, name.c_str(), type, file_space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  Note(set.Valid());
+  if (!good_ || slab.total == 0) return;
+  Note(H5Dwrite(set, type, memory_space, file_space, CollectiveTransfer(), data) >= 0);
+}
+
+PetscErrorCode H5Writer::Finish()
+{
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  if (file_.Valid()) Note(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0);
+  Note(file_.Close());
+  int good = good_;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm_));
+  const std::string part = path_ + ".part";
+  if (rank == 0 && good) good = std::rename(part.c_str(), path_.c_str()) == 0;
+  if (rank == 0 && !good) std::remove(part.c_str());
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
+  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full, or the folder gone?", path_.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool H5Reader::Open(MPI_Comm comm, const std::string &path)
+{
+  const H5Handle access = ParallelAccess(comm);
+  file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+  return file_.Valid();
+}
+
+H5Handle H5Reader::OpenAttribute(const std::string &object, const std::string &name) const
+{
+  if (H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) <= 0) return H5Handle();
+  return H5Handle(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+}
+
+bool H5Reader::Attribute(const std::string &object, const std::string &name, double *value) const
+{
+  const H5Handle attribute = OpenAttribute(object, name);
+  return attribute.Valid() && H5Aread(attribute, H5T_NATIVE_DOUBLE, value) >= 0;
+}
+
+bool H5Reader::Attribute(const std::string &object, const std::string &name, std::string *value) const
+{
+  const H5Handle attribute = OpenAttribute(object, name);
+  if (!attribute.Valid()) return false;
+  const H5Handle type(H5Aget_type(attribute), H5Tclose);
+  if (H5Tget_class(type) != H5T_STRING) return false;
+  std::vector<char> text(H5Tget_size(type) + 1, '\0');
+  if (H5Aread(attribute, type, text.data()) < 0) return false;
+  *value = text.data();
+  return true;
+}
+
+bool H5Reader::Attribute(const std::string &object, const std::string &name, std::vector<double> *values) const
+{
+  const H5Handle attribute = OpenAttribute(object, name);
+  if (!attribute.Valid()) return false;
+  const H5Handle space(H5Aget_space(attribute), H5Sclose);
+  values->resize(static_cast<std::size_t>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space), 0)));
+  return H5Aread(attribute, H5T_NATIVE_DOUBLE, values->data()) >= 0;
+}
+
+bool H5Reader::Rows(const std::string &name, hsize_t *rows) const
+{
+  const H5Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!set.Valid()) return false;
+  const H5Handle space(H5Dget_space(set), H5Sclose);
+  hsize_t size[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space) > 2 || H5Sget_simple_extent_dims(space, size, nullptr) < 1) return false;
+  *rows = size[0];
+  return true;
+}
+
+bool H5Reader::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, void *data) const
+{
+  const H5Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!set.Valid()) return false;
+  if (slab.total == 0) return true;
+  const H5Handle file_space = SlabSpace(components, slab, false), memory_space = SlabSpace(components, slab, true);
+  return H5Dread(set, type, memory_space, file_space, CollectiveTransfer(), data) >= 0;
+}
+
+} // namespace mlgimp

@@ -1,0 +1,103 @@
+// Writing of history.csv.
+#include "program/history.hpp"
+
+#include <cstdlib>
+#include <fstream>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+struct Column {
+  const char *name;
+  double (*value)(const HistoryRow &row);
+};
+
+const Column kColumns[] = {
+    {"time", [](const HistoryRow &r) { return r.time; }},
+    {"depth", [](const HistoryRow &r) { return r.depth; }},
+    {"load", [](const HistoryRow &r) { return r.load; }},
+    {"contact_points", [](const HistoryRow &r) { return r.books.contact_points; }},
+    {"contact_half_width", [](const HistoryRow &r) { return r.half_width; }},
+    {"kinetic_energy", [](const HistoryRow &r) { return r.books.kinetic_energy; }},
+    {"strain_energy", [](const HistoryRow &r) { return r.books.strain_energy; }},
+    {"dissipated_energy", [](const HistoryRow &r) { return r.books.Dissipated(); }},
+    {"external_work", [](const HistoryRow &r) { return r.books.external_work; }},
+    {"indenter_work", [](const HistoryRow &r) { return r.books.indenter_work; }},
+    {"momentum_x", [](const HistoryRow &r) { return r.books.momentum[0]; }},
+    {"momentum_y", [](const HistoryRow &r) { return r.books.momentum[1]; }},
+    {"support_impulse_x", [](const HistoryRow &r) { return r.books.support_impulse[0]; }},
+    {"support_impulse_y", [](const HistoryRow &r) { return r.books.support_impulse[1]; }},
+    {"mass", [](const HistoryRow &r) { return r.books.mass; }},
+    {"points", [](const HistoryRow &r) { return r.books.points; }},
+    {"contact_impulse_x", [](const HistoryRow &r) { return r.books.contact_impulse[0]; }},
+    {"contact_impulse_y", [](const HistoryRow &r) { return r.books.contact_impulse[1]; }},
+    {"load_impulse_x", [](const HistoryRow &r) { return r.books.load_impulse[0]; }},
+    {"load_impulse_y", [](const HistoryRow &r) { return r.books.load_impulse[1]; }},
+    {"gravity_impulse_x", [](const HistoryRow &r) { return r.books.gravity_impulse[0]; }},
+    {"gravity_impulse_y", [](const HistoryRow &r) { return r.books.gravity_impulse[1]; }},
+    {"damping_impulse_x", [](const HistoryRow &r) { return r.books.damping_impulse[0]; }},
+    {"damping_impulse_y", [](const HistoryRow &r) { return r.books.damping_impulse[1]; }},
+    {"penetration", [](const HistoryRow &r) { return r.penetration; }},
+};
+
+/// The header and the rows of an earlier part of the run up to a step.
+std::string RowsUpTo(const std::string &path, long step)
+{
+  std::ifstream file(path);
+  std::string text, line;
+  std::getline(file, line);
+  while (std::getline(file, line))
+    if (!line.empty() && std::strtol(line.c_str(), nullptr, 10) <= step) text += line + "\n";
+  return text;
+}
+
+} // namespace
+
+PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long resume_step)
+{
+  PetscMPIInt rank;
+  int good = 1;
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  path_ = directory + "/history.csv";
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
+    const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step) : "";
+    file_ = std::fopen(path_.c_str(), "w");
+    good = file_ != nullptr;
+    if (good) {
+      std::fputs("step", file_);
+      for (const Column &column : kColumns) std::fprintf(file_, ",%s", column.name);
+      std::fprintf(file_, "\n%s", kept.c_str());
+      good = std::fflush(file_) == 0;
+    }
+  }
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm));
+  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full, or the folder gone?", path_.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode History::Write(const HistoryRow &row)
+{
+  int good = 1;
+  PetscFunctionBeginUser;
+  if (file_) {
+    std::fprintf(file_, "%ld", row.step);
+    for (const Column &column : kColumns) std::fprintf(file_, ",%.15g", column.value(row));
+    std::fputc('\n', file_);
+    good = std::fflush(file_) == 0;
+  }
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
+  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full?", path_.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+History::~History()
+{
+  if (file_) std::fclose(file_);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,298 @@
+// The loop over level-0 steps.
+#include "program/simulation.hpp"
+
+#include "program/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace mlgimp
+{
+
+namespace fs = std::filesystem;
+
+static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
+
+static LevelGeometry LevelZero(const Case &c)
+{
+  LevelGeometry geometry;
+  geometry.grid = {c.domain.lower, c.cell_size, {c.Cells(0), c.Cells(1)}, 1};
+  geometry.sides.kind = c.model.sides;
+  geometry.sides.node = {0, c.Cells(0), 0, c.Cells(1)};
+  return geometry;
+}
+
+PetscErrorCode Simulation::SetUp(MPI_Comm comm)
+{
+  HierarchySettings settings{{LevelZero(case_)}, case_.sort_interval, case_.rebalance_threshold};
+  const bool restart = !case_.output.restart.empty();
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  PetscCall(RegisterLogEvents(&events_));
+  PetscCall(hierarchy_.Create(comm, case_.model, settings, events_, !restart));
+  if (restart) {
+    PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_));
+    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %g, step %ld",
+               case_.output.restart.c_str(), state_.time, state_.step);
+  } else {
+    PetscCall(CheckBodies());
+    PetscCall(CheckIndenter());
+    PetscCall(hierarchy_.ReduceBooks(&books_));
+    state_.initial_mass = books_.mass;
+    state_.initial_points = books_.points;
+  }
+  PetscCall(CheckOutputFolder());
+  PetscCall(ControlStep());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::CheckBodies()
+{
+  const Model &model = case_.model;
+  std::vector<double> points(model.bodies.size(), 0.0), faces(model.loads.size(), 0.0);
+  PetscFunctionBeginUser;
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    PointArrays a;
+    PetscCall(hierarchy_.At(l).PointStore().Arrays(&a));
+    for (int p = 0; p < a.count; ++p) {
+      ++points[a.body[p]];
+      for (std::size_t k = 0; k < faces.size(); ++k) faces[k] += (a.faces[p] & LoadBit(static_cast<int>(k))) != 0;
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_DOUBLE, MPI_SUM, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, faces.data(), static_cast<int>(faces.size()), MPI_DOUBLE, MPI_SUM, comm_));
+  for (std::size_t b = 0; b < points.size(); ++b)
+    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT, "-bodies %s: must hold at least one material point; it is too small for -cell_size %g",
+               model.bodies[b].name.c_str(), case_.cell_size);
+  for (std::size_t k = 0; k < faces.size(); ++k)
+    PetscCheck(faces[k] > 0, comm_, PETSC_ERR_USER_INPUT, "-loads: load %d must cover a free face of body %s; see its side and span",
+               static_cast<int>(k) + 1, model.bodies[model.loads[k].body].name.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::CheckIndenter()
+{
+  double deepest = 0;
+  PetscFunctionBeginUser;
+  if (!case_.model.indenter) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    PointArrays a;
+    const std::vector<int> *surface = nullptr;
+    PetscCall(hierarchy_.At(l).PointStore().Arrays(&a));
+    PetscCall(hierarchy_.At(l).PointStore().SurfacePoints(&surface));
+    for (int p : *surface)
+      for (int corner = 0; corner < 4; ++corner) {
+        const Vec2 x = {a.position[2 * p] + (corner % 2 ? 1 : -1) * a.half_size[2 * p],
+                        a.position[2 * p + 1] + (corner / 2 ? 1 : -1) * a.half_size[2 * p + 1]};
+        deepest = std::max(deepest, -case_.model.indenter->Gap(x, 0).distance);
+      }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  const Vec2 tip = case_.model.indenter->tip;
+  PetscCheck(deepest <= 1e-6 * case_.cell_size, comm_, PETSC_ERR_USER_INPUT,
+             "-indenter_tip %g,%g: must leave the indenter outside every body; it starts %g m inside one", tip[0], tip[1], deepest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// True for the files that a run writes.
+static bool IsResult(const std::string &name)
+{
+  const auto begins = [&](const char *start) { return name.rfind(start, 0) == 0; };
+  return name == "history.csv" || name == "summary.json" || begins("points") || begins("checkpoint_");
+}
+
+PetscErrorCode Simulation::CheckOutputFolder()
+{
+  const OutputSettings &out = case_.output;
+  PetscMPIInt rank;
+  int state = 0; // 1: holds results, 2: is no folder
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  if (rank == 0) {
+    std::error_code error;
+    if (fs::exists(out.directory, error) && !fs::is_directory(out.directory, error)) state = 2;
+    else if (fs::is_directory(out.directory, error))
+      for (const auto &entry : fs::directory_iterator(out.directory, error))
+        if (IsResult(entry.path().filename().string())) state = 1;
+  }
+  PetscCallMPI(MPI_Bcast(&state, 1, MPI_INT, 0, comm_));
+  PetscCheck(state != 2, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder; it is a file", out.directory.c_str());
+  PetscCheck(state != 1 || out.overwrite || !out.restart.empty(), comm_, PETSC_ERR_USER_INPUT,
+             "-output_dir %s: must hold no results, or -overwrite be given", out.directory.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::PrepareOutputFolder()
+{
+  const OutputSettings &out = case_.output;
+  const bool restart = !out.restart.empty();
+  PetscMPIInt rank;
+  int good = 1;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  if (rank == 0) {
+    std::error_code error;
+    fs::create_directories(out.directory, error);
+    good = fs::is_directory(out.directory, error);
+    if (good && !restart)
+      for (const auto &entry : fs::directory_iterator(out.directory, error))
+        if (IsResult(entry.path().filename().string())) fs::remove(entry.path(), error);
+  }
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
+  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder that can be created", out.directory.c_str());
+  if (restart) PetscCall(frames_.Resume(comm_, state_.time));
+  PetscCall(history_.Open(comm_, out.directory, restart ? state_.step : -1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool Simulation::AtEnd() const
+{
+  const TimeSettings &time = case_.time;
+  return (time.max_steps > 0 && state_.step >= time.max_steps) || state_.time >= time.end_time * (1 - 1e-12);
+}
+
+double Simulation::Progress() const
+{
+  const TimeSettings &time = case_.time;
+  const double by_steps = time.max_steps > 0 ? static_cast<double>(state_.step) / time.max_steps : 0;
+  return AtEnd() ? 1 : std::max(by_steps, state_.time / time.end_time);
+}
+
+/// The user's step or that of the CFL number, shortened so that a whole number of steps leads to the end.
+double Simulation::StepLength(double wave_speed) const
+{
+  const TimeSettings &time = case_.time;
+  const double longest = time.time_step > 0 ? time.time_step : time.cfl * case_.cell_size / wave_speed;
+  const double left = time.end_time - state_.time;
+  return std::isfinite(left) ? left / std::max(1.0, std::ceil(left / longest - 1e-6)) : longest;
+}
+
+PetscErrorCode Simulation::ControlStep()
+{
+  Pulse pulse;
+  PetscFunctionBeginUser;
+  PetscCall(hierarchy_.MeasurePulse(&pulse));
+  if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
+  const double limit = kLargestCfl * case_.cell_size / pulse.wave_speed;
+  if (case_.time.time_step > limit) {
+    char message[200];
+    std::snprintf(message, sizeof message, "-time_step %g: must be <= %.4g, the cell size over the wave speed%s", case_.time.time_step,
+                  limit, state_.step > start_step_ ? " by now" : "");
+    PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message);
+    PetscCall(Fail(message));
+  }
+  state_.time_step = StepLength(pulse.wave_speed);
+  PetscCall(hierarchy_.Adapt(pulse, state_.time_step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::Run()
+{
+  PetscFunctionBeginUser;
+  PetscCall(PrepareOutputFolder());
+  start_wall_ = last_shown_ = MPI_Wtime();
+  start_step_ = state_.step;
+  start_progress_ = Progress();
+  if (state_.step == 0) PetscCall(WriteHistoryRow());
+  while (!AtEnd()) {
+    const double begin = MPI_Wtime();
+    PetscCall(hierarchy_.Advance(state_.time, state_.time_step));
+    level_seconds_ += MPI_Wtime() - begin;
+    for (int l = 0; l < hierarchy_.Levels(); ++l) point_steps_ += hierarchy_.At(l).PointStore().Count();
+    state_.time += state_.time_step;
+    ++state_.step;
+    if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
+    if (state_.step % kControlInterval == 0 && !AtEnd()) PetscCall(ControlStep());
+    PetscCall(WriteDue());
+    PetscCall(ShowProgress(false));
+  }
+  PetscCall(ShowProgress(true));
+  PetscCall(WriteSummary("completed"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::WriteDue()
+{
+  const OutputSettings &out = case_.output;
+  const bool last = AtEnd();
+  PetscFunctionBeginUser;
+  if (state_.step % kControlInterval == 0 || state_.step % out.history_interval == 0 || last) PetscCall(SettleFailure());
+  PetscCall(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
+  if (state_.step % out.history_interval == 0 || last) PetscCall(WriteHistoryRow());
+  const int due = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
+  if (due > state_.frames) {
+    state_.frames = due;
+    PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step));
+  }
+  if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0)
+    PetscCall(WriteCheckpoint(out.directory, case_.identity, hierarchy_, state_));
+  PetscCall(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::SettleFailure()
+{
+  std::string message;
+  PetscFunctionBeginUser;
+  PetscCall(hierarchy_.DescribeFailure(&message));
+  if (!message.empty()) PetscCall(Fail(message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::Fail(const std::string &message)
+{
+  PetscFunctionBeginUser;
+  PetscCall(WriteSummary("failed: " + message));
+  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
+}
+
+PetscErrorCode Simulation::WriteHistoryRow()
+{
+  const auto &indenter = case_.model.indenter;
+  HistoryRow row{};
+  PetscFunctionBeginUser;
+  PetscCall(hierarchy_.ReduceBooks(&books_));
+  double widest[2] = {0, 0};
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    widest[0] = std::max(widest[0], hierarchy_.At(l).Contacts().last.half_width);
+    widest[1] = std::max(widest[1], hierarchy_.At(l).Contacts().penetration);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, widest, 2, MPI_DOUBLE, MPI_MAX, comm_));
+  const double passed = state_.time - state_.time_at_row;
+  if (passed > 0) load_ = -(books_.contact_impulse[1] - state_.impulse_at_row) / passed;
+  state_.impulse_at_row = books_.contact_impulse[1];
+  state_.time_at_row = state_.time;
+  row = {state_.step, state_.time, indenter ? indenter->Depth(state_.time) : 0, load_, widest[0], widest[1], books_};
+  PetscCall(history_.Write(row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::ShowProgress(bool last)
+{
+  PetscFunctionBeginUser;
+  if (!case_.output.monitor) PetscFunctionReturn(PETSC_SUCCESS);
+  double now = MPI_Wtime();
+  PetscCallMPI(MPI_Bcast(&now, 1, MPI_DOUBLE, 0, comm_));
+  if (!last && now - last_shown_ < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  last_shown_ = now;
+  const double done = Progress() - start_progress_, elapsed = now - start_wall_;
+  const double left = done > 0 ? elapsed * (1 - Progress()) / done : 0;
+  double points = point_steps_;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_));
+  const double depth = case_.model.indenter ? case_.model.indenter->Depth(state_.time) : 0;
+  PetscCall(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s", state_.step,
+                        state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left, last ? "\n" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::WriteSummary(const std::string &status)
+{
+  SummaryInput input{status,       case_,          state_, hierarchy_, MPI_Wtime() - start_wall_, level_seconds_,
+                     point_steps_, events_, state_.step - start_step_};
+  PetscFunctionBeginUser;
+  PetscCall(mlgimp::WriteSummary(input));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

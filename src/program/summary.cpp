@@ -1,0 +1,114 @@
+// Writing of summary.json.
+#include "program/summary.hpp"
+
+#include "program/frames.hpp"
+#include "program/hdf5_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+std::string Quoted(const std::string &text)
+{
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string Pair(Vec2 x) { return "[" + FormatNumber(x[0]) + ", " + FormatNumber(x[1]) + "]"; }
+
+/// Seconds in an event over the stages of all levels, on this rank.
+PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event, double *seconds)
+{
+  PetscEventPerfInfo info;
+  PetscFunctionBeginUser;
+  *seconds = 0;
+  for (PetscLogStage stage : stages) {
+    PetscCall(PetscLogEventGetPerfInfo(stage, event, &info));
+    *seconds += info.time;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::string Versions()
+{
+  unsigned major, minor, release;
+  int mpi_major, mpi_minor, length;
+  char library[MPI_MAX_LIBRARY_VERSION_STRING];
+  std::ostringstream json;
+  H5get_libversion(&major, &minor, &release);
+  MPI_Get_version(&mpi_major, &mpi_minor);
+  MPI_Get_library_version(library, &length);
+  const std::string name(library, std::min<std::size_t>(std::string(library).find(','), static_cast<std::size_t>(length)));
+  json << "{\"mlgimp\": " << Quoted(kVersion) << ", \"PETSc\": \"" << PETSC_VERSION_MAJOR << '.' << PETSC_VERSION_MINOR << '.'
+       << PETSC_VERSION_SUBMINOR << "\", \"MPI\": " << Quoted(name) << ", \"HDF5\": \"" << major << '.' << minor << '.' << release << "\"}";
+  return json.str();
+}
+
+std::string LevelJson(const Level &level, double points, double largest, int ranks, double time_step)
+{
+  const GridGeometry &grid = level.Geometry().grid;
+  std::ostringstream json;
+  json << "{\"lower\": " << Pair(grid.lower) << ", \"upper\": "
+       << Pair(grid.lower + grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])})
+       << ", \"cell_size\": " << FormatNumber(grid.spacing) << ", \"points\": " << FormatNumber(points)
+       << ", \"cells\": " << static_cast<long>(grid.cells[0]) * grid.cells[1] << ", \"steps\": " << level.Steps()
+       << ", \"time_step\": " << FormatNumber(time_step) << ", \"imbalance\": " << FormatNumber(points > 0 ? largest * ranks / points : 1)
+       << "}";
+  return json.str();
+}
+
+} // namespace
+
+PetscErrorCode WriteSummary(const SummaryInput &in)
+{
+  PetscMPIInt rank, ranks;
+  Books books;
+  Hierarchy &hierarchy = in.hierarchy;
+  double times[5] = {in.step_seconds, 0, 0, 0, in.point_steps};
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
+  PetscCallMPI(MPI_Comm_size(hierarchy.Comm(), &ranks));
+  PetscCall(hierarchy.ReduceBooks(&books));
+  PetscCall(EventSeconds(hierarchy.Stages(), in.events.contact, &times[1]));
+  PetscCall(EventSeconds(hierarchy.Stages(), in.events.halo, &times[2]));
+  PetscCall(EventSeconds(hierarchy.Stages(), in.events.migrate, &times[3]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, times, 5, MPI_DOUBLE, MPI_SUM, hierarchy.Comm()));
+  const double total = std::max(times[0], 1e-30);
+  std::ostringstream json;
+  json << "{\n  \"status\": " << Quoted(in.status) << ",\n  \"case\": " << Quoted(in.settings.name) << ",\n  \"ranks\": " << ranks
+       << ",\n  \"levels\": [";
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    double points = 0, largest = 0;
+    PetscCall(hierarchy.PointsOn(l, &points, &largest));
+    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, ranks, in.state.time_step);
+  }
+  json << "\n  ],\n  \"steps\": " << in.state.step << ",\n  \"simulated_time\": " << FormatNumber(in.state.time)
+       << ",\n  \"wall_seconds\": " << FormatNumber(in.wall_seconds)
+       << ",\n  \"seconds_per_point_step\": " << FormatNumber(times[4] > 0 ? times[0] / times[4] : 0)
+       << ",\n  \"contact_share\": " << FormatNumber(times[1] / total) << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
+       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total)
+       << ",\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": 0"
+       << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points - books.points)
+       << ",\n  \"contact_steps\": " << FormatNumber(books.contact_steps)
+       << ",\n  \"contact_set_updates\": " << FormatNumber(books.contact_set_updates)
+       << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)
+       << ",\n  \"clamped_half_sizes\": " << FormatNumber(books.clamped_sizes) << ",\n  \"versions\": " << Versions() << "\n}\n";
+  int good = 1;
+  if (rank == 0) good = ReplaceFile(in.settings.output.directory + "/summary.json", json.str());
+  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, hierarchy.Comm()));
+  PetscCheck(good, hierarchy.Comm(), PETSC_ERR_USER_INPUT, "cannot write %s/summary.json: is the disk full, or the folder gone?",
+             in.settings.output.directory.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,135 @@
+"""What tests share: running the program, reading its results, and stating what is expected."""
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PROGRAM = ROOT / "bin" / "mlgimp"
+sys.path.insert(0, str(ROOT / "scripts"))
+
+ENVIRONMENT = dict(
+    os.environ,
+    OMPI_ALLOW_RUN_AS_ROOT="1",
+    OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+    OMPI_MCA_rmaps_base_oversubscribe="1",
+    OMPI_MCA_mpi_yield_when_idle="1",
+    OMPI_MCA_pml="ob1",
+    OMPI_MCA_btl="self,vader",
+    OMP_NUM_THREADS="1",
+)
+
+
+class Result:
+    """A finished run: exit status, printed text and the results in its folder."""
+
+    def __init__(self, status, stdout, stderr, folder):
+        self.status, self.stdout, self.stderr, self.folder = status, stdout, stderr, pathlib.Path(folder)
+
+    @property
+    def history(self):
+        """Columns of history.csv as a dict of numpy arrays."""
+        import results
+        return results.read_history(self.folder)
+
+    @property
+    def summary(self):
+        return json.loads((self.folder / "summary.json").read_text())
+
+    def frame(self, number=None):
+        """All points of a frame (the last by default), ordered by id."""
+        import numpy
+        import results
+        points = results.all_points(results.read_frame(results.find_frame(self.folder, number)).levels)
+        order = numpy.argsort(points["id"])
+        return {name: values[order] for name, values in points.items()}
+
+
+def command(arguments, ranks):
+    """The command line on a number of ranks."""
+    start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    return start + [str(PROGRAM)] + [str(a) for a in arguments]
+
+
+def to_arguments(options):
+    """{'cell_size': 1, 'overwrite': None} -> ['-cell_size', '1', '-overwrite']; lists are joined by commas."""
+    arguments = []
+    for name, value in options.items():
+        arguments.append("-" + name)
+        if isinstance(value, (list, tuple)):
+            arguments.append(",".join(repr(v) if isinstance(v, float) else str(v) for v in value))
+        elif value is not None:
+            arguments.append(repr(value) if isinstance(value, float) else str(value))
+    return arguments
+
+
+def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=1200):
+    """Runs a case from an options file of the repository and/or a dict of options; returns a Result.
+
+    The results go to `folder`, or to a temporary one that scratch() removes at the end.
+    """
+    folder = pathlib.Path(folder or tempfile.mkdtemp(dir=scratch()))
+    arguments = ["-options_file", ROOT / "options" / file] if file else []
+    arguments += to_arguments({"output_dir": folder, "overwrite": None, "monitor": "false", **options})
+    done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, cwd=ROOT,
+                          timeout=timeout)
+    result = Result(done.returncode, done.stdout, done.stderr, folder)
+    if must_succeed and done.returncode != 0:
+        raise AssertionError(f"exit status {done.returncode}: {done.stderr.strip()[-500:]}")
+    return result
+
+
+_scratch = None
+
+
+def scratch():
+    """A folder for results, removed when the tests end."""
+    global _scratch
+    if _scratch is None:
+        _scratch = tempfile.mkdtemp(prefix="mlgimp_test_")
+    return _scratch
+
+
+def clean_up():
+    if _scratch:
+        shutil.rmtree(_scratch, ignore_errors=True)
+
+
+class Report:
+    """Counts and prints expectations as they are checked; one table of figures for people to read."""
+
+    def __init__(self):
+        self.passed = self.failed = 0
+        self.rows = []
+
+    def expect(self, name, value, at_most=None, at_least=None, near=None, tolerance=None):
+        """Passes if the value lies within the limits given; a NaN never does."""
+        good, limits = True, []
+        if at_most is not None:
+            good &= bool(value <= at_most)
+            limits.append(f"<= {at_most:g}")
+        if at_least is not None:
+            good &= bool(value >= at_least)
+            limits.append(f">= {at_least:g}")
+        if near is not None:
+            good &= bool(abs(value - near) <= tolerance)
+            limits.append(f"{near:g} +- {tolerance:g}")
+        self.note(name, good, f"{value:.4g} ({', '.join(limits)})")
+
+    def note(self, name, good, detail=""):
+        self.passed += bool(good)
+        self.failed += not good
+        self.rows.append((name, bool(good), detail))
+        print(("ok    " if good else "FAIL  ") + name + (": " + detail if detail else ""), flush=True)
+
+
+def read_csv(path):
+    """A CSV with '#' comments and a header as a dict of lists of floats."""
+    with open(path) as file:
+        lines = [line for line in file if not line.startswith("#")]
+    table = list(csv.DictReader(lines))
+    return {name: [float(row[name]) for row in table] for name in table[0]}

@@ -18,6 +18,7 @@ ENVIRONMENT = dict(
     OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
     OMPI_MCA_rmaps_base_oversubscribe="1",
     OMPI_MCA_mpi_yield_when_idle="1",
+    OMPI_MCA_orte_execute_quiet="1",
     OMPI_MCA_pml="ob1",
     OMPI_MCA_btl="self,vader",
     OMP_NUM_THREADS="1",

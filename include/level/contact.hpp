@@ -29,6 +29,7 @@ struct ContactReport {
   Vec2 side_impulse{};    ///< its part that sides take up at once, N s
   int local_points = 0;   ///< points of this rank under pressure
   double half_width = 0;  ///< of the contact, m
+  double peak_pressure = 0; ///< largest pressure found, Pa
   double penetration = 0; ///< deepest place of the surface inside the indenter at `time`, m
   int set_updates = 0;    ///< of the active set
   bool fallback = false;  ///< the active set did not settle: row-sum diagonal used

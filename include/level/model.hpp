@@ -37,12 +37,11 @@ struct Model {
   bool contact_monitor = false;
   StressUpdate stress_update = StressUpdate::kMusl;
   ShortWaveViscosity short_wave;
-  double xpic_fraction = 0;
   NodalSettings nodal;             ///< mass_cutoff is set by each level
   BodyAcceleration acceleration;   ///< beside gravity; empty for none
 
   /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes.
-  bool UsesRates() const { return stress_update == StressUpdate::kMusl || short_wave.On() || xpic_fraction > 0; }
+  bool UsesRates() const { return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0; }
   int HistoryComponents() const
   {
     int largest = 0;

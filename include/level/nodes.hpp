@@ -39,6 +39,7 @@ struct NodalSettings {
   Vec2 gravity{};          ///< m/s2
   double damping = 0;      ///< 1/s
   double mass_cutoff = 0;  ///< nodes with less are skipped, kg
+  double xpic_fraction = 0;
   int xpic_order = 2;
 };
 
@@ -61,7 +62,7 @@ void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalT
 void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
-/// order 1), smooth strain rate. Owned nodes.
+/// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do. Owned nodes.
 void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings);
 
 } // namespace mlgimp

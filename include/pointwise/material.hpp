@@ -29,7 +29,7 @@ struct MaterialBatch {
   int count;                   ///< number of points, <= kBlock
   double dt;                   ///< s
   const double *L[4];          ///< velocity gradient, components xx, xy, yx, yy of [count] each, 1/s
-  const double *increment[4];  ///< exp(dt L), likewise
+  const double *increment[4];  ///< I + dt L, likewise
   const double *F;             ///< [count][4] new deformation gradient
   double *stress;              ///< [count][4] overwritten with the new stress, Pa
   double *history;             ///< [count][HistorySize()] internal variables, updated in place
@@ -72,8 +72,10 @@ bool ModelHasYield(const std::string &model);
 
 std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants);
 
-/// Advances F <- exp(dt L) F in closed form (det F > 0 always) and leaves exp(dt L) in increment.
-/// L, increment [4][kBlock]: xx, xy, yx, yy; F [count][4]. Valid for |dt L| < 1/2; returns the largest |dt L| met.
+/// Advances F <- (I + dt L) F and leaves I + dt L in increment; returns the largest |dt L| met (row sums).
+/// L, increment [4][kBlock]: xx, xy, yx, yy; F [count][4]. As L is taken where the points are before they move, this is
+/// the exact gradient of the step's motion x + dt v(x); exp(dt L) would be off by a first-order error.
+/// det F stays positive while |dt L| < 1/2.
 double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], double (*increment)[kBlock], double *F);
 
 } // namespace mlgimp

@@ -88,7 +88,14 @@ int ComputeStencil(const Lattice<dim> &grid, int count, const double *x, const d
     for (int p = 0; p < count; ++p) {
       const double a = (x[dim * p + axis] - origin) * inverse_h, nearest = std::floor(a + 0.5);
       double size = half_size[dim * p + axis] * inverse_h;
-      if constexpr (Shape::kUsesDeformation) size *= std::abs(F[dim * dim * p + axis * (dim + 1)]);
+      if constexpr (Shape::kUsesDeformation) {
+        size = 0;
+        for (int b = 0; b < dim; ++b) {
+          const double edge = F[dim * dim * p + dim * axis + b] * half_size[dim * p + b];
+          size += edge * edge;
+        }
+        size = std::sqrt(size) * inverse_h;
+      }
       const double l = std::min(std::max(size, kMinHalfSize), kMaxHalfSize);
       clamped += std::abs(size - l) > 1e-9;
       double weight[3], slope[3];

@@ -40,6 +40,7 @@ struct Case {
   OutputSettings output;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
+  std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity; ///< options that a restart must share
 
   int Cells(int axis) const

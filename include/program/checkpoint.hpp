@@ -12,10 +12,12 @@ namespace mlgimp
 /// The state of a run beside its points.
 struct RunState {
   double time = 0, time_step = 0;
+  double wave_speed = 0;        ///< that the time step follows, m/s
   long step = 0;
   int frames = 0;               ///< written so far
   double initial_mass = 0, initial_points = 0;
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
+  double penetration = 0;       ///< deepest so far, m
 };
 
 /// Writes directory/checkpoint_SSSSSS.h5. Collective.

@@ -14,8 +14,8 @@ class FrameWriter
 public:
   FrameWriter(std::string directory, const Model &model) : directory_(std::move(directory)), model_(model) {}
 
-  /// Finds the frames up to `time` that an interrupted run left, so that the series goes on; removes later ones.
-  PetscErrorCode Resume(MPI_Comm comm, double time);
+  /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on; removes others.
+  PetscErrorCode Resume(MPI_Comm comm, int written);
   /// Writes frame `number` (the first is 1) and the series with it. Collective.
   PetscErrorCode Write(Hierarchy &hierarchy, int number, double time, long step);
 

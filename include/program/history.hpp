@@ -3,7 +3,6 @@
 
 #include "levels/hierarchy.hpp"
 
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@ namespace mlgimp
 /// A row; the columns are named in history.cpp.
 struct HistoryRow {
   long step;
-  double time, depth, load, half_width, penetration;
+  double time, depth, load, half_width, penetration, peak_pressure;
   Books books;
 };
 
@@ -26,9 +25,11 @@ public:
   ~History();
 
 private:
+  bool Append(const std::string &text) const;
+
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
-  std::FILE *file_ = nullptr; ///< on the first rank
+  int file_ = -1; ///< on the first rank
 };
 
 } // namespace mlgimp

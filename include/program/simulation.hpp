@@ -26,11 +26,14 @@ public:
 private:
   PetscErrorCode CheckBodies();
   PetscErrorCode CheckIndenter();
+  bool GoesOn() const;
   PetscErrorCode CheckOutputFolder();
   PetscErrorCode PrepareOutputFolder();
   PetscErrorCode ControlStep();
   PetscErrorCode WriteDue();
   PetscErrorCode WriteHistoryRow();
+  PetscErrorCode WriteState();
+  PetscErrorCode LargestContact(HistoryRow *row);
   PetscErrorCode WriteSummary(const std::string &status);
   PetscErrorCode Fail(const std::string &message);
   PetscErrorCode ShowProgress(bool last);

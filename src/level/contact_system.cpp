@@ -20,7 +20,7 @@ struct EntryRecord {
 
 /// What the root sends back: a header, then (key, pressure) pairs and (i, j, dv) quadruples.
 struct Header {
-  double pressures, nodes, impulse[2], side_impulse[2], half_width, set_updates, fallback, solved;
+  double pressures, nodes, impulse[2], side_impulse[2], half_width, peak_pressure, set_updates, fallback, solved;
 };
 constexpr int kHeaderSize = sizeof(Header) / sizeof(double);
 
@@ -56,13 +56,13 @@ template <class Record, class Less, class Add> void Merge(std::vector<Record> &r
   if (!records.empty()) records.resize(kept + 1);
 }
 
-/// Where the contact ends beyond the outermost unknown under pressure: a smooth edge has p^2 linear in x there, an
-/// edge of the indenter ends what the unknown covers.
-double ContactEdge(double x_inner, double p_inner, double x_outer, double p_outer, double limit)
+/// Where a contact ends, from the pressures p of two unknowns at distances d from its middle: a smooth edge has p^2
+/// linear in d^2 (exactly so under a cylinder); where p does not fall, an edge of the indenter ends the contact.
+double ContactEdge(double d_inner, double p_inner, double d_outer, double p_outer, double limit)
 {
-  const double slope = p_inner * p_inner - p_outer * p_outer;
-  const double reach = slope > 0 ? (x_outer - x_inner) * p_outer * p_outer / slope : limit - x_outer;
-  return limit > x_outer ? std::min(x_outer + reach, limit) : std::max(x_outer + reach, limit);
+  const double fall = p_inner * p_inner - p_outer * p_outer;
+  if (fall <= 0) return limit;
+  return std::min(limit, std::sqrt(d_outer * d_outer + p_outer * p_outer * (d_outer * d_outer - d_inner * d_inner) / fall));
 }
 
 } // namespace
@@ -119,24 +119,27 @@ struct ContactSystem::Problem {
     for (const EntryRecord &e : entries) unknown.push_back(number[e.key]);
   }
 
-  /// Half the width of the part under pressure, or its whole width on one side of the tip.
+  /// Half the width of the part under pressure; where it lies on one side of the tip, all of its width.
   double HalfWidth(const std::vector<double> &lambda, bool smooth, double tip) const
   {
-    int first = -1, last = -1;
-    for (int k = 0; k < static_cast<int>(rows.size()); ++k)
-      if (lambda[k] > 0) {
-        if (first < 0 || rows[k].x < rows[first].x) first = k;
-        if (last < 0 || rows[k].x > rows[last].x) last = k;
-      }
-    if (first < 0) return 0;
-    double left = rows[first].left, right = rows[last].right;
-    if (smooth && last - first >= 2) {
-      right = ContactEdge(rows[last - 1].x, lambda[last - 1], rows[last].x, lambda[last], right);
-      left = ContactEdge(rows[first + 1].x, lambda[first + 1], rows[first].x, lambda[first], left);
+    double reach[2] = {0, 0}; // to the left and to the right of the tip
+    for (int side = 0; side < 2; ++side) {
+      const double sign = side ? 1 : -1;
+      std::vector<std::pair<double, int>> loaded; // by distance from the tip
+      for (int k = 0; k < static_cast<int>(rows.size()); ++k)
+        if (lambda[k] > 0 && sign * (rows[k].x - tip) >= 0) loaded.push_back({sign * (rows[k].x - tip), k});
+      if (loaded.empty()) continue;
+      std::sort(loaded.begin(), loaded.end());
+      const std::size_t n = loaded.size();
+      const RowRecord &last = rows[loaded.back().second];
+      reach[side] = std::max(0.0, sign * ((side ? last.right : last.left) - tip));
+      // The outermost unknown covers loaded and free surface alike; the two before it tell more.
+      if (smooth && n >= 4)
+        reach[side] = ContactEdge(loaded[n - 3].first, lambda[loaded[n - 3].second], loaded[n - 2].first,
+                                  lambda[loaded[n - 2].second], reach[side]);
     }
-    if (rows[first].left >= tip - 1e-3 * (rows[last].right - rows[first].left)) return right - tip;
-    if (rows[last].right <= tip + 1e-3 * (rows[last].right - rows[first].left)) return tip - left;
-    return 0.5 * (right - left);
+    const bool both_sides = std::min(reach[0], reach[1]) > 0.05 * std::max(reach[0], reach[1]);
+    return both_sides ? 0.5 * (reach[0] + reach[1]) : std::max(reach[0], reach[1]);
   }
 };
 
@@ -221,6 +224,7 @@ PetscErrorCode ContactSystem::SolveOnRoot(const ContactView &view, Problem &prob
   }
   PetscCall(solver_.Solve(A, r, lambda, &report));
   header.half_width = problem.HalfWidth(lambda, symmetric_, view.indenter.Tip(view.time)[0]);
+  for (double pressure : lambda) header.peak_pressure = std::max(header.peak_pressure, pressure);
   header.set_updates = report.set_updates;
   header.fallback = report.fallback;
   header.solved = report.solved;
@@ -276,6 +280,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   report->impulse = {header.impulse[0], header.impulse[1]};
   report->side_impulse = {header.side_impulse[0], header.side_impulse[1]};
   report->half_width = header.half_width;
+  report->peak_pressure = header.peak_pressure;
   report->set_updates = static_cast<int>(header.set_updates);
   report->fallback = header.fallback != 0;
   report->solved = header.solved != 0;

@@ -25,7 +25,7 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
 
 PetscErrorCode Level::Create(MPI_Comm comm, const LevelGeometry &geometry, const GridLayout &layout)
 {
-  constexpr double kEmptyNode = 1e-12; // of the mass of a full cell
+  constexpr double kEmptyNode = 1e-24; // of the mass of a full cell; forces on lighter nodes are lost
   double density = HUGE_VAL;
   PetscFunctionBeginUser;
   geometry_ = geometry;
@@ -172,7 +172,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
 {
   const bool rates = model_.UsesRates(), usl = model_.stress_update == StressUpdate::kUsl;
   const GridToPointsPlan first = {dt, usl, model_.short_wave.On(), rates, !rates};
-  const RatesPlan second = {dt, model_.stress_update == StressUpdate::kMusl, model_.short_wave, model_.xpic_fraction, true};
+  const RatesPlan second = {dt, model_.stress_update == StressUpdate::kMusl, model_.short_wave, nodal_.xpic_fraction, true};
   PointArrays points;
   PointFailure failure;
   PetscFunctionBeginUser;

@@ -251,19 +251,19 @@ PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departu
   PetscCall(PetscFree(source_counts));
   std::sort(arrivals.begin(), arrivals.end());
   PetscCall(RemovePoints(from, departures.points));
-  if (arriving == 0 && parcel.ranks.empty()) PetscFunctionReturn(PETSC_SUCCESS);
 
+  // From here on nothing is collective but the duplication, which counts tags and so must happen on all ranks.
+  PetscMPIInt tag;
+  MPI_Comm inner;
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
   RecordCopier copier;
   const int before = to.Count();
-  PetscCall(to.Resize(before + arriving));
+  if (arriving > 0) PetscCall(to.Resize(before + arriving));
   PetscCall(RecordCopier::Create(to, &copier));
   const std::size_t bytes = copier.RecordBytes();
   std::vector<char> incoming(bytes * arriving);
   std::vector<MPI_Request> requests;
   MPI_Datatype record;
-  PetscMPIInt tag;
-  MPI_Comm inner;
-  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
   PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
   PetscCallMPI(MPI_Type_commit(&record));
   std::size_t offset = 0;

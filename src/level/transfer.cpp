@@ -168,7 +168,7 @@ public:
         b.velocity[2 * p + 1] += value[p][3];
         L[0][p] = slope_x[p][0], L[1][p] = slope_y[p][0], L[2][p] = slope_x[p][1], L[3][p] = slope_y[p][1];
       }
-      if (plan.strain_rate) KeepStrainRate(b, view.bodies, plan.dt, L, totals);
+      if (plan.strain_rate) KeepStrainRate(b, view.bodies, plan.dt, slope_x, slope_y, totals);
       if (plan.scatter) ScatterRates(view.grid, w, b, grid_velocity);
       if (plan.strain) AdvanceStress(b, view.bodies, plan.dt, L, totals, failure);
       if (plan.move) Move(b, view.grid, plan.dt, grid_velocity, failure);
@@ -233,16 +233,17 @@ private:
   }
 
   /// Books the work of the short-wave stress that acted in this step and puts the strain rate in its place.
-  static void KeepStrainRate(const PointArrays &b, const BodyTable &bodies, double dt, const double (*L)[kBlock],
-                             SweepTotals &totals)
+  /// The work is that with the mean velocity of the step. Slopes [count][4]: of the new velocity and of its change.
+  static void KeepStrainRate(const PointArrays &b, const BodyTable &bodies, double dt, const double (*slope_x)[4],
+                             const double (*slope_y)[4], SweepTotals &totals)
   {
     double volume[kBlock], work = 0;
     Volumes(b, bodies, volume);
 #pragma omp simd reduction(+ : work)
     for (int p = 0; p < b.count; ++p) {
       double *s = b.short_wave_stress + 3 * p;
-      const double xx = L[0][p], yy = L[3][p], xy = 0.5 * (L[1][p] + L[2][p]);
-      work += volume[p] * (s[0] * xx + s[1] * yy + 2 * s[2] * xy);
+      const double *x = slope_x[p], *y = slope_y[p], xx = x[0], yy = y[1], xy = 0.5 * (x[1] + y[0]);
+      work += volume[p] * (s[0] * (xx - 0.5 * x[2]) + s[1] * (yy - 0.5 * y[3]) + 2 * s[2] * (xy - 0.25 * (x[3] + y[2])));
       s[0] = xx, s[1] = yy, s[2] = xy;
     }
     totals.short_wave_dissipation += dt * work;

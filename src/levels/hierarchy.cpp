@@ -9,6 +9,16 @@
 namespace mlgimp
 {
 
+/// The log stage of a level, which hierarchies created one after the other share.
+static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
+{
+  const std::string name = "level " + std::to_string(l);
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogStageGetId(name.c_str(), stage));
+  if (*stage < 0) PetscCall(PetscLogStageRegister(name.c_str(), stage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings,
                                  const LogEvents &events, bool fill)
 {
@@ -26,9 +36,9 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
     const Seeding seeding(model, geometry.grid, geometry.sides, [](Vec2) { return true; }, first_id);
     GridLayout layout;
     PetscCheck(MakeLayout(ranks, seeding.CountByNode(0), seeding.CountByNode(1), &layout), comm, PETSC_ERR_USER_INPUT,
-               "-cell_size %g: must leave at least %d nodes for each rank in some direction; there are %d x %d cells for %d ranks",
+               "-cell_size %.12g: must leave at least %d nodes for each rank in some direction; there are %d x %d cells for %d ranks",
                geometry.grid.spacing, kHaloWidth, geometry.grid.cells[0], geometry.grid.cells[1], ranks);
-    PetscCall(PetscLogStageRegister(("level " + std::to_string(l)).c_str(), &stages_.emplace_back()));
+    PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, layout));
     if (fill) PetscCall(seeding.Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
     first_id = seeding.EndId();

@@ -22,15 +22,7 @@ double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], doubl
 #pragma omp simd reduction(max : largest)
   for (int p = 0; p < count; ++p) {
     const double xx = dt * L[0][p], xy = dt * L[1][p], yx = dt * L[2][p], yy = dt * L[3][p];
-    // exp(A) = e^s (C I + S A'), s = tr A/2, A' = A - s I, q = -det A', C = cosh sqrt(q), S = sinh sqrt(q)/sqrt(q).
-    const double s = 0.5 * (xx + yy), d = 0.5 * (xx - yy), q = d * d + xy * yx;
-    const double C = 1 + q / 2 * (1 + q / 12 * (1 + q / 30 * (1 + q / 56 * (1 + q / 90))));
-    const double S = 1 + q / 6 * (1 + q / 20 * (1 + q / 42 * (1 + q / 72 * (1 + q / 110))));
-    const double t = 0.25 * s; // e^s = (e^t)^4
-    const double root = 1 + t * (1 + t / 2 * (1 + t / 3 * (1 + t / 4 * (1 + t / 5 * (1 + t / 6 * (1 + t / 7 *
-                        (1 + t / 8)))))));
-    const double e = root * root * root * root;
-    const double gxx = e * (C + S * d), gxy = e * S * xy, gyx = e * S * yx, gyy = e * (C - S * d);
+    const double gxx = 1 + xx, gxy = xy, gyx = yx, gyy = 1 + yy;
     increment[0][p] = gxx, increment[1][p] = gxy, increment[2][p] = gyx, increment[3][p] = gyy;
     const double Fxx = F[4 * p], Fxy = F[4 * p + 1], Fyx = F[4 * p + 2], Fyy = F[4 * p + 3];
     F[4 * p] = gxx * Fxx + gxy * Fyx;

@@ -3,6 +3,8 @@
 
 #include "level/contact.hpp"
 
+#include <petscksp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unistd.h>
@@ -56,6 +58,11 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
                               "a whole fraction of the domain's edges " + FormatNumber(c->domain.upper[0] - c->domain.lower[0]) +
                                   " and " + FormatNumber(c->domain.upper[1] - c->domain.lower[1])));
   }
+  // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
+  const double nodes = (c->Cells(0) + 4.0) * (c->Cells(1) + 4.0), most = PETSC_MAX_INT / NodeArrays::kSums;
+  if (nodes > most)
+    PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
+                            "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,6 +211,7 @@ PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &b
     if (!(span[1] > span[0])) PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));
     PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"}, &load.pressure));
     c->model.loads.push_back(load);
+    c->load_names.push_back(name);
   }
   PetscCall(reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &c->model.nodal.gravity));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -296,6 +304,42 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A type that PETSc knows, where the option is given.
+PetscErrorCode CheckType(OptionReader &reader, const std::string &option, PetscFunctionList list)
+{
+  std::string text = "default";
+  bool given = false;
+  const char **names = nullptr;
+  int count = 0;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Text({option, "type of the solver of the contact pressures", ""}, false, &text, &given));
+  PetscCall(PetscFunctionListGet(list, &names, &count));
+  std::vector<std::string> known;
+  for (int k = 0; k < count; ++k)
+    if (names[k]) known.push_back(names[k]);
+  PetscCall(PetscFree(names));
+  if (given && std::find(known.begin(), known.end(), text) == known.end())
+    PetscCall(reader.Refuse(option, text, "one of " + Join(known, ", ")));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
+PetscErrorCode CheckContactSolver(OptionReader &reader)
+{
+  double tolerance = 1e-10;
+  int iterations = 10000;
+  PetscFunctionBeginUser;
+  PetscCall(KSPInitializePackage());
+  PetscCall(PCInitializePackage());
+  reader.Identify(false);
+  PetscCall(CheckType(reader, "-contact_ksp_type", KSPList));
+  PetscCall(CheckType(reader, "-contact_pc_type", PCList));
+  PetscCall(reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures", ""}, Open(0, 1), false, &tolerance));
+  PetscCall(reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures", ""}, Closed(1, 2e9), &iterations));
+  reader.Identify(true);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
 {
   std::string kind = "none";
@@ -306,6 +350,8 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
   PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact));
   PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
   if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  const bool has_solver = c->model.contact == "pressure" || c->model.contact == "point_pressure";
+  if (has_solver && !reader.Help()) PetscCall(CheckContactSolver(reader));
   Indenter &indenter = c->model.indenter.emplace();
   PetscCall(ReadSurface(reader, kind, &indenter.surface));
   PetscCall(reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip));
@@ -323,7 +369,7 @@ PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
 {
   const std::vector<std::string> updates = {"usl", "usf", "musl"};
   std::string update = "musl";
-  std::vector<double> viscosity = {0.01, 4};
+  std::vector<double> viscosity = {0.001, 4};
   Model &model = c->model;
   PetscFunctionBeginUser;
   PetscCall(reader.Choice({"-shape_function", "weights of points on nodes", ""}, ShapeFunctions(), &model.shape_function));
@@ -332,7 +378,7 @@ PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
   PetscCall(reader.Numbers({"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
                            kNotNegative, 2, 2, false, &viscosity));
   model.short_wave = {viscosity[0], viscosity[1]};
-  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP", ""}, Closed(0, 1), false, &model.xpic_fraction));
+  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP", ""}, Closed(0, 1), false, &model.nodal.xpic_fraction));
   PetscCall(reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC", ""}, Closed(1, 2), &model.nodal.xpic_order));
   PetscCall(reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false, &model.nodal.damping));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-static constexpr double kFormatVersion = 1;
+static constexpr double kFormatVersion = 2;
 
 static hid_t H5Type(FieldType type)
 {
@@ -43,8 +43,9 @@ PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<s
   PetscCall(file.Open(hierarchy.Comm(), directory + name));
   file.Attribute("/", "format_version", kFormatVersion);
   file.Attribute("/", "identity", Join(identity, "\n"));
-  file.Attribute("/", "state", std::vector<double>{s.time, s.time_step, static_cast<double>(s.step), static_cast<double>(s.frames),
-                                                   s.initial_mass, s.initial_points, s.impulse_at_row, s.time_at_row});
+  file.Attribute("/", "state", std::vector<double>{s.time, s.time_step, s.wave_speed, static_cast<double>(s.step),
+                                                   static_cast<double>(s.frames), s.initial_mass, s.initial_points,
+                                                   s.impulse_at_row, s.time_at_row, s.penetration});
   file.Attribute("/", "books", BooksAsNumbers(books));
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     Level &level = hierarchy.At(l);
@@ -156,14 +157,15 @@ PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::st
   PetscCheck(version == kFormatVersion, comm, PETSC_ERR_USER_INPUT, "-restart %s: must have format version %g; it has %g", path.c_str(), kFormatVersion, version);
   const std::string difference = FirstDifference(identity, Split(then, '\n'));
   PetscCheck(difference.empty(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be of the same case; %s", path.c_str(), difference.c_str());
-  bool good = file.Attribute("/", "state", &state) && file.Attribute("/", "books", &numbers) && state.size() == 8 &&
+  bool good = file.Attribute("/", "state", &state) && file.Attribute("/", "books", &numbers) && state.size() == 10 &&
               numbers.size() == sizeof(Books) / sizeof(double);
   for (int l = 0; l < hierarchy.Levels() && good; ++l) PetscCall(ReadLevel(file, GroupName(l), hierarchy.At(l), comm, &good));
   PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "-restart %s: must be a whole checkpoint; parts of it are missing", path.c_str());
   Books books;
   std::copy(numbers.begin(), numbers.end(), reinterpret_cast<double *>(&books));
   PetscCall(hierarchy.RestoreBooks(books));
-  *s = {state[0], state[1], static_cast<long>(state[2]), static_cast<int>(state[3]), state[4], state[5], state[6], state[7]};
+  *s = {state[0], state[1], state[2], static_cast<long>(state[3]), static_cast<int>(state[4]),
+        state[5], state[6], state[7], state[8], state[9]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -88,27 +89,32 @@ PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FrameWriter::Resume(MPI_Comm comm, double time)
+PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written)
 {
+  namespace fs = std::filesystem;
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  for (int number = 1; std::filesystem::exists(directory_ + "/" + FileName(number)); ++number) {
+  for (int number = 1; number <= written; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
     Frame frame{number, 0, {}};
-    const bool kept = file.Open(comm, directory_ + "/" + FileName(number)) && file.Attribute("/", "time", &frame.time) &&
-                      frame.time <= time * (1 + 1e-12);
-    for (int l = 0; kept && file.Has("level_" + std::to_string(l)); ++l) {
+    if (!file.Open(comm, directory_ + "/" + FileName(number)) || !file.Attribute("/", "time", &frame.time)) continue;
+    for (int l = 0; file.Has("level_" + std::to_string(l)); ++l) {
       hsize_t rows = 0;
       file.Rows("/level_" + std::to_string(l) + "/id", &rows);
       frame.counts.push_back(rows);
     }
-    if (!kept) break;
     frames_.push_back(frame);
   }
-  PetscCallMPI(MPI_Barrier(comm));
-  if (rank == 0)
-    for (int number = static_cast<int>(frames_.size()) + 1; std::filesystem::remove(directory_ + "/" + FileName(number));) ++number;
+  if (rank == 0) {
+    std::error_code error;
+    std::vector<fs::path> later;
+    for (const auto &entry : fs::directory_iterator(directory_, error)) {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind("points_", 0) == 0 && std::atoi(name.c_str() + 7) > written) later.push_back(entry.path());
+    }
+    for (const auto &path : later) fs::remove(path, error);
+  }
   PetscCallMPI(MPI_Barrier(comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

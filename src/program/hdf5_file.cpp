@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 namespace mlgimp
 {
@@ -112,6 +113,14 @@ PetscErrorCode H5Writer::Finish()
 
 bool H5Reader::Open(MPI_Comm comm, const std::string &path)
 {
+  int rank = 0, is_file = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0) {
+    std::error_code error;
+    is_file = std::filesystem::is_regular_file(path, error);
+  }
+  MPI_Bcast(&is_file, 1, MPI_INT, 0, comm);
+  if (!is_file) return false;
   const H5Handle access = ParallelAccess(comm);
   file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
   return file_.Valid();
@@ -164,7 +173,12 @@ bool H5Reader::Rows(const std::string &name, hsize_t *rows) const
 bool H5Reader::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, void *data) const
 {
   const H5Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  hsize_t size[2] = {0, 1};
   if (!set.Valid()) return false;
+  const H5Handle space(H5Dget_space(set), H5Sclose);
+  if (H5Sget_simple_extent_ndims(space) != (components > 1 ? 2 : 1)) return false;
+  H5Sget_simple_extent_dims(space, size, nullptr);
+  if (size[0] != slab.total || size[1] != static_cast<hsize_t>(components)) return false;
   if (slab.total == 0) return true;
   const H5Handle file_space = SlabSpace(components, slab, false), memory_space = SlabSpace(components, slab, true);
   return H5Dread(set, type, memory_space, file_space, CollectiveTransfer(), data) >= 0;

@@ -1,8 +1,13 @@
 // Writing of history.csv.
 #include "program/history.hpp"
 
+#include "program/frames.hpp"
+
+#include <cstdio>
 #include <cstdlib>
+#include <fcntl.h>
 #include <fstream>
+#include <unistd.h>
 
 namespace mlgimp
 {
@@ -41,6 +46,7 @@ const Column kColumns[] = {
     {"damping_impulse_x", [](const HistoryRow &r) { return r.books.damping_impulse[0]; }},
     {"damping_impulse_y", [](const HistoryRow &r) { return r.books.damping_impulse[1]; }},
     {"penetration", [](const HistoryRow &r) { return r.penetration; }},
+    {"peak_pressure", [](const HistoryRow &r) { return r.peak_pressure; }},
 };
 
 /// The header and the rows of an earlier part of the run up to a step.
@@ -54,6 +60,13 @@ std::string RowsUpTo(const std::string &path, long step)
   return text;
 }
 
+std::string Header()
+{
+  std::string text = "step";
+  for (const Column &column : kColumns) text += std::string(",") + column.name;
+  return text + "\n";
+}
+
 } // namespace
 
 PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long resume_step)
@@ -65,30 +78,36 @@ PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long r
   path_ = directory + "/history.csv";
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) {
-    const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step) : "";
-    file_ = std::fopen(path_.c_str(), "w");
-    good = file_ != nullptr;
-    if (good) {
-      std::fputs("step", file_);
-      for (const Column &column : kColumns) std::fprintf(file_, ",%s", column.name);
-      std::fprintf(file_, "\n%s", kept.c_str());
-      good = std::fflush(file_) == 0;
-    }
+    good = ReplaceFile(path_, Header() + (resume_step >= 0 ? RowsUpTo(path_, resume_step) : ""));
+    if (good) file_ = open(path_.c_str(), O_WRONLY | O_APPEND);
+    good = good && file_ >= 0;
   }
   PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm));
   PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full, or the folder gone?", path_.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Adds the whole text or nothing.
+bool History::Append(const std::string &text) const
+{
+  const off_t end = lseek(file_, 0, SEEK_END);
+  if (write(file_, text.data(), text.size()) == static_cast<ssize_t>(text.size())) return true;
+  (void)!ftruncate(file_, end);
+  return false;
+}
+
 PetscErrorCode History::Write(const HistoryRow &row)
 {
   int good = 1;
   PetscFunctionBeginUser;
-  if (file_) {
-    std::fprintf(file_, "%ld", row.step);
-    for (const Column &column : kColumns) std::fprintf(file_, ",%.15g", column.value(row));
-    std::fputc('\n', file_);
-    good = std::fflush(file_) == 0;
+  if (file_ >= 0) {
+    std::string text = std::to_string(row.step);
+    for (const Column &column : kColumns) {
+      char number[32];
+      std::snprintf(number, sizeof number, ",%.15g", column.value(row));
+      text += number;
+    }
+    good = Append(text + "\n");
   }
   PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
   PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full?", path_.c_str());
@@ -97,7 +116,7 @@ PetscErrorCode History::Write(const HistoryRow &row)
 
 History::~History()
 {
-  if (file_) std::fclose(file_);
+  if (file_ >= 0) close(file_);
 }
 
 } // namespace mlgimp

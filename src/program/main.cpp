@@ -69,6 +69,9 @@ int main(int argc, char **argv)
   if (!code) {
     code = PetscPushErrorHandler(OneLineHandler, nullptr);
     if (!code) code = Main();
+    // Input is refused on all ranks alike; other errors may be one rank's, and the others would wait for it.
+    if (code && code != PETSC_ERR_USER_INPUT && code != PETSC_ERR_ARG_UNKNOWN_TYPE) MPI_Abort(MPI_COMM_WORLD, 1);
+    PetscPopErrorHandler();
     PetscErrorCode end = PetscFinalize();
     if (!code) code = end;
   }

@@ -71,6 +71,8 @@ PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fa
   PetscBool set = PETSC_FALSE;
   auto PetscOptionsObject = items_;
   PetscFunctionBeginUser;
+  if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
+    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: must have one meaning; give the body, material or load another name", option.name.c_str());
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   PetscCall(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &set));
   *given = set;
@@ -152,7 +154,8 @@ PetscErrorCode OptionReader::Numbers(const OptionText &option, const Range &rang
   for (double value : *values) defaults.push_back(std::isfinite(value) ? FormatNumber(value) : "none");
   PetscCall(Raw(option, required ? "required" : defaults.empty() ? "none" : Join(defaults, ","), &text, &set));
   if (given) *given = set;
-  const std::string count = least == 1 && most == 1 ? "" : most == least ? std::to_string(least) + " numbers " : "numbers ";
+  const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
+  const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
   if (!set) {
     if (required && !help_) PetscCall(Refuse(option.name, "", "given: " + option.help));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -245,8 +248,17 @@ bool IsOptionName(const std::string &word)
   return word.size() > 1 && word[0] == '-' && (std::isalpha(static_cast<unsigned char>(word[1])) || word[1] == '-');
 }
 
+/// The text with a question mark for each character that is none.
+std::string Printable(std::string text)
+{
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
+  return text;
+}
+
 std::string CheckOptionsFile(const std::string &path)
 {
+  if (path.size() > 5 && path.substr(path.size() - 5) == ".yaml")
+    return "-options_file " + path + ": must hold lines '-name value'; YAML is not read";
   std::ifstream file(path);
   if (!file || file.peek() == std::ifstream::traits_type::eof()) return "-options_file " + path + ": must be a readable file with options";
   std::set<std::string> seen;
@@ -257,7 +269,8 @@ std::string CheckOptionsFile(const std::string &path)
     words >> name >> value >> more;
     const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
     if (name.empty()) continue;
-    if (!IsOptionName(name)) return place + "must be '-name value', found '" + name + "'";
+    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Printable(name) + "'";
+    if (name == "-options_file") return place + "must not name another options file; give both on the command line";
     if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + more + "'";
     if (!seen.insert(name).second) return name + " " + value + ": must be given once, found again in line " +
                                          std::to_string(number) + " of " + path;
@@ -279,8 +292,7 @@ std::string CheckCommandLine(int argc, char **argv)
     }
     if (word == "-options_file") {
       const std::string path = k + 1 < argc ? argv[k + 1] : "";
-      const bool yaml = path.size() > 5 && path.substr(path.size() - 5) == ".yaml";
-      const std::string message = yaml ? "" : CheckOptionsFile(path);
+      const std::string message = CheckOptionsFile(path);
       if (!message.empty()) return message;
     } else if (!seen.insert(word).second) {
       return word + ": must be given once on the command line";

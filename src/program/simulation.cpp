@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 namespace mlgimp
@@ -13,6 +14,14 @@ namespace mlgimp
 namespace fs = std::filesystem;
 
 static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
+
+/// A computed number for people to read.
+static std::string Rounded(double x)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
 
 static LevelGeometry LevelZero(const Case &c)
 {
@@ -33,8 +42,10 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
   PetscCall(hierarchy_.Create(comm, case_.model, settings, events_, !restart));
   if (restart) {
     PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_));
-    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %g, step %ld",
-               case_.output.restart.c_str(), state_.time, state_.step);
+    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
+               case_.output.restart.c_str(), FormatNumber(state_.time).c_str(), state_.step);
+    hierarchy_.At(0).Contacts().penetration = state_.penetration;
+    start_step_ = state_.step;
   } else {
     PetscCall(CheckBodies());
     PetscCall(CheckIndenter());
@@ -63,11 +74,11 @@ PetscErrorCode Simulation::CheckBodies()
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_DOUBLE, MPI_SUM, comm_));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, faces.data(), static_cast<int>(faces.size()), MPI_DOUBLE, MPI_SUM, comm_));
   for (std::size_t b = 0; b < points.size(); ++b)
-    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT, "-bodies %s: must hold at least one material point; it is too small for -cell_size %g",
-               model.bodies[b].name.c_str(), case_.cell_size);
+    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT, "-bodies %s: must hold at least one material point; it is too small for -cell_size %s",
+               model.bodies[b].name.c_str(), FormatNumber(case_.cell_size).c_str());
   for (std::size_t k = 0; k < faces.size(); ++k)
-    PetscCheck(faces[k] > 0, comm_, PETSC_ERR_USER_INPUT, "-loads: load %d must cover a free face of body %s; see its side and span",
-               static_cast<int>(k) + 1, model.bodies[model.loads[k].body].name.c_str());
+    PetscCheck(faces[k] > 0, comm_, PETSC_ERR_USER_INPUT, "-loads %s: must cover a free face of body %s; see its side and span",
+               case_.load_names[k].c_str(), model.bodies[model.loads[k].body].name.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,7 +102,8 @@ PetscErrorCode Simulation::CheckIndenter()
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, comm_));
   const Vec2 tip = case_.model.indenter->tip;
   PetscCheck(deepest <= 1e-6 * case_.cell_size, comm_, PETSC_ERR_USER_INPUT,
-             "-indenter_tip %g,%g: must leave the indenter outside every body; it starts %g m inside one", tip[0], tip[1], deepest);
+             "-indenter_tip %s: must leave the indenter outside every body; it starts %s m inside one", FormatVector(tip).c_str(),
+             Rounded(deepest).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -100,6 +112,14 @@ static bool IsResult(const std::string &name)
 {
   const auto begins = [&](const char *start) { return name.rfind(start, 0) == 0; };
   return name == "history.csv" || name == "summary.json" || begins("points") || begins("checkpoint_");
+}
+
+/// True for a restart in the folder of the run that it goes on with.
+bool Simulation::GoesOn() const
+{
+  const fs::path from = fs::path(case_.output.restart).parent_path();
+  std::error_code error;
+  return !case_.output.restart.empty() && fs::equivalent(from.empty() ? "." : from, case_.output.directory, error);
 }
 
 PetscErrorCode Simulation::CheckOutputFolder()
@@ -112,13 +132,13 @@ PetscErrorCode Simulation::CheckOutputFolder()
   if (rank == 0) {
     std::error_code error;
     if (fs::exists(out.directory, error) && !fs::is_directory(out.directory, error)) state = 2;
-    else if (fs::is_directory(out.directory, error))
+    else if (fs::is_directory(out.directory, error) && !GoesOn())
       for (const auto &entry : fs::directory_iterator(out.directory, error))
         if (IsResult(entry.path().filename().string())) state = 1;
   }
   PetscCallMPI(MPI_Bcast(&state, 1, MPI_INT, 0, comm_));
   PetscCheck(state != 2, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder; it is a file", out.directory.c_str());
-  PetscCheck(state != 1 || out.overwrite || !out.restart.empty(), comm_, PETSC_ERR_USER_INPUT,
+  PetscCheck(state != 1 || out.overwrite, comm_, PETSC_ERR_USER_INPUT,
              "-output_dir %s: must hold no results, or -overwrite be given", out.directory.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,23 +146,24 @@ PetscErrorCode Simulation::CheckOutputFolder()
 PetscErrorCode Simulation::PrepareOutputFolder()
 {
   const OutputSettings &out = case_.output;
-  const bool restart = !out.restart.empty();
   PetscMPIInt rank;
-  int good = 1;
+  int good = 1, goes_on = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   if (rank == 0) {
     std::error_code error;
     fs::create_directories(out.directory, error);
     good = fs::is_directory(out.directory, error);
-    if (good && !restart)
+    goes_on = GoesOn();
+    if (good && !goes_on)
       for (const auto &entry : fs::directory_iterator(out.directory, error))
         if (IsResult(entry.path().filename().string())) fs::remove(entry.path(), error);
   }
   PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
+  PetscCallMPI(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm_));
   PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder that can be created", out.directory.c_str());
-  if (restart) PetscCall(frames_.Resume(comm_, state_.time));
-  PetscCall(history_.Open(comm_, out.directory, restart ? state_.step : -1));
+  if (goes_on) PetscCall(frames_.Resume(comm_, state_.frames));
+  PetscCall(history_.Open(comm_, out.directory, goes_on ? state_.step : -1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,13 +197,14 @@ PetscErrorCode Simulation::ControlStep()
   if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
   const double limit = kLargestCfl * case_.cell_size / pulse.wave_speed;
   if (case_.time.time_step > limit) {
-    char message[200];
-    std::snprintf(message, sizeof message, "-time_step %g: must be <= %.4g, the cell size over the wave speed%s", case_.time.time_step,
-                  limit, state_.step > start_step_ ? " by now" : "");
-    PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message);
+    const std::string message = "-time_step " + FormatNumber(case_.time.time_step) + ": must be <= " + Rounded(limit) +
+                                ", the cell size over the wave speed" + (state_.step > start_step_ ? " by now" : "");
+    PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
     PetscCall(Fail(message));
   }
-  state_.time_step = StepLength(pulse.wave_speed);
+  // A restart goes on with the wave speed that its run last looked at, so that its steps are the same.
+  if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = pulse.wave_speed;
+  state_.time_step = StepLength(state_.wave_speed);
   PetscCall(hierarchy_.Adapt(pulse, state_.time_step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,7 +214,6 @@ PetscErrorCode Simulation::Run()
   PetscFunctionBeginUser;
   PetscCall(PrepareOutputFolder());
   start_wall_ = last_shown_ = MPI_Wtime();
-  start_step_ = state_.step;
   start_progress_ = Progress();
   if (state_.step == 0) PetscCall(WriteHistoryRow());
   while (!AtEnd()) {
@@ -226,7 +247,7 @@ PetscErrorCode Simulation::WriteDue()
     PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step));
   }
   if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0)
-    PetscCall(WriteCheckpoint(out.directory, case_.identity, hierarchy_, state_));
+    PetscCall(WriteState());
   PetscCall(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -247,23 +268,50 @@ PetscErrorCode Simulation::Fail(const std::string &message)
   SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
 }
 
+/// What contact reports as largest values, over levels and ranks.
+PetscErrorCode Simulation::LargestContact(HistoryRow *row)
+{
+  double largest[3] = {};
+  PetscFunctionBeginUser;
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    const ContactTotals &contact = hierarchy_.At(l).Contacts();
+    largest[0] = std::max(largest[0], contact.last.half_width);
+    largest[1] = std::max(largest[1], contact.penetration);
+    largest[2] = std::max(largest[2], contact.last.peak_pressure);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, comm_));
+  row->half_width = largest[0];
+  row->penetration = largest[1];
+  row->peak_pressure = largest[2];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Simulation::WriteState()
+{
+  HistoryRow row{};
+  PetscFunctionBeginUser;
+  PetscCall(LargestContact(&row));
+  state_.penetration = row.penetration;
+  PetscCall(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Simulation::WriteHistoryRow()
 {
   const auto &indenter = case_.model.indenter;
   HistoryRow row{};
   PetscFunctionBeginUser;
   PetscCall(hierarchy_.ReduceBooks(&books_));
-  double widest[2] = {0, 0};
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    widest[0] = std::max(widest[0], hierarchy_.At(l).Contacts().last.half_width);
-    widest[1] = std::max(widest[1], hierarchy_.At(l).Contacts().penetration);
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, widest, 2, MPI_DOUBLE, MPI_MAX, comm_));
   const double passed = state_.time - state_.time_at_row;
   if (passed > 0) load_ = -(books_.contact_impulse[1] - state_.impulse_at_row) / passed;
   state_.impulse_at_row = books_.contact_impulse[1];
   state_.time_at_row = state_.time;
-  row = {state_.step, state_.time, indenter ? indenter->Depth(state_.time) : 0, load_, widest[0], widest[1], books_};
+  row.step = state_.step;
+  row.time = state_.time;
+  row.depth = indenter ? indenter->Depth(state_.time) : 0;
+  row.load = load_;
+  row.books = books_;
+  PetscCall(LargestContact(&row));
   PetscCall(history_.Write(row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,6 +10,7 @@ in SI units.  Plane strain is one layer of C3D8 elements, 1 um thick, with
 u_z = 0 and the back nodes tied to the front ones.
 """
 import os
+import re
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 SILICON = (170.0, 0.18, 2.33)
 STVK, NEO_HOOKE = ("SOLID", "*ELASTIC"), ("CIARLET_EL", "*USER MATERIAL, CONSTANTS=2")
+LAW_NAMES = {STVK: "St. Venant-Kirchhoff", NEO_HOOKE: "neo-Hookean (Ciarlet)"}
 ALUMINIUM = (70.0, 0.33, 2.70)
 FIELD_CONTROLS = "*CONTROLS, PARAMETERS=FIELD\n1e-4, 1e-3"
 
@@ -112,10 +114,7 @@ def run(workdir, name, lines):
 
 def number(word):
     """Value of a printed number; ccx drops the E of three-digit exponents."""
-    try:
-        return float(word)
-    except ValueError:
-        return 0.0
+    return float(re.sub(r"(\d)([+-]\d{3})$", r"\1E\2", word))
 
 
 def read_dat(path):
@@ -263,31 +262,39 @@ def axis_profile(grid, data, when):
             for j in range(grid.ny)]
 
 
-def pressure_case(workdir):
-    """Write pressure.csv and pressure_axis.csv."""
-    history, profile, notes = [], [], []
-    for peak, times in ((6.0, (10, 20, 30, 40)), (60.0, (5, 10, 15, 18))):
-        _, coarse = run_pressure(workdir, 1.0, 0.1, peak)
-        grid, fine = run_pressure(workdir, 0.5, 0.1, peak)
+STVK_COLLAPSE = ["At 60 GPa the run stops after 18 ns (36 GPa): there the St. Venant-Kirchhoff",
+                 "law loses its stiffness in compression and the loaded elements collapse."]
+
+
+def write_pressure(workdir, name, law, cases, notes):
+    """Write NAME.csv and NAME_axis.csv; cases are (peak, times of the profiles)."""
+    history, profile, meshes = [], [], []
+    for peak, times in cases:
+        _, coarse = run_pressure(workdir, 1.0, 0.1, peak, law)
+        grid, fine = run_pressure(workdir, 0.5, 0.1, peak, law)
         rough, best = pressure_history(coarse), pressure_history(fine)
         for when in times:
             at_1um, at_05um = (value_at(rows, when * 1e-9) for rows in (rough, best))
-            notes.append(f"  {peak:g} GPa, {when} ns: {at_1um:.5e} (1 um), {at_05um:.5e} (0.5 um)")
+            meshes.append(f"  {peak:g} GPa, {when} ns: {at_1um:.5e} (1 um), {at_05um:.5e} (0.5 um)")
             profile += [[peak * 1e9, when * 1e-9, y * 1e-6, s * 1e9]
                         for y, s in axis_profile(grid, fine, when)]
         history += [[peak * 1e9, *row] for row in best]
     setting = ["Pressure on 0 <= x <= 4 um of the top of a 30 x 40 um silicon half model.",
-               "Plane strain, 1 um thick; E 170 GPa, nu 0.18, rho 2330 kg/m3, St. Venant-Kirchhoff.",
+               f"Plane strain, 1 um thick; E 170 GPa, nu 0.18, rho 2330 kg/m3, {LAW_NAMES[law]}.",
                "Follower pressure, 0 -> peak over 30 ns, then constant to 40 ns.",
                "C3D8 (B-bar), 0.5 um square elements, implicit alpha method (-0.05), 0.1 ns increments."]
-    write_csv("pressure.csv", setting + ["y displacement (m) of the node x = 0, y = 40 um.",
-              "At 60 GPa the run stops after 18 ns (36 GPa): there the St. Venant-Kirchhoff",
-              "law loses its stiffness in compression and the loaded elements collapse.",
-              "The same by mesh:"] + notes,
-              "peak_Pa,time_s,uy_m", history)
-    write_csv("pressure_axis.csv", setting + ["Cauchy stress_yy, mean of the element column next to the",
+    write_csv(f"{name}.csv", setting + ["y displacement (m) of the node x = 0, y = 40 um."] + notes
+              + ["The same by mesh:"] + meshes, "peak_Pa,time_s,uy_m", history)
+    write_csv(f"{name}_axis.csv", setting + ["Cauchy stress_yy, mean of the element column next to the",
               "axis (centres at x = 0.25 um); y is the reference height of the element centre."],
               "peak_Pa,time_s,y_m,stress_yy_Pa", profile)
+
+
+def pressure_case(workdir):
+    """Write the results of both material laws."""
+    write_pressure(workdir, "pressure", STVK,
+                   [(6.0, (10, 20, 30, 40)), (60.0, (5, 10, 15, 18))], STVK_COLLAPSE)
+    write_pressure(workdir, "pressure_neohooke", NEO_HOOKE, [(60.0, (10, 20, 30, 40))], [])
 
 
 # ---------------------------------------------------------------------- wedge
@@ -348,9 +355,9 @@ def flywheel_deck(grid, duration):
     return lines + ramp("SPIN", [(0, 0), (duration, speed * duration)])
 
 
-def run_wedge(workdir, name, grid, drive, increment, every, stiffness):
+def run_wedge(workdir, name, grid, drive, increment, every, stiffness, law=STVK):
     """Push the wedge along drive, the (time, depth) points; print every few increments."""
-    lines = grid.deck(ALUMINIUM) + wedge_deck(grid, stiffness)
+    lines = grid.deck(ALUMINIUM, law) + wedge_deck(grid, stiffness)
     lines += flywheel_deck(grid, drive[-1][0])
     lines += number_set("ELSET", "AXIS", [grid.element(0, j) for j in range(grid.ny)])
     lines += number_set("NSET", "SKIN", [grid.node(i, grid.ny) for i in range(grid.nx + 1)
@@ -364,12 +371,13 @@ def run_wedge(workdir, name, grid, drive, increment, every, stiffness):
     return run(workdir, name, lines)
 
 
-def shallow_wedge(workdir, size, increment, stiffness=5e4):
+def shallow_wedge(workdir, size, increment, stiffness=5e4, law=STVK):
     """The 450 nm case: 30 x 40 um half model, wedge at 20 m/s."""
     grid = Grid(graded(size, 1.0, 30.0), 40.0 - graded(size, 0.6, 40.0)[::-1])
-    name = f"wedge_h{size:g}_dt{increment:g}_k{stiffness:g}"
+    name = f"wedge{'_nh' * (law is NEO_HOOKE)}_h{size:g}_dt{increment:g}_k{stiffness:g}"
     every = round(0.25 / increment)
-    return grid, run_wedge(workdir, name, grid, [(0, 0), (22.5, 0.45)], increment, every, stiffness)
+    drive = [(0, 0), (22.5, 0.45)]
+    return grid, run_wedge(workdir, name, grid, drive, increment, every, stiffness, law)
 
 
 def wedge_load(data):
@@ -385,35 +393,61 @@ def stress_below(grid, data, when, depths):
     return [1e9 * np.interp(grid.ys[-1] - depth, heights, stresses) for depth in depths]
 
 
-def wedge_case(workdir):
-    """Write wedge.csv and wedge_axis.csv."""
-    sizes = (0.125, 0.0625, 0.03125, 0.015625)
-    runs = [shallow_wedge(workdir, size, 0.125) for size in sizes]
+def wedge_setting(law):
+    """Comment lines that state the wedge problem."""
+    return ["Rigid frictionless wedge, half-angle 70.3 degrees, 20 m/s, on aluminium, to 450 nm.",
+            "Half model 30 x 40 um, rollers on x = 0 and y = 0; plane strain, 1 um thick; E 70 GPa,",
+            f"nu 0.33, rho 2700 kg/m3, {LAW_NAMES[law]}; the wedge touches at t = 0.",
+            "C3D8 (B-bar), implicit alpha method (-0.05), 0.125 ns increments; surface-to-surface",
+            "penalty 5e19 Pa/m (overclosure 0.4 nm).  Square elements over 1.0 x 0.6 um below the",
+            "tip, growing by 1.1 outwards to 1 um; no averaging in time."]
+
+
+def write_wedge(workdir, name, law, meshes, notes):
+    """Write NAME.csv and NAME_axis.csv; meshes are (element size, last valid time in ns)."""
+    runs = [shallow_wedge(workdir, size, 0.125, law=law) for size, _ in meshes]
     loads = [wedge_load(data) for _, data in runs]
-    rows = np.column_stack([loads[0][:, 0], 20.0 * loads[0][:, 0]] + [load[:, 1] for load in loads])
-    setting = ["Rigid frictionless wedge, half-angle 70.3 degrees, 20 m/s, on aluminium, to 450 nm.",
-               "Half model 30 x 40 um, rollers on x = 0 and y = 0; plane strain, 1 um thick;",
-               "E 70 GPa, nu 0.33, rho 2700 kg/m3, St. Venant-Kirchhoff; the wedge touches at t = 0.",
-               "C3D8 (B-bar), implicit alpha method (-0.05), 0.125 ns increments; surface-to-surface",
-               "penalty 5e19 Pa/m (overclosure 0.4 nm).  Square elements over 1.0 x 0.6 um below the",
-               "tip, growing by 1.1 outwards to 1 um; no averaging in time."]
-    write_csv("wedge.csv", setting + ["Load on the half model (N) by size of the finest elements."],
-              "time_s,depth_m,load_h125nm_N,load_h62nm_N,load_h31nm_N,load_h16nm_N", rows)
-    depths, table = (1.0, 2.0, 5.0, 10.0), []
-    for size, (grid, data) in zip(sizes, runs):
-        table += [[size * 1e-6, 20.0 * when * 1e-9, *stress_below(grid, data, when, depths)]
-                  for when in (5.0, 10.0, 15.0, 20.0, 22.5)]
-    write_csv("wedge_axis.csv", setting + ["Cauchy stress_yy (Pa) of the material points on the axis that lay",
-              "1, 2, 5, 10 um below the surface: means of the elements next to the axis, interpolated in y."],
+    times = loads[0][:, 0]
+    columns = [[value_at(load, t) if t < 1e-9 * last + 1e-12 else np.nan for t in times]
+               for load, (_, last) in zip(loads, meshes)]
+    header = "time_s,depth_m," + ",".join(f"load_h{1000 * size:.0f}nm_N" for size, _ in meshes)
+    write_csv(f"{name}.csv", wedge_setting(law)
+              + ["Load on the half model (N) by size of the finest elements."] + notes,
+              header, np.column_stack([times, 20.0 * times] + columns))
+    table = []
+    for (size, last), (grid, data) in zip(meshes, runs):
+        table += [[size * 1e-6, 20.0 * when * 1e-9,
+                   *stress_below(grid, data, when, (1.0, 2.0, 5.0, 10.0))]
+                  for when in (5.0, 10.0, 15.0, 20.0, 22.5) if when <= last]
+    write_csv(f"{name}_axis.csv", wedge_setting(law)
+              + ["Cauchy stress_yy (Pa) of the material points on the axis that lay 1, 2, 5, 10 um",
+                 "below the surface: means of the elements next to the axis, interpolated in y."],
               "mesh_m,depth_m,syy_1um_Pa,syy_2um_Pa,syy_5um_Pa,syy_10um_Pa", table)
+
+
+def wedge_case(workdir):
+    """Write the results of both material laws."""
+    base, halved_step, doubled_penalty = (
+        wedge_load(shallow_wedge(workdir, 0.0625, increment, stiffness)[1])
+        for increment, stiffness in ((0.125, 5e4), (0.0625, 5e4), (0.125, 1e5)))
+    notes = ["nan: at a depth of ten elements the element at the tip collapses, the limit of the",
+             "law in compression.  Sensitivities of the 62 nm mesh:"]
+    notes += ["  {:.0f} nm: {:.5e}, {:.5e} (half the increment), {:.5e} (twice the penalty)"
+              .format(20 * t, *(value_at(load, t * 1e-9)
+                                for load in (base, halved_step, doubled_penalty)))
+              for t in (5.0, 10.0, 15.0, 20.0, 22.5)]
+    write_wedge(workdir, "wedge", STVK,
+                [(0.125, 22.5), (0.0625, 22.5), (0.05, 22.5), (0.03125, 15.0)], notes)
+    write_wedge(workdir, "wedge_neohooke", NEO_HOOKE, [(0.125, 22.5), (0.0625, 22.5)], [])
 
 
 def levels_case(workdir):
     """Write levels.csv."""
-    sizes = (0.25, 0.125)
-    loads = [wedge_load(five_level_wedge(workdir, size, 0.05)) for size in sizes]
-    depths = [1e-6 * five_level_depth(t * 1e9) for t in loads[0][:, 0]]
-    rows = np.column_stack([loads[0][:, 0], depths] + [load[:, 1] for load in loads])
+    loads = [wedge_load(five_level_wedge(workdir, size, 0.05)) for size in (0.5, 0.35, 0.25)]
+    times = loads[0][:, 0]
+    columns = [[value_at(load, t) if t < limit * 1e-9 else np.nan for t in times]
+               for load, limit in zip(loads, (24, 24, 20.5))]
+    rows = np.column_stack([times, [1e-6 * five_level_depth(t * 1e9) for t in times]] + columns)
     write_csv("levels.csv",
               ["Rigid frictionless wedge, half-angle 70.3 degrees, on aluminium, to 2 um depth:",
                "speed 0 -> 150 m/s over 20 ns, then constant.  Half model 125 x 125 um, rollers on",
@@ -421,8 +455,10 @@ def levels_case(workdir):
                "St. Venant-Kirchhoff; the wedge touches at t = 0.  C3D8 (B-bar), implicit alpha",
                "method (-0.05), 0.05 ns increments; surface-to-surface penalty 5e19 Pa/m.",
                "Square elements over 2.5 x 1.5 um below the tip, growing by 1.1 outwards to 2 um.",
+               "nan: at a depth of about six elements the element at the tip collapses, the limit",
+               "of the law in compression.",
                "Load on the half model (N) by size of the finest elements."],
-              "time_s,depth_m,load_h250nm_N,load_h125nm_N", rows)
+              "time_s,depth_m,load_h500nm_N,load_h350nm_N,load_h250nm_N", rows)
 
 
 def five_level_depth(t):

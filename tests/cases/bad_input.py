@@ -1,0 +1,327 @@
+"""Bad input: one line that names the option, the value and what is allowed, on any number of ranks, and nothing left behind."""
+import concurrent.futures
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import time
+
+import h5py
+
+import harness
+
+# mpiexec adds lines of its own where a program fails; only the program's are looked at here.
+ENVIRONMENT = dict(harness.ENVIRONMENT, OMPI_MCA_orte_execute_quiet="1")
+RANKS = (1, 3)
+LONGEST = 15  # seconds that a refusal may take on a busy machine
+
+BLOCK = {
+    "domain_lower": "0,0", "domain_upper": "12,12", "cell_size": "1", "max_steps": "40", "frames": "0",
+    "materials": "al", "al_youngs_modulus": "1e9", "al_poissons_ratio": "0.3", "al_density": "1000",
+    "bodies": "block", "block_lower": "0,0", "block_upper": "8,8",
+}
+WEDGE = {"indenter": "wedge", "indenter_half_angle": "70", "indenter_tip": "4,8", "indenter_times": "0",
+         "indenter_velocities": "1"}
+POLYGON = {**WEDGE, "indenter": "polygon", "indenter_half_angle": None}
+LOAD = {"loads": "press", "press_side": "y_upper", "press_times": "0,1e-3", "press_pressures": "0,1e3"}
+DISK = {"block_shape": "disk", "block_lower": None, "block_upper": None, "block_center": "4,4", "block_radius": "3"}
+VERTICES = {"block_shape": "polygon", "block_lower": None, "block_upper": None}
+TWO = {"bodies": "block,ball", "ball_shape": "disk", "ball_center": "6,10", "ball_radius": "1.5"}
+J2 = {"al_model": "j2", "al_yield_stress": "1e6", "al_hardening_modulus": "0"}
+
+
+def without(*names):
+    return {name: None for name in names}
+
+
+# What is tried, the options that differ from BLOCK (None takes one away), words of the line that is expected.
+CASES = [
+    # Missing
+    ("no options at all", without(*BLOCK), ["-domain_lower", "given"]),
+    ("no lower corner", without("domain_lower"), ["-domain_lower", "given"]),
+    ("no upper corner", without("domain_upper"), ["-domain_upper", "given"]),
+    ("no cell size", without("cell_size"), ["-cell_size", "given"]),
+    ("no materials", without("materials"), ["-materials", "given"]),
+    ("no modulus", without("al_youngs_modulus"), ["-al_youngs_modulus", "given"]),
+    ("no Poisson's ratio", without("al_poissons_ratio"), ["-al_poissons_ratio", "given"]),
+    ("no density", without("al_density"), ["-al_density", "given"]),
+    ("no yield stress", {**J2, "al_yield_stress": None}, ["-al_yield_stress", "given"]),
+    ("no hardening", {**J2, "al_hardening_modulus": None}, ["-al_hardening_modulus", "given"]),
+    ("no bodies", without("bodies"), ["-bodies", "given"]),
+    ("no box", without("block_upper"), ["-block_upper", "given"]),
+    ("no radius", {**DISK, "block_radius": None}, ["-block_radius", "given"]),
+    ("no vertices", VERTICES, ["-block_vertices", "given"]),
+    ("no end", without("max_steps"), ["-end_time", "-max_steps"]),
+    ("no tip", {**WEDGE, "indenter_tip": None}, ["-indenter_tip", "given"]),
+    ("no half-angle", {**WEDGE, "indenter_half_angle": None}, ["-indenter_half_angle", "given"]),
+    ("no indenter times", {**WEDGE, "indenter_times": None}, ["-indenter_times", "given"]),
+    ("no indenter velocities", {**WEDGE, "indenter_velocities": None}, ["-indenter_velocities", "given"]),
+    ("no cylinder radius", {**WEDGE, "indenter": "cylinder", "indenter_half_angle": None}, ["-indenter_radius", "given"]),
+    ("no punch width", {**WEDGE, "indenter": "flat_punch", "indenter_half_angle": None}, ["-indenter_width", "given"]),
+    ("no load pressures", {**LOAD, "press_pressures": None}, ["-press_pressures", "given"]),
+    ("two materials, none chosen",
+     {"materials": "al,si", "si_youngs_modulus": "1e9", "si_poissons_ratio": "0.2", "si_density": "1000"},
+     ["-block_material", "given"]),
+    # Unknown
+    ("mistyped", {"histroy_interval": "2"}, ["-histroy_interval", "nearest", "-history_interval"]),
+    ("mistyped name part", {"al_poisson_ratio": "0.2"}, ["-al_poisson_ratio", "nearest", "-al_poissons_ratio"]),
+    ("another indenter's option", {**WEDGE, "indenter_width": "1"}, ["-indenter_width", "case"]),
+    ("load's option without the load", {"press_side": "y_upper"}, ["-press_side"]),
+    ("mistyped contact solver option", {**WEDGE, "contact_ksp_rtoll": "1e-8"}, ["-contact_ksp_rtoll"]),
+    # Grid
+    ("part of a cell", {"domain_upper": "12.5,12"}, ["-cell_size 1:", "whole", "12.5"]),
+    ("upside down", {"domain_upper": "12,-3"}, ["-domain_upper 12,-3:", "above -domain_lower"]),
+    ("no height", {"domain_upper": "12,0"}, ["-domain_upper 12,0:", "above -domain_lower"]),
+    ("cells beyond number", {"cell_size": "1e-9"}, ["-cell_size 1e-09:"]),
+    ("more cells than numbers", {"cell_size": "1e-4"}, ["-cell_size 0.0001:"]),
+    ("cell size zero", {"cell_size": "0"}, ["-cell_size 0:", "> 0"]),
+    ("cell size negative", {"cell_size": "-1"}, ["-cell_size -1:", "> 0"]),
+    ("cell size not a number", {"cell_size": "nan"}, ["-cell_size nan:", "> 0"]),
+    ("cell size infinite", {"cell_size": "inf"}, ["-cell_size inf:", "> 0"]),
+    ("cell size overflows", {"cell_size": "1e999"}, ["-cell_size 1e999:", "> 0"]),
+    ("cell size with a unit", {"cell_size": "1um"}, ["-cell_size 1um:", "> 0"]),
+    ("cell size without value", {"cell_size": ""}, ["-cell_size (nothing):", "> 0"]),
+    ("one component", {"domain_upper": "12"}, ["-domain_upper 12:", "2 numbers"]),
+    ("three components", {"domain_upper": "12,12,12"}, ["-domain_upper 12,12,12:", "2 numbers"]),
+    ("empty component", {"domain_upper": "12,"}, ["-domain_upper 12,:", "2 numbers"]),
+    ("levels 0", {"levels": "0"}, ["-levels 0:"]),
+    ("levels 1.5", {"levels": "1.5"}, ["-levels 1.5:", "whole"]),
+    ("levels -1", {"levels": "-1"}, ["-levels -1:"]),
+    ("refinement ratio 1", {"refinement_ratio": "1"}, ["-refinement_ratio 1:", "[2, 16]"]),
+    ("geometry unknown", {"geometry": "spherical"}, ["-geometry spherical:", "plane_strain"]),
+    ("geometry 3d", {"geometry": "3d"}, ["-geometry 3d:", "plane_strain", "built"]),
+    ("geometry axisymmetric", {"geometry": "axisymmetric"}, ["-geometry axisymmetric:", "plane_strain", "built"]),
+    ("boundary unknown", {"boundary_x_lower": "sticky"}, ["-boundary_x_lower sticky:", "free, symmetry, fixed"]),
+    ("thickness zero", {"thickness": "0"}, ["-thickness 0:", "> 0"]),
+    # Materials
+    ("Poisson 0.5", {"al_poissons_ratio": "0.5"}, ["-al_poissons_ratio 0.5: must be in (-1, 0.5)"]),
+    ("Poisson -1", {"al_poissons_ratio": "-1"}, ["-al_poissons_ratio -1: must be in (-1, 0.5)"]),
+    ("density negative", {"al_density": "-2700"}, ["-al_density -2700:", "> 0"]),
+    ("modulus zero", {"al_youngs_modulus": "0"}, ["-al_youngs_modulus 0:", "> 0"]),
+    ("yield stress negative", {**J2, "al_yield_stress": "-1"}, ["-al_yield_stress -1:", "> 0"]),
+    ("hardening negative", {**J2, "al_hardening_modulus": "-1"}, ["-al_hardening_modulus -1:", ">= 0"]),
+    ("model unknown", {"al_model": "putty"}, ["-al_model putty:", "neo_hookean", "j2"]),
+    ("material twice", {"materials": "al,al"}, ["-materials al,al:", "different names"]),
+    ("material's name illegal", {"materials": "al,6061"}, ["-materials al,6061:", "letters"]),
+    ("material's name empty", {"materials": "al,"}, ["-materials al,:", "names"]),
+    # Bodies
+    ("body twice", {"bodies": "block,block"}, ["-bodies block,block:", "different names"]),
+    ("body's name illegal", {"bodies": "block,b-2"}, ["-bodies block,b-2:", "letters"]),
+    ("body with the name of other options", {**TWO, "bodies": "block,domain"}, ["domain"]),
+    ("body outside", {"block_upper": "8,13"}, ["-bodies block:", "inside the domain", "8,13"]),
+    ("body without points", {"bodies": "block,film", "film_lower": "0,10", "film_upper": "8,10.0000001"}, ["-bodies film:", "point"]),
+    ("bodies overlap", {**TWO, "ball_center": "6,9"}, ["-bodies ball:", "block", "overlap"]),
+    ("box upside down", {"block_upper": "8,-1"}, ["-block_upper 8,-1:", "above -block_lower 0,0"]),
+    ("disk with negative radius", {**DISK, "block_radius": "-3"}, ["-block_radius -3:", "> 0"]),
+    ("polygon with an odd number of values", {**VERTICES, "block_vertices": "0,0,8,0,8,8,0"}, ["-block_vertices", "x,y pairs"]),
+    ("polygon with two vertices", {**VERTICES, "block_vertices": "0,0,8,0"}, ["-block_vertices 0,0,8,0:", "at least 6"]),
+    ("shape unknown", {"block_shape": "star"}, ["-block_shape star:", "box, disk, polygon"]),
+    ("material unknown", {"block_material": "si"}, ["-block_material si:", "-materials", "al"]),
+    ("points per cell 0", {"block_points_per_cell": "0"}, ["-block_points_per_cell 0:", "[1, 16]"]),
+    ("velocity is text", {"block_velocity": "fast,0"}, ["-block_velocity fast,0:", "2 numbers"]),
+    # Loads
+    ("load on an unknown body", {**LOAD, "press_body": "brick"}, ["-press_body brick:", "-bodies", "block"]),
+    ("load's span reversed", {**LOAD, "press_span": "5,2"}, ["-press_span 5,2:", "end above start"]),
+    ("load on no face", {**LOAD, "press_span": "9,11"}, ["-loads press:", "face", "block"]),
+    ("load's side unknown", {**LOAD, "press_side": "top"}, ["-press_side top:", "y_upper"]),
+    ("load's times not increasing", {**LOAD, "press_times": "1e-3,0"}, ["-press_times", "increasing"]),
+    ("more pressures than times", {**LOAD, "press_pressures": "0,1,2"}, ["-press_pressures", "as many as -press_times"]),
+    ("load twice", {**LOAD, "loads": "press,press"}, ["-loads press,press:", "different names"]),
+    ("gravity with one component", {"gravity": "-9.81"}, ["-gravity -9.81:", "2 numbers"]),
+    # Indenter and contact
+    ("indenter unknown", {**WEDGE, "indenter": "cone"}, ["-indenter cone:", "wedge"]),
+    ("half-angle 90", {**WEDGE, "indenter_half_angle": "90"}, ["-indenter_half_angle 90:", "(0, 90)"]),
+    ("indenter inside the body", {**WEDGE, "indenter_tip": "4,7.5"}, ["-indenter_tip 4,7.5:", "outside"]),
+    ("indenter's times not increasing", {**WEDGE, "indenter_times": "0,0", "indenter_velocities": "1,2"},
+     ["-indenter_times", "increasing"]),
+    ("more times than velocities", {**WEDGE, "indenter_times": "0,1"}, ["-indenter_velocities", "as many as -indenter_times"]),
+    ("indenter polygon not convex", {**POLYGON, "indenter_vertices": "0,0,4,3,2,3,2,2,-2,3"}, ["-indenter_vertices", "convex"]),
+    ("indenter polygon with an odd number", {**POLYGON, "indenter_vertices": "0,0,1,1,-1,1,0"}, ["-indenter_vertices", "x,y pairs"]),
+    ("depth out of reach", {**WEDGE, "max_steps": None, "indenter_velocities": "-1", "indenter_max_depth": "1"},
+     ["-indenter_max_depth 1:", "reached"]),
+    ("unloading speed 0", {**WEDGE, "indenter_max_depth": "1", "indenter_unload_velocity": "0"},
+     ["-indenter_unload_velocity 0:", "not zero"]),
+    ("contact unknown", {**WEDGE, "contact": "glue"}, ["-contact glue:", "pressure"]),
+    ("contact solver unknown", {**WEDGE, "contact_ksp_type": "nonsense"}, ["-contact_ksp_type nonsense:", "cg"]),
+    ("contact preconditioner unknown", {**WEDGE, "contact_pc_type": "nonsense"}, ["-contact_pc_type nonsense:", "jacobi"]),
+    ("contact tolerance is text", {**WEDGE, "contact_ksp_rtol": "tight"}, ["-contact_ksp_rtol tight:"]),
+    ("contact iterations is text", {**WEDGE, "contact_ksp_max_it": "many"}, ["-contact_ksp_max_it many:", "whole"]),
+    ("contact tolerance negative", {**WEDGE, "contact_ksp_rtol": "-1"}, ["-contact_ksp_rtol -1:"]),
+    # Method and time
+    ("shape function unknown", {"shape_function": "spline"}, ["-shape_function spline:", "cpgimp"]),
+    ("stress update unknown", {"stress_update": "usx"}, ["-stress_update usx:", "usl, usf, musl"]),
+    ("XPIC fraction 2", {"xpic_fraction": "2"}, ["-xpic_fraction 2:", "[0, 1]"]),
+    ("XPIC order 3", {"xpic_order": "3"}, ["-xpic_order 3:", "[1, 2]"]),
+    ("viscosity with one number", {"short_wave_viscosity": "0.01"}, ["-short_wave_viscosity 0.01:", "2 numbers"]),
+    ("damping negative", {"damping": "-1"}, ["-damping -1:", ">= 0"]),
+    ("time step over the limit", {"time_step": "1e-3"}, ["-time_step 0.001:", "<="]),
+    ("cfl 0", {"cfl": "0"}, ["-cfl 0:", "(0, 1]"]),
+    ("cfl 1.1", {"cfl": "1.1"}, ["-cfl 1.1:", "(0, 1]"]),
+    ("end time negative", {"end_time": "-1"}, ["-end_time -1:", "> 0"]),
+    ("end time empty", {"end_time": ""}, ["-end_time (nothing):", "> 0"]),
+    ("max_steps negative", {"max_steps": "-1"}, ["-max_steps -1:", ">= 0"]),
+    ("max_steps out of range", {"max_steps": "1e12"}, ["-max_steps 1e12:", "whole number"]),
+    ("sort interval 0", {"sort_interval": "0"}, ["-sort_interval 0:"]),
+    ("rebalance threshold 0.5", {"rebalance_threshold": "0.5"}, ["-rebalance_threshold 0.5:", ">= 1"]),
+    # Output
+    ("frames -1", {"frames": "-1"}, ["-frames -1:"]),
+    ("history interval 0", {"history_interval": "0"}, ["-history_interval 0:"]),
+    ("checkpoint interval is text", {"checkpoint_interval": "often"}, ["-checkpoint_interval often:", "whole"]),
+    ("overwrite maybe", {"overwrite": "maybe"}, ["-overwrite maybe:", "true or false"]),
+    ("output folder empty", {"output_dir": ""}, ["-output_dir (nothing):"]),
+    ("output folder is a file", {"output_dir": "a_file"}, ["-output_dir a_file:", "folder"]),
+    ("output folder below a file", {"output_dir": "a_file/below"}, ["-output_dir a_file/below:", "folder"]),
+    ("output folder cannot be created", {"output_dir": "/proc/mlgimp/results"}, ["-output_dir /proc/mlgimp/results:", "folder"]),
+    ("output folder holds results", {"output_dir": "full"}, ["-output_dir full:", "-overwrite"]),
+    # Restart
+    ("restart from nothing", {"restart": "gone.h5"}, ["-restart gone.h5:", "missing"]),
+    ("restart from a folder", {"restart": "full"}, ["-restart full:"]),
+    ("restart from another kind of file", {"restart": "a_file"}, ["-restart a_file:", "HDF5"]),
+    ("restart from an empty file", {"restart": "empty.h5"}, ["-restart empty.h5:", "HDF5"]),
+    ("restart from other HDF5", {"restart": "other.h5"}, ["-restart other.h5:", "checkpoint of mlgimp"]),
+    ("restart from a cut file", {"restart": "cut.h5"}, ["-restart cut.h5:", "whole checkpoint"]),
+    ("restart from a file with parts missing", {"restart": "parts.h5"}, ["-restart parts.h5:", "missing"]),
+    ("restart from a file with rows missing", {"restart": "rows.h5"}, ["-restart rows.h5:", "missing"]),
+    ("restart of another format", {"restart": "version.h5"}, ["-restart version.h5:", "version", "999"]),
+    ("restart of another case", {"restart": "whole.h5", "al_density": "1001"}, ["-restart whole.h5:", "same case", "-al_density 1001"]),
+    ("restart at the end", {"restart": "whole.h5", "max_steps": "10"}, ["-restart whole.h5:", "before the end"]),
+    ("restart with too long a step", {"restart": "whole.h5", "time_step": "1e-3"}, ["-time_step 0.001:", "<="]),
+    ("restart into the results of another run", {"restart": "whole.h5", "output_dir": "full"}, ["-output_dir full:", "-overwrite"]),
+]
+
+# What is tried, words after the options of BLOCK, the text of an options file (bytes) or None, expected words.
+COMMAND_LINES = [
+    ("a stray word", ["word"], None, ["'word'", "option"]),
+    ("an option twice on the command line", ["-cell_size", "2"], None, ["-cell_size", "once"]),
+    ("an option twice in the file", ["-options_file", "case.opts"], b"-frames 1\n-damping 1\n-frames 2\n", ["-frames 2:", "once", "line 3"]),
+    ("a mistyped option in the file", ["-options_file", "case.opts"], b"-dampign 1\n", ["-dampign", "nearest", "-damping"]),
+    ("a missing options file", ["-options_file", "gone.opts"], None, ["-options_file gone.opts:", "readable"]),
+    ("an options file that is a folder", ["-options_file", "full"], None, ["-options_file full:", "readable"]),
+    ("no options file after the option", ["-options_file"], None, ["-options_file", "readable"]),
+    ("an empty options file", ["-options_file", "case.opts"], b"", ["-options_file case.opts:", "options"]),
+    ("a binary options file", ["-options_file", "case.opts"], bytes(range(256)) * 9, ["-options_file case.opts:", "line 1"]),
+    ("an options file without dashes", ["-options_file", "case.opts"], b"frames 20\n", ["-options_file case.opts:", "line 1", "'frames'"]),
+    ("blanks in a value of the file", ["-options_file", "case.opts"], b"-gravity 0, 1\n", ["line 1", "no blanks", "'1'"]),
+    ("a bad value in the file", ["-options_file", "case.opts"], b"\n# comment\n-damping none\n", ["-damping none:", ">= 0"]),
+    ("an options file within the file", ["-options_file", "case.opts"], b"-options_file more.opts\n", ["-options_file"]),
+    ("a bad YAML file", ["-options_file", "case.yaml"], b"a: [1\nb: }\n", ["-options_file case.yaml:"]),
+]
+
+
+def words_of(options):
+    """{'name': 'value'} -> ['-name', 'value']; an empty value leaves the name alone, None leaves it out."""
+    words = []
+    for name, value in options.items():
+        if value is not None:
+            words += ["-" + name] + ([value] if value else [])
+    return words
+
+
+def prepare():
+    """A folder with files to restart from, a folder with results and a file in the way."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+    made = harness.run({**BLOCK, "checkpoint_interval": 10, "max_steps": 20}, folder=folder / "made")
+    whole = (made.folder / "checkpoint_000010.h5").read_bytes()
+    (folder / "full").mkdir()
+    (folder / "full" / "history.csv").write_text("step\n")
+    (folder / "a_file").write_text("no results\n")
+    for name in ("whole.h5", "version.h5", "parts.h5", "rows.h5"):
+        (folder / name).write_bytes(whole)
+    (folder / "cut.h5").write_bytes(whole[: 2 * len(whole) // 3])
+    (folder / "empty.h5").write_bytes(b"")
+    with h5py.File(folder / "other.h5", "w") as file:
+        file["something"] = [1.0, 2.0]
+    with h5py.File(folder / "version.h5", "a") as file:
+        file.attrs["format_version"] = 999.0
+    with h5py.File(folder / "parts.h5", "a") as file:
+        del file["level_0/stress"]
+    with h5py.File(folder / "rows.h5", "a") as file:
+        half = file["level_0/velocity"][: len(file["level_0/velocity"]) // 2]
+        del file["level_0/velocity"]
+        file["level_0/velocity"] = half
+    return folder
+
+
+def contents(folder):
+    return sorted((str(path.relative_to(folder)), path.stat().st_size) for path in folder.rglob("*"))
+
+
+def problem_of(words, folder, ranks, expected):
+    """What is wrong with the way the program refuses these words; empty where nothing is."""
+    begin = time.time()
+    try:
+        done = subprocess.run(harness.command(words, ranks), capture_output=True, text=True, env=ENVIRONMENT, cwd=folder,
+                              timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        return f"still running after {LONGEST} s"
+    lines = done.stderr.strip("\n").split("\n")
+    if done.returncode <= 0:
+        return f"exit status {done.returncode}: {done.stderr.strip()[-300:]}"
+    if len(lines) != 1 or not lines[0].startswith("mlgimp: error: "):
+        return f"{len(lines)} lines on standard error: " + " | ".join(lines)[:400]
+    absent = [word for word in expected if word not in lines[0]]
+    if absent:
+        return f"no {absent} in: {lines[0]}"
+    if "step" in done.stdout or time.time() - begin > LONGEST:
+        return "refused late: " + done.stdout[-200:]
+    return ""
+
+
+def try_alone(words, folder, ranks, expected, text):
+    """problem_of() in a folder of its own; `text` is the options file that the words name last."""
+    own = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+    shutil.copytree(folder, own, dirs_exist_ok=True)
+    if text is not None:
+        (own / words[-1]).write_bytes(text)
+    before = contents(own)
+    problem = problem_of(words, own, ranks, expected)
+    left = sorted(set(contents(own)) ^ set(before))
+    shutil.rmtree(own)
+    return problem or (f"files changed: {left}" if left else "")
+
+
+def try_inputs(report, inputs):
+    """inputs: (name, words, expected, text of the options file or None); two processes at a time."""
+    folder = prepare()
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        tries = [[pool.submit(try_alone, words, folder, ranks, expected, text) for ranks in RANKS]
+                 for _, words, expected, text in inputs]
+        for (name, *_), futures in zip(inputs, tries):
+            problems = [f"{ranks} ranks: {future.result()}" for ranks, future in zip(RANKS, futures) if future.result()]
+            report.note(name, not problems, "; ".join(problems))
+
+
+def test_values(report):
+    try_inputs(report, [(name, words_of({"output_dir": "out", **BLOCK, **changes}), expected, None)
+                        for name, changes, expected in CASES])
+
+
+def test_command_lines(report):
+    try_inputs(report, [(name, words_of({"output_dir": "out", **BLOCK}) + more, expected, text)
+                        for name, more, text, expected in COMMAND_LINES])
+
+
+def test_unreadable_file(report):
+    folder = prepare()
+    file = folder / "case.opts"
+    file.write_text("-damping 1\n")
+    file.chmod(0)
+    if os.access(file, os.R_OK):
+        print("      skipped: this user may read every file")
+        return
+    words = words_of({"output_dir": "out", **BLOCK}) + ["-options_file", "case.opts"]
+    problem = problem_of(words, folder, 1, ["-options_file case.opts:", "readable"])
+    report.note("an options file that may not be read", not problem, problem)
+
+
+def test_too_many_ranks(report):
+    folder = prepare()
+    words = words_of({"output_dir": "out", **BLOCK, "domain_upper": "1,1", "block_upper": "1,1"})
+    problem = problem_of(words, folder, 7, ["-cell_size 1", "7 ranks"])
+    report.note("more ranks than the grid can feed", not problem, problem)
+
+
+def test_levels_to_come(report):
+    """Two levels where the boxes of the second are missing, or before two levels are built."""
+    try_inputs(report, [("levels 2", words_of({"output_dir": "out", **BLOCK, "levels": "2"}), ["level"], None)])

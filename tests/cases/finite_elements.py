@@ -1,0 +1,112 @@
+"""The paper's one-level cases against finite elements (CalculiX, tests/reference), with the same elastic law."""
+import numpy
+import harness
+from harness import run
+
+REFERENCE = harness.ROOT / "tests" / "reference"
+
+
+def columns(name, **where):
+    """Columns of a reference CSV, the rows where the named columns have the given values."""
+    table = {key: numpy.array(values) for key, values in harness.read_csv(REFERENCE / name).items()}
+    keep = numpy.ones(len(next(iter(table.values()))), bool)
+    for key, value in where.items():
+        keep &= abs(table[key] - value) <= 1e-6 * abs(value)
+    return {key: values[keep] for key, values in table.items()}
+
+
+def start_of(options, file):
+    """Points at the start, by a run of one step."""
+    return run({**options, "max_steps": 1, "frames": 1}, file=file).frame()
+
+
+def tension(peak, options=None):
+    """Frames of the tension case at its middle and end, and its undeformed points."""
+    options = {"silicon_model": "st_venant_kirchhoff", "pull_pressures": [0, -peak], "frames": 2, **(options or {})}
+    return run(options, file="tension.opts"), start_of(options, "tension.opts")
+
+
+def compare_tension(report, peak, options=None):
+    result, start = tension(peak, options)
+    last = start["position"][:, 0] > start["position"][:, 0].max() - 1e-9
+    scale = peak
+    for number, time in ((1, 12.5e-9), (2, 25e-9)):
+        frame = result.frame(number)
+        reference = columns("tension.csv", peak_Pa=peak, time_s=time)["ux_mean_m"][0]
+        end = (frame["position"][last, 0] + frame["half_size"][last, 0]).mean() - 60e-6
+        report.expect(f"tension {peak / 1e9:g} GPa, {time * 1e9:g} ns: end displacement, relative error",
+                      abs(end / reference - 1), at_most=0.01)
+        profile = columns("tension_profile.csv", peak_Pa=peak, time_s=time)
+        scale = max(scale, abs(profile["stress_xx_Pa"]).max())
+        middle = abs(start["position"][:, 1] - 20e-6) < 0.6e-6
+        expected = numpy.interp(start["position"][middle, 0], profile["x_m"], profile["stress_xx_Pa"])
+        error = abs(frame["stress"][middle, 0] - expected).max() / scale
+        report.expect(f"tension {peak / 1e9:g} GPa, {time * 1e9:g} ns: stress on the midline, error over peak", error,
+                      at_most=0.03)
+
+
+def test_tension(report):
+    compare_tension(report, 1e9)
+    compare_tension(report, 8e9)
+
+
+def test_original_mpm_tears(report):
+    """With hat functions at the points' centres the stress of the same case is noise (the paper's Fig. 9a)."""
+    from_mean = {}
+    for shape in ("linear", "cpgimp"):
+        result = run({"shape_function": shape, "frames": 1}, file="tension.opts")
+        stress = result.frame()["stress"][:, 0]
+        from_mean[shape] = stress.std() / abs(stress.mean())
+    report.expect("tension: scatter of the stress, original MPM over cpGIMP", from_mean["linear"] / from_mean["cpgimp"],
+                  at_least=3)
+
+
+def pressure(peak, times, cell):
+    """The pressure case up to the last time, a frame at each of the equally spaced times, and its undeformed points."""
+    options = {"silicon_model": "st_venant_kirchhoff", "press_pressures": [0, peak], "cell_size": cell,
+               "time_step": 20e-12 * cell / 1e-6, "max_steps": 0, "end_time": times[-1], "frames": len(times)}
+    return run(options, file="pressure.opts"), start_of(options, "pressure.opts")
+
+
+def compare_pressure(report, peak, times, cell=1e-6):
+    result, start = pressure(peak, times, cell)
+    history = columns("pressure.csv", peak_Pa=peak)
+    axis = start["position"][:, 0] < 0.3 * cell
+    heights = start["position"][axis, 1]
+    top = numpy.argmax(heights)
+    for number, time in enumerate(times, 1):
+        frame = result.frame(number)
+        position, size, stress = frame["position"][axis], frame["half_size"][axis], frame["stress"][axis, 1]
+        displacement = position[top, 1] + size[top, 1] - 40e-6
+        name = f"pressure {peak / 1e9:g} GPa, {time * 1e9:g} ns, cells of {cell * 1e6:g} um: "
+        expected = numpy.interp(time, history["time_s"], history["uy_m"])
+        report.expect(name + "displacement under the load, relative error", abs(displacement / expected - 1), at_most=0.02)
+        profile = columns("pressure_axis.csv", peak_Pa=peak, time_s=time)
+        order = numpy.argsort(profile["y_m"])
+        expected = numpy.interp(heights, profile["y_m"][order], profile["stress_yy_Pa"][order])
+        error = abs(stress - expected).max() / abs(expected).max()
+        report.expect(name + "stress_yy on the axis, error over peak", error, at_most=0.03)
+
+
+def test_pressure(report):
+    compare_pressure(report, 6e9, [10e-9, 20e-9, 30e-9, 40e-9])
+    compare_pressure(report, 60e9, [5e-9, 10e-9])
+
+
+def wedge_reference(depths):
+    """The converged load: the finest mesh that got to each depth, extrapolated to zero size from the last two."""
+    table = columns("wedge.csv")
+    return numpy.interp(depths, table["depth_m"], table["load_h62nm_N"])
+
+
+def compare_wedge(report, result, limits):
+    history = result.history
+    for depth, limit in limits.items():
+        load = numpy.interp(depth * 1e-9, history["depth"], history["load"])
+        report.expect(f"wedge: load at {depth} nm against finite elements, relative error",
+                      abs(load / wedge_reference(depth * 1e-9) - 1), at_most=limit)
+
+
+def verify_wedge(report):
+    result = run({"aluminium_model": "st_venant_kirchhoff", "history_interval": 2}, file="wedge_125nm.opts", ranks=2)
+    compare_wedge(report, result, {100: 0.06, 200: 0.03, 250: 0.03, 300: 0.03, 350: 0.03, 400: 0.03, 450: 0.03})

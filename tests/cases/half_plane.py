@@ -1,0 +1,92 @@
+"""Quasi-static contact on a large damped block against the exact half-plane solutions (docs/verification.md)."""
+import math
+
+import analytic
+import numpy
+from harness import run
+
+E, NU, RHO = 70e9, 0.33, 2700.0
+E_STAR = E / (1 - NU**2)
+SPEED = math.sqrt(E * (1 - NU) / ((1 + NU) * (1 - 2 * NU)) / RHO)
+H = 1e-6
+
+
+def press(indenter, depth, cells, transits=6, **more):
+    """A half model of cells x cells, pressed to a depth within one transit and held while the damping acts."""
+    size = cells * H
+    transit = size / SPEED
+    push = 2 * transit
+    options = {
+        "domain_lower": [0, 0], "domain_upper": [size + 4 * H, size + 4 * H], "cell_size": H,
+        "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+        "materials": "al", "al_youngs_modulus": E, "al_poissons_ratio": NU, "al_density": RHO,
+        "bodies": "block", "block_lower": [0, 0], "block_upper": [size, size],
+        "indenter": indenter, "indenter_tip": [0, size], "indenter_times": [0, push, 1.1 * push],
+        "indenter_velocities": [depth / (1.05 * push), depth / (1.05 * push), 0],
+        "damping": 2 * math.pi / (4 * transit) * 2, "end_time": transits * transit, "frames": 1, "history_interval": 10, **more,
+    }
+    return run(options, ranks=2), size
+
+
+def measure(report, name, result, size, contact, limit):
+    """Peak pressure and axis stress against a HalfPlaneContact of the same load; half model, so half the load."""
+    history = result.history
+    frame = result.frame()
+    axis = frame["position"][:, 0] < 0.3 * H
+    depth = size - history["depth"][-1] - frame["position"][axis, 1]
+    stress = frame["stress"][axis, 1]
+    for reach in (0.5, 1.0, 2.0):
+        y = reach * contact.half_width
+        found = numpy.interp(y, depth[::-1], stress[::-1]) if depth[0] > depth[-1] else numpy.interp(y, depth, stress)
+        exact = contact.axis_stress(numpy.array([-y]))[1][0]
+        report.expect(f"{name}: stress_yy on the axis at {reach:g} a, relative error", abs(found / exact - 1), at_most=limit)
+
+
+def cylinder(report, cells, limit, width=7):
+    a = width * H
+    radius = 60 * a
+    depth = a * a / (2 * radius) * (math.log(4 * cells * H / a) - 0.2)
+    result, size = press("cylinder", depth, cells, indenter_radius=radius)
+    history = result.history
+    load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
+    contact = analytic.cylinder_contact(math.sqrt(4 * radius * load / (math.pi * E_STAR)), E_STAR, radius)
+    print(f"      cylinder: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
+    report.expect("cylinder: load for the contact's width, relative error", abs(load / (math.pi * E_STAR * found**2 / (4 * radius)) - 1),
+                  at_most=limit)
+    peak = contact.pressure(numpy.array([0.0]))[0]
+    report.expect("cylinder: peak pressure, relative error", abs(history["peak_pressure"][-1] / peak - 1), at_most=limit)
+    measure(report, "cylinder", result, size, contact, limit)
+
+
+def wedge(report, cells, limit, width=7):
+    a, half_angle = width * H, 89.0
+    slope = math.tan(math.radians(90 - half_angle))
+    depth = a * slope * 2 / math.pi * (math.log(4 * cells * H / a) + 0.3)
+    result, size = press("wedge", depth, cells, indenter_half_angle=half_angle)
+    history = result.history
+    load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
+    contact = analytic.wedge_contact(load / (E_STAR * slope), E_STAR, slope)
+    print(f"      wedge: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
+    report.expect("wedge: load for the contact's width, relative error", abs(load / (E_STAR * found * slope) - 1), at_most=limit)
+    measure(report, "wedge", result, size, contact, limit)
+
+
+def flat_punch(report, cells, limit, width=7):
+    a = width * H
+    result, size = press("flat_punch", 0.01 * a, cells, indenter_width=2 * a)
+    history = result.history
+    load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
+    contact = analytic.flat_punch_contact(a, load)
+    report.expect("flat punch: half width, relative error", abs(found / a - 1), at_most=limit)
+    measure(report, "flat punch", result, size, contact, limit)
+
+
+def test_half_plane(report):
+    for shape in (cylinder, wedge, flat_punch):
+        shape(report, 100, 0.04)
+
+
+def verify_half_plane(report):
+    for shape in (cylinder, wedge, flat_punch):
+        shape(report, 260, 0.04)
+        shape(report, 480, 0.04, width=12)

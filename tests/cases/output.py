@@ -1,0 +1,269 @@
+"""What a run leaves behind: its files are complete, agree with each other and with the books of the run."""
+import importlib
+import pathlib
+import re
+import subprocess
+import tempfile
+import xml.etree.ElementTree
+
+import h5py
+import numpy
+
+import harness
+from ranks import COLLISION, WEDGE
+
+COLUMNS = ("step,time,depth,load,contact_points,contact_half_width,kinetic_energy,strain_energy,dissipated_energy,"
+           "external_work,indenter_work,momentum_x,momentum_y,support_impulse_x,support_impulse_y,mass,points").split(",")
+
+# Dataset: numbers a point has, type. The names of the components are in the manual.
+DATASETS = {"id": (1, "int64"), "position": (2, "float64"), "velocity": (2, "float64"), "stress": (4, "float64"),
+            "deformation_gradient": (4, "float64"), "volume": (1, "float64"), "mass": (1, "float64"),
+            "half_size": (2, "float64"), "body": (1, "int32")}
+
+SUMMARY = {"status", "case", "ranks", "levels", "steps", "simulated_time", "wall_seconds", "seconds_per_point_step",
+           "contact_share", "transfer_share", "halo_share", "mass_error", "points_created", "points_lost", "versions"}
+SUMMARY_LEVEL = {"points", "cells", "steps", "time_step"}
+SUMMARY_VERSIONS = {"mlgimp", "PETSc", "MPI", "HDF5"}
+
+EVENTS = ("P2G", "Halo", "GridUpdate", "Contact", "G2PStress", "Migrate", "Sort", "Output")
+
+# Option: words of its line in -help: unit and default.
+OPTIONS = {
+    "geometry": ["plane_strain"], "thickness": ["[m]", "1"], "domain_lower": ["[m]", "required"],
+    "domain_upper": ["[m]", "required"], "cell_size": ["[m]", "required"], "levels": ["1"], "refinement_ratio": ["2"],
+    "boundary_x_lower": ["free"], "boundary_x_upper": ["free"], "boundary_y_lower": ["free"], "boundary_y_upper": ["free"],
+    "bodies": ["required"], "NAME_shape": ["box"], "NAME_lower": ["[m]", "required"], "NAME_upper": ["[m]", "required"],
+    "NAME_center": ["[m]", "required"], "NAME_radius": ["[m]", "required"], "NAME_vertices": ["[m]", "required"],
+    "NAME_material": [], "NAME_velocity": ["[m/s]", "0,0"], "NAME_points_per_cell": ["2"], "materials": ["required"],
+    "NAME_model": ["neo_hookean"], "NAME_youngs_modulus": ["[Pa]", "required"], "NAME_poissons_ratio": ["required"],
+    "NAME_density": ["[kg/m3]", "required"], "NAME_yield_stress": ["[Pa]", "required"],
+    "NAME_hardening_modulus": ["[Pa]", "required"], "loads": [], "NAME_body": [], "NAME_side": ["x_lower"],
+    "NAME_span": ["[m]"], "NAME_times": ["[s]", "required"], "NAME_pressures": ["[Pa]", "required"],
+    "gravity": ["[m/s2]", "0,0"], "indenter": ["none"], "indenter_tip": ["[m]", "required"],
+    "indenter_half_angle": ["[degrees]", "required"], "indenter_radius": ["[m]", "required"],
+    "indenter_width": ["[m]", "required"], "indenter_vertices": ["[m]", "required"], "indenter_tip_radius": ["[m]", "0"],
+    "indenter_times": ["[s]", "required"], "indenter_velocities": ["[m/s]", "required"],
+    "indenter_max_depth": ["[m]", "none"], "indenter_unload_velocity": ["[m/s]"], "contact": ["pressure"],
+    "contact_ksp_type": ["cg"], "contact_pc_type": ["jacobi"], "contact_ksp_rtol": ["1e-10"], "contact_monitor": ["false"],
+    "shape_function": ["cpgimp"], "stress_update": ["musl"], "short_wave_viscosity": [], "xpic_fraction": ["0"],
+    "xpic_order": ["2"], "damping": ["[1/s]", "0"], "sort_interval": ["50"], "rebalance_threshold": ["1.1"],
+    "end_time": ["[s]", "none"], "max_steps": ["0"], "time_step": ["[s]", "0"], "cfl": ["0.4"], "output_dir": ["output/"],
+    "overwrite": ["false"], "history_interval": ["1"], "frames": ["20"], "checkpoint_interval": ["0"], "restart": [],
+    "monitor": ["false"],
+}
+
+FULL_DISK = 300 * 1024  # bytes: some frames fit, not all
+
+
+def test_history(report):
+    with_frames = {**WEDGE}
+    del with_frames["frames"]
+    for ranks in (1, 2):
+        result = harness.run(with_frames, ranks=ranks)
+        header = (result.folder / "history.csv").read_text().split("\n", 1)[0].split(",")
+        report.note(f"history.csv, {ranks} ranks: columns", header[: len(COLUMNS)] == COLUMNS)
+        steps = result.history["step"]
+        report.note(f"history.csv, {ranks} ranks: a row a step", numpy.array_equal(steps, numpy.arange(len(steps))))
+        report.expect(f"history.csv, {ranks} ranks: ends at -end_time", result.history["time"][-1] / 1.6e-9 - 1, near=0, tolerance=1e-12)
+        frames = sorted(result.folder.glob("points_*.h5"))
+        report.note(f"20 frames by default, {ranks} ranks", [f.name for f in frames] == [f"points_{k:06d}.h5" for k in range(1, 21)])
+        with h5py.File(frames[-1]) as file:
+            report.note(f"the last frame is at the end, {ranks} ranks",
+                        file.attrs["step"] == steps[-1] and file.attrs["time"] == result.history["time"][-1])
+        check_frame(report, result, frames[3], f"frame, {ranks} ranks")
+        check_series(report, result, f"points.xdmf, {ranks} ranks")
+        check_summary(report, result, ranks)
+        report.note(f"nothing unfinished, {ranks} ranks", not list(result.folder.glob("*.part")))
+
+
+def check_frame(report, result, path, name):
+    with h5py.File(path) as file:
+        points = int(result.history["points"][-1])
+        level = file["level_0"]
+        report.note(f"{name}: datasets", set(level) == set(DATASETS))
+        for dataset, (components, kind) in DATASETS.items():
+            shape = (points,) if components == 1 else (points, components)
+            report.note(f"{name}: {dataset}", level[dataset].shape == shape and level[dataset].dtype == kind,
+                        f"{level[dataset].shape} {level[dataset].dtype}")
+        report.note(f"{name}: ids are unique", len(set(level["id"][:])) == points)
+        F = level["deformation_gradient"][:]
+        volume = level["mass"][:] / 2700 * (F[:, 0] * F[:, 3] - F[:, 1] * F[:, 2])
+        report.expect(f"{name}: volume follows from F", numpy.max(numpy.abs(level["volume"][:] / volume - 1)), at_most=1e-14)
+        row = numpy.searchsorted(result.history["step"], file.attrs["step"])
+        momentum = numpy.sum(level["mass"][:] * level["velocity"][:, 1])
+        report.expect(f"{name}: momentum is that of the history", momentum / result.history["momentum_y"][row] - 1, near=0,
+                      tolerance=1e-12)
+
+
+def check_series(report, result, name):
+    """Well-formed, a time for each frame, and every dataset there with the dimensions and type that are named."""
+    series = xml.etree.ElementTree.parse(result.folder / "points.xdmf").getroot()
+    frames = sorted(result.folder.glob("points_*.h5"))
+    times = [float(time.get("Value")) for time in series.iter("Time")]
+    written = []
+    for path in frames:
+        with h5py.File(path) as file:
+            written.append(float(file.attrs["time"]))
+    report.note(f"{name}: times", times == written)
+    wrong = []
+    for item in series.iter("DataItem"):
+        place, _, dataset = item.text.strip().partition(":")
+        with h5py.File(result.folder / place) as file:
+            shape = tuple(int(n) for n in item.get("Dimensions").split())
+            kind = {"Float": "f", "Int": "i"}[item.get("NumberType")] + item.get("Precision")
+            if dataset not in file or file[dataset].shape != shape or file[dataset].dtype != numpy.dtype(kind):
+                wrong.append(item.text)
+    report.note(f"{name}: datasets", not wrong and len(list(series.iter("DataItem"))) == len(frames) * len(DATASETS), ", ".join(wrong))
+
+
+def check_summary(report, result, ranks):
+    summary, name = result.summary, f"summary.json, {ranks} ranks"
+    absent = (SUMMARY - set(summary)) | (SUMMARY_VERSIONS - set(summary["versions"]))
+    absent |= {key for level in summary["levels"] for key in SUMMARY_LEVEL - set(level)}
+    report.note(f"{name}: keys", not absent, ", ".join(sorted(absent)))
+    report.note(f"{name}: values", summary["status"] == "completed" and summary["ranks"] == ranks
+                and summary["steps"] == result.history["step"][-1] and summary["points_lost"] == 0
+                and summary["levels"][0]["points"] == result.history["points"][-1])
+    shares = [summary[key] for key in ("contact_share", "transfer_share", "halo_share")]
+    report.note(f"{name}: shares", all(0 <= share <= 1 for share in shares) and sum(shares) <= 1, f"{shares}")
+
+
+def expect_books(report, name, history, energy_tolerance):
+    """Momentum to round-off, energy to what explicit time stepping leaves."""
+    for axis in "xy":
+        parts = [history[f"{kind}_impulse_{axis}"] for kind in ("contact", "support", "load", "gravity", "damping")]
+        momentum = history[f"momentum_{axis}"]
+        error = numpy.max(numpy.abs(momentum - momentum[0] - sum(parts)))
+        largest = max(numpy.max(numpy.abs(part)) for part in parts + [momentum])
+        report.expect(f"{name}: momentum book, {axis}", error / largest, at_most=1e-9)
+    energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
+    supplied = energy[0] + history["external_work"] + history["indenter_work"]
+    report.expect(f"{name}: energy book", numpy.max(numpy.abs(energy - supplied)) / numpy.max(supplied), at_most=energy_tolerance)
+
+
+def test_books(report):
+    wedge = {**WEDGE, "frames": 0}
+    expect_books(report, "wedge", harness.run(wedge).history, 0.01)
+    expect_books(report, "wedge, 2 ranks", harness.run(wedge, ranks=2).history, 0.01)
+    expect_books(report, "wedge with damping and a history every 7 steps",
+                 harness.run({**wedge, "damping": 2e8, "history_interval": 7}).history, 0.01)
+    expect_books(report, "wedge held and fixed", harness.run({**wedge, "boundary_y_lower": "fixed"}).history, 0.01)
+    collision = {**COLLISION, "frames": 0, "checkpoint_interval": 0}
+    expect_books(report, "collision", harness.run(collision).history, 0.01)
+    expect_books(report, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
+
+
+def expect_full(report, name, folder, ranks):
+    """One line and a status; history and frames that were written before can be read."""
+    environment = dict(harness.ENVIRONMENT, OMPI_MCA_orte_execute_quiet="1")
+    options = {**WEDGE, "frames": 5, "output_dir": folder, "monitor": "false"}
+    done = subprocess.run(harness.command(harness.to_arguments(options), ranks), capture_output=True, text=True,
+                          env=environment, cwd=harness.ROOT, timeout=120)
+    lines = done.stderr.strip().split("\n")
+    report.note(f"{name}: status", done.returncode > 0, str(done.returncode))
+    report.note(f"{name}: one line", len(lines) == 1 and lines[0].startswith("mlgimp: error: cannot write"), " | ".join(lines)[:400])
+    try:
+        history = harness.Result(0, "", "", folder).history
+        report.expect(f"{name}: rows that can be read", len(history["step"]), at_least=2)
+    except (Exception, SystemExit) as error:
+        report.note(f"{name}: rows that can be read", False, str(error))
+    frames = sorted(folder.glob("points_*.h5"))
+    for path in frames:
+        with h5py.File(path) as file:
+            report.note(f"{name}: {path.name} is whole", set(file["level_0"]) == set(DATASETS))
+    listed = xml.etree.ElementTree.parse(folder / "points.xdmf") if (folder / "points.xdmf").exists() else None
+    series = [item.text.split(":")[0] for item in listed.iter("DataItem")] if listed else []
+    report.note(f"{name}: points.xdmf lists only frames that are there", set(series) <= {path.name for path in frames})
+    report.note(f"{name}: nothing unfinished", not list(folder.glob("*.part")))
+
+
+def test_full_disk(report):
+    for ranks in (1, 2):
+        place = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={FULL_DISK}", "tmpfs", place], capture_output=True)
+        if mounted.returncode != 0:  # only root may mount
+            print("      skipped: a small disk cannot be mounted: " + mounted.stderr.decode().strip())
+            return
+        try:
+            expect_full(report, f"full disk, {ranks} ranks", place / "results", ranks)
+        finally:
+            subprocess.run(["umount", place], check=True)
+
+
+def table_of(text, event):
+    """(times called, flops) of an event in the stage 'level 0' of -log_view."""
+    stage = re.split(r"^--- Event Stage \d+: ", text, flags=re.MULTILINE)
+    level = [part for part in stage if part.startswith("level 0")]
+    for line in level[0].splitlines() if level else []:
+        if line.startswith(event[:12] + " "):
+            words = line.split()
+            return float(words[1]), float(words[5])
+    return None
+
+
+def test_log_view(report):
+    log = harness.run({**WEDGE, "log_view": None, "sort_interval": 10}, ranks=2).stdout
+    outer = re.search(r"^Output +(\d+) ", log, re.MULTILINE)
+    report.note("-log_view: Output", outer is not None)
+    for event in EVENTS[:-1]:
+        row = table_of(log, event)
+        report.note(f"-log_view: {event} in level 0", row is not None and row[0] > 0, str(row))
+        if event in ("P2G", "GridUpdate", "G2PStress"):
+            report.note(f"-log_view: flops of {event}", row is not None and row[1] > 0)
+
+
+def test_memory(report):
+    for ranks in (1, 2):
+        for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):
+            result = harness.run({**case, "malloc_dump": None, "end_time": 3e-10}, ranks=ranks)
+            report.note(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not result.stderr,
+                        (result.stdout + result.stderr)[:200])
+
+
+def test_help(report):
+    for ranks in (2, 1):
+        done = subprocess.run(harness.command(["-help"], ranks), capture_output=True, text=True, env=harness.ENVIRONMENT)
+        report.note(f"-help: status, {ranks} ranks", done.returncode == 0 and not done.stderr, done.stderr[:200])
+    absent = []
+    for option, expected in OPTIONS.items():
+        lines = [line for line in done.stdout.splitlines() if re.match(rf"\s*-{option}\b", line)]
+        if not lines or any(word not in lines[0] for word in expected):
+            absent.append(f"-{option}: {lines[:1]}")
+    report.note("-help: every option with unit and default", not absent, "; ".join(absent))
+
+
+def verify_vtk(report):
+    """ParaView's reader sees what h5py sees."""
+    try:
+        reader_module = importlib.import_module("vtkmodules.vtkIOXdmf2")
+        numpy_support = importlib.import_module("vtkmodules.util.numpy_support")
+        pipeline = importlib.import_module("vtkmodules.vtkCommonExecutionModel").vtkStreamingDemandDrivenPipeline
+    except ImportError as error:
+        report.note("ParaView's reader: needs a VTK with vtkXdmfReader, as in the package python3-paraview", False, str(error))
+        return
+    result = harness.run({**WEDGE, "frames": 3})
+    reader = reader_module.vtkXdmfReader()
+    reader.SetFileName(str(result.folder / "points.xdmf"))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(pipeline.TIME_STEPS())
+    for number, time in enumerate(times, start=1):
+        with h5py.File(result.folder / f"points_{number:06d}.h5") as file:
+            reader.UpdateTimeStep(time)
+            blocks = list(leaves(reader.GetOutputDataObject(0)))
+            points = sum(block.GetNumberOfPoints() for block in blocks)
+            level = file["level_0"]
+            report.note(f"ParaView's reader, frame {number}: time", time == file.attrs["time"])
+            report.note(f"ParaView's reader, frame {number}: points", points == len(level["id"]), str(points))
+            stress = numpy.concatenate([numpy_support.vtk_to_numpy(b.GetPointData().GetArray("stress")) for b in blocks])
+            report.note(f"ParaView's reader, frame {number}: stress", numpy.array_equal(stress, level["stress"][:]))
+    report.note("ParaView's reader: frames", len(times) == 3)
+
+
+def leaves(data):
+    """The data sets within nested blocks."""
+    if hasattr(data, "GetNumberOfBlocks"):
+        for block in range(data.GetNumberOfBlocks()):
+            if data.GetBlock(block):
+                yield from leaves(data.GetBlock(block))
+    elif data:
+        yield data

@@ -1,0 +1,101 @@
+"""The same run on any number of ranks: equal histories, no point lost or doubled."""
+import h5py
+import numpy
+
+import harness
+
+RANKS = (2, 3, 4, 8)
+SAME = 1e-9  # of a column's largest value: round-off that a few hundred steps have spread
+
+# A quarter of a micrometre a cell, the paper's wedge at ten times its speed.
+WEDGE = {
+    "thickness": "1e-6", "domain_lower": "0,0", "domain_upper": "7e-6,7e-6", "cell_size": "250e-9",
+    "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+    "materials": "aluminium", "aluminium_youngs_modulus": "70e9", "aluminium_poissons_ratio": "0.33",
+    "aluminium_density": "2700", "bodies": "block", "block_lower": "0,0", "block_upper": "6e-6,6e-6",
+    "indenter": "wedge", "indenter_half_angle": "70.3", "indenter_tip": "0,6e-6", "indenter_times": "0",
+    "indenter_velocities": "200", "end_time": "1.6e-9", "frames": 4, "rebalance_threshold": 1.02,
+}
+
+# A disk that yields meets a block that is pressed down; gravity is large enough to count in 3 ns.
+COLLISION = {
+    "thickness": "1e-6", "domain_lower": "0,0", "domain_upper": "12e-6,7e-6", "cell_size": "250e-9",
+    "boundary_y_lower": "symmetry",
+    "materials": "soft,hard",
+    "soft_model": "j2", "soft_youngs_modulus": "70e9", "soft_poissons_ratio": "0.33", "soft_density": "2700",
+    "soft_yield_stress": "200e6", "soft_hardening_modulus": "1e9",
+    "hard_youngs_modulus": "200e9", "hard_poissons_ratio": "0.3", "hard_density": "7800",
+    "bodies": "disk,block", "disk_shape": "disk", "disk_center": "3e-6,3.1e-6", "disk_radius": "1.6e-6",
+    "disk_material": "soft", "disk_velocity": "900,10",
+    "block_lower": "5e-6,0", "block_upper": "8e-6,5e-6", "block_material": "hard", "block_velocity": "200,0",
+    "loads": "press", "press_body": "block", "press_side": "y_upper", "press_span": "5.5e-6,8e-6",
+    "press_times": "0,1e-9", "press_pressures": "0,500e6", "gravity": "1e9,-3e9",
+    "end_time": "3e-9", "frames": 4, "rebalance_threshold": 1.02, "checkpoint_interval": 40,
+}
+
+
+def scale(name, history):
+    """What a difference in a column is measured by: the column's largest value, or, where that is round-off, a
+    value of its kind: sqrt(2 E m) for momentum and impulses, the largest energy, the depth."""
+    largest = numpy.max(numpy.abs(history[name]))
+    energy = max(numpy.max(history[part]) for part in ("kinetic_energy", "strain_energy"))
+    if "momentum" in name or "impulse" in name:
+        kind = numpy.sqrt(2 * energy * history["mass"][0])
+    elif "energy" in name or "work" in name:
+        kind = energy
+    else:
+        kind = numpy.max(numpy.abs(history["depth"]))
+    return largest if largest > 1e-9 * kind else (kind or 1.0)
+
+
+def largest_difference(history, reference):
+    """(relative difference, column) of the column that differs most; rows are matched by their step."""
+    places = numpy.searchsorted(reference["step"], history["step"])
+    if places.max(initial=0) >= len(reference["step"]) or numpy.any(reference["step"][places] != history["step"]):
+        return numpy.inf, "step"
+    return max((numpy.max(numpy.abs(values - reference[name][places]), initial=0) / scale(name, reference), name)
+               for name, values in history.items())
+
+
+def expect_same(report, name, result, reference):
+    """Equal histories, ids, masses and numbers of points."""
+    difference, column = largest_difference(result.history, reference.history)
+    report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
+    report.note(f"{name}: rows", len(result.history["step"]) == len(reference.history["step"]))
+    points, others = result.frame(), reference.frame()
+    unique = len(numpy.unique(points["id"])) == len(points["id"])
+    report.note(f"{name}: ids unique and the same", unique and numpy.array_equal(points["id"], others["id"]))
+    report.note(f"{name}: masses of points the same", numpy.array_equal(points["mass"], others["mass"]))
+    report.note(f"{name}: number of points kept", set(result.history["points"]) == set(reference.history["points"][:1])
+                and result.summary["points_lost"] == 0)
+    report.expect(f"{name}: mass kept", abs(result.summary["mass_error"]), at_most=1e-14)
+
+
+def test_wedge(report):
+    reference = harness.run(WEDGE)
+    report.expect("wedge: load at the end [N]", reference.history["load"][-1], at_least=1e-3)
+    for ranks in RANKS:
+        expect_same(report, f"wedge on {ranks} ranks", harness.run(WEDGE, ranks=ranks), reference)
+
+
+def test_collision(report):
+    reference = harness.run(COLLISION)
+    report.expect("collision: plastic work over kinetic energy",
+                  reference.history["dissipated_energy"][-1] / reference.history["kinetic_energy"][0], at_least=1e-3)
+    for ranks in RANKS:
+        result = harness.run(COLLISION, ranks=ranks)
+        expect_same(report, f"collision on {ranks} ranks", result, reference)
+        cuts, counts = layouts(result.folder)
+        report.expect(f"collision on {ranks} ranks: ownerships of the grid seen", cuts, at_least=2)
+        report.expect(f"collision on {ranks} ranks: shares of points seen", counts, at_least=3)
+
+
+def layouts(folder):
+    """How many different layouts of ownership, and how many different shares of points, the checkpoints hold."""
+    cuts, counts = set(), set()
+    for path in sorted(folder.glob("checkpoint_*.h5")):
+        with h5py.File(path, "r") as file:
+            level = file["level_0"].attrs
+            cuts.add((tuple(level["columns"]), tuple(level["rows"])))
+            counts.add(tuple(level["counts"]))
+    return len(cuts), len(counts)

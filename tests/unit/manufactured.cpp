@@ -1,0 +1,160 @@
+// Axis-aligned manufactured solution (Wallstedt & Guilkey 2008): order of convergence of the whole step.
+//
+//   u = A sin(2 pi X) sin(c pi t), v = A sin(2 pi Y) sin(c pi t + pi) on the unit square between rollers.
+// Without arguments: the tests. With "table N": errors of all variants up to N x N cells.
+#include "check.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+using namespace mlgimp;
+
+namespace
+{
+
+constexpr double kE = 1e7, kNu = 0.3, kRho = 1000, kA = 0.05, kPeriod = 0.02;
+const double kC = std::sqrt(kE / kRho);
+
+/// Displacement and acceleration in reference coordinates along one axis; the other axis has the phase shifted by pi.
+double Displacement(double X, double phase) { return kA * std::sin(2 * M_PI * X) * std::sin(phase); }
+double Stretch(double X, double phase) { return 1 + 2 * M_PI * kA * std::cos(2 * M_PI * X) * std::sin(phase); }
+
+double BodyForce(double X, double phase, double own, double other, const Material &material)
+{
+  const double lambda = material.Lambda(), mu = material.Mu(), u = Displacement(X, phase);
+  return M_PI * M_PI * u * (4 * mu / kRho - kC * kC - 4 * (lambda * (std::log(own * other) - 1) - mu) / (kRho * own * own));
+}
+
+struct Variant {
+  const char *name, *shape;
+  StressUpdate update;
+  ShortWaveViscosity viscosity;
+  double xpic;
+};
+
+struct Errors {
+  double largest = 0, rms = 0; ///< over points, the worst of all steps, in lengths of the square's side
+};
+
+PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
+{
+  Model model;
+  std::unordered_map<std::int64_t, Vec2> reference;
+  PetscFunctionBeginUser;
+  model.sides.fill(SideKind::kSymmetry);
+  model.shape_function = variant.shape;
+  model.stress_update = variant.update;
+  model.short_wave = variant.viscosity;
+  model.nodal.xpic_fraction = variant.xpic;
+  const Box square = {{0, 0}, {1, 1}};
+  AddBody(model, CreateBoxRegion(square), "neo_hookean", {kE, kNu, kRho, NAN, NAN});
+  const Material &material = *model.materials[0];
+  model.acceleration = [&](double time, int count, const std::int64_t *id, const double *, double *a) {
+    const double phase = kC * M_PI * time;
+    for (int p = 0; p < count; ++p) {
+      const Vec2 X = reference.at(id[p]);
+      const double Fxx = Stretch(X[0], phase), Fyy = Stretch(X[1], phase + M_PI);
+      a[2 * p] = BodyForce(X[0], phase, Fxx, Fyy, material);
+      a[2 * p + 1] = BodyForce(X[1], phase + M_PI, Fyy, Fxx, material);
+    }
+  };
+  LogEvents events;
+  Hierarchy hierarchy;
+  PetscCall(RegisterLogEvents(&events));
+  PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, square, 1.0 / n), events, true));
+  PointArrays points;
+  PetscCall(hierarchy.At(0).PointStore().Arrays(&points));
+  const int steps = static_cast<int>(std::ceil(kPeriod * n * material.SpeedOfSound() * 1.2 / cfl));
+  const double dt = kPeriod / steps;
+  for (int p = 0; p < points.count; ++p) {
+    const Vec2 X = {points.position[2 * p], points.position[2 * p + 1]};
+    reference[points.id[p]] = X;
+    // The scheme's velocities belong to half steps.
+    points.velocity[2 * p] = kA * kC * M_PI * std::sin(2 * M_PI * X[0]) * std::cos(-0.5 * kC * M_PI * dt);
+    points.velocity[2 * p + 1] = kA * kC * M_PI * std::sin(2 * M_PI * X[1]) * std::cos(-0.5 * kC * M_PI * dt + M_PI);
+  }
+  *errors = {};
+  for (int step = 0; step < steps; ++step) {
+    PetscCall(hierarchy.Advance(step * dt, dt));
+    if (hierarchy.At(0).Failure().kind != LevelFailure::kNone) {
+      *errors = {NAN, NAN};
+      break;
+    }
+    PetscCall(hierarchy.At(0).PointStore().Arrays(&points));
+    const double phase = kC * M_PI * (step + 1) * dt;
+    double sum = 0;
+    for (int p = 0; p < points.count; ++p) {
+      const Vec2 X = reference.at(points.id[p]);
+      const Vec2 error = {points.position[2 * p] - X[0] - Displacement(X[0], phase),
+                          points.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
+      errors->largest = std::max(errors->largest, Norm(error));
+      sum += Dot(error, error);
+    }
+    errors->rms = std::max(errors->rms, std::sqrt(sum / points.count));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Variant kVariants[] = {
+    {"cpGIMP USL", "cpgimp", StressUpdate::kUsl, {0, 0}, 0},
+    {"cpGIMP MUSL XPIC(2) 10 %", "cpgimp", StressUpdate::kMusl, {0, 0}, 0.1},
+    {"cpGIMP default", "cpgimp", StressUpdate::kMusl, {0.01, 4}, 0},
+    {"cpGIMP MUSL XPIC(2) 2 %", "cpgimp", StressUpdate::kMusl, {0, 0}, 0.02},
+    {"cpGIMP MUSL", "cpgimp", StressUpdate::kMusl, {0, 0}, 0},
+    {"cpGIMP USF", "cpgimp", StressUpdate::kUsf, {0, 0}, 0},
+    {"uGIMP default", "ugimp", StressUpdate::kMusl, {0.01, 4}, 0},
+    {"original MPM USL", "linear", StressUpdate::kUsl, {0, 0}, 0},
+};
+
+PetscErrorCode Table(int largest_n)
+{
+  PetscFunctionBeginUser;
+  std::printf("| variant | n | max error | order | rms error | order |\n| --- | --- | --- | --- | --- | --- |\n");
+  for (const Variant &variant : kVariants) {
+    Errors previous;
+    for (int n = 8; n <= largest_n; n *= 2) {
+      Errors e;
+      PetscCall(Solve(n, variant, 0.4, &e));
+      std::printf("| %s | %d | %.2e | %.2f | %.2e | %.2f |\n", variant.name, n, e.largest,
+                  n > 8 ? std::log2(previous.largest / e.largest) : NAN, e.rms, n > 8 ? std::log2(previous.rms / e.rms) : NAN);
+      std::fflush(stdout);
+      previous = e;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tests()
+{
+  PetscFunctionBeginUser;
+  for (int k = 0; k < 3; ++k) {
+    const Variant &variant = kVariants[k];
+    Errors coarse, middle, fine;
+    PetscCall(Solve(16, variant, 0.4, &coarse));
+    PetscCall(Solve(32, variant, 0.4, &middle));
+    PetscCall(Solve(64, variant, 0.4, &fine));
+    CheckAtMost(std::string(variant.name) + ", max error at n = 32", middle.largest, 7e-4);
+    CheckAtLeast(std::string(variant.name) + ", order of the max error, n = 16..64", 0.5 * std::log2(coarse.largest / fine.largest), 1.8);
+    CheckAtLeast(std::string(variant.name) + ", order of the rms error, n = 16..64", 0.5 * std::log2(coarse.rms / fine.rms), 1.8);
+  }
+  Errors coarse, fine;
+  PetscCall(Solve(16, kVariants[7], 0.4, &coarse));
+  PetscCall(Solve(64, kVariants[7], 0.4, &fine));
+  Check("original MPM does not converge", !(fine.largest < 0.5 * coarse.largest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  if (argc == 3 && std::strcmp(argv[1], "table") == 0)
+    PetscCall(Table(std::atoi(argv[2])));
+  else
+    PetscCall(Tests());
+  PetscCall(PetscFinalize());
+  return 0;
+}

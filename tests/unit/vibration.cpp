@@ -1,0 +1,182 @@
+// Free and held bodies that vibrate: energy over many periods, the exact period and displacement of a bar.
+//
+// Without arguments: the tests. With "table": energy of all updates.
+#include "check.hpp"
+
+#include <cmath>
+#include <cstring>
+
+using namespace mlgimp;
+
+namespace
+{
+
+const MaterialConstants kMaterial = {1e7, 0.3, 1000, NAN, NAN};
+
+struct Run {
+  Model model;
+  Hierarchy hierarchy;
+  LogEvents events{};
+  double time = 0, dt = 0;
+
+  PetscErrorCode Create(const Box &domain, double h)
+  {
+    PetscFunctionBeginUser;
+    PetscCall(RegisterLogEvents(&events));
+    PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, domain, h), events, true));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  /// Calls set(X, v) for every point.
+  template <class Set> PetscErrorCode SetVelocity(Set set)
+  {
+    PointArrays a;
+    PetscFunctionBeginUser;
+    PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
+    for (int p = 0; p < a.count; ++p) set(a.position + 2 * p, a.velocity + 2 * p);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscErrorCode Advance()
+  {
+    PetscFunctionBeginUser;
+    PetscCall(hierarchy.Advance(time, dt));
+    time += dt;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  bool Failed() { return hierarchy.At(0).Failure().kind != LevelFailure::kNone; }
+};
+
+struct Update {
+  const char *name;
+  StressUpdate update;
+  ShortWaveViscosity viscosity;
+  double xpic;
+};
+
+const Update kUpdates[] = {
+    {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.01, 4}, 0},
+    {"MUSL", StressUpdate::kMusl, {0, 0}, 0},
+    {"USL", StressUpdate::kUsl, {0, 0}, 0},
+    {"USF", StressUpdate::kUsf, {0, 0}, 0},
+    {"MUSL + XPIC(2) 2 %", StressUpdate::kMusl, {0, 0}, 0.02},
+    {"MUSL + XPIC(2) 10 %", StressUpdate::kMusl, {0, 0}, 0.1},
+    {"USL + short-wave viscosity", StressUpdate::kUsl, {0.01, 4}, 0},
+};
+
+void SetUpdate(Model &model, const Update &update)
+{
+  model.stress_update = update.update;
+  model.short_wave = update.viscosity;
+  model.nodal.xpic_fraction = update.xpic;
+}
+
+/// Energy after 20 periods over that at the start of a free block of side 1 on 16 x 16 cells, each the mean of a period.
+PetscErrorCode BlockEnergy(const Update &update, double strain, double spin, const std::string &law, double *ratio)
+{
+  constexpr int kPeriods = 20, kCells = 16;
+  Run run;
+  PetscFunctionBeginUser;
+  SetUpdate(run.model, update);
+  AddBody(run.model, CreateBoxRegion({{0, 0}, {1, 1}}), law, kMaterial);
+  const double c = run.model.materials[0]->SpeedOfSound();
+  PetscCall(run.Create({{-0.5, -0.5}, {1.5, 1.5}}, 1.0 / kCells));
+  PetscCall(run.SetVelocity([&](const double *x, double *v) {
+    v[0] = strain * c * std::sin(M_PI * (x[0] - 0.5)) - spin * c * (x[1] - 0.5);
+    v[1] = spin * c * (x[0] - 0.5);
+  }));
+  const int steps = static_cast<int>(std::ceil(2 * kCells / 0.36)); // in a period 2 L/c
+  run.dt = 2 / c / steps;
+  double first = 0, last = 0;
+  for (int step = 0; step < kPeriods * steps && !run.Failed(); ++step) {
+    PointTally tally;
+    PetscCall(run.Advance());
+    if (step >= steps && step < (kPeriods - 1) * steps) continue;
+    PetscCall(run.hierarchy.At(0).Tally(&tally));
+    (step < steps ? first : last) += tally.kinetic_energy + tally.strain_energy;
+  }
+  *ratio = run.Failed() ? NAN : last / first;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A bar held at x = 0 with v0 = V sin(pi x/2L): u = (V/w) sin(pi x/2L) sin(w t), w = pi c/2L.
+PetscErrorCode VibratingBar()
+{
+  constexpr double kLength = 1, kSpeed = 1e-5; // of the wave speed
+  constexpr int kCells = 32;
+  Run run;
+  PointArrays a;
+  PetscFunctionBeginUser;
+  run.model.sides = {SideKind::kSymmetry, SideKind::kFree, SideKind::kSymmetry, SideKind::kSymmetry};
+  SetUpdate(run.model, kUpdates[0]);
+  const double h = kLength / kCells;
+  AddBody(run.model, CreateBoxRegion({{0, 0}, {kLength, 4 * h}}), "neo_hookean", kMaterial);
+  const double c = run.model.materials[0]->SpeedOfSound(), w = M_PI * c / (2 * kLength), V = kSpeed * c;
+  run.dt = 0.4 * h / c;
+  PetscCall(run.Create({{0, 0}, {kLength + 4 * h, 4 * h}}, h));
+  PetscCall(run.SetVelocity([&](const double *x, double *v) {
+    v[0] = V * std::sin(0.5 * M_PI * x[0] / kLength) * std::cos(0.5 * w * run.dt);
+  }));
+  PetscCall(run.hierarchy.At(0).PointStore().Arrays(&a));
+  int end = 0;
+  for (int p = 0; p < a.count; ++p)
+    if (a.position[2 * p] > a.position[2 * end]) end = p;
+  const double X = a.position[2 * end], amplitude = V / w * std::sin(0.5 * M_PI * X / kLength);
+  double largest_error = 0, crossing = 0, before = 0;
+  int crossings = 0;
+  run.hierarchy.At(0).SetSortInterval(1 << 30); // point numbers stay
+  while (crossings < 10) {
+    PetscCall(run.Advance());
+    const double u = a.position[2 * end] - X;
+    largest_error = std::max(largest_error, std::abs(u - amplitude * std::sin(w * run.time)));
+    if (before * u < 0) {
+      crossing = run.time - run.dt * u / (u - before);
+      ++crossings;
+    }
+    before = u;
+  }
+  CheckAtMost("bar: error of the period after 5 periods", std::abs(crossing * w / (10 * M_PI) - 1), 0.005);
+  CheckAtMost("bar: displacement of the end against its amplitude, 5 periods", largest_error / amplitude, 0.05);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Table()
+{
+  PetscFunctionBeginUser;
+  std::printf("| update | 0.5 %% | 5 %% | 5 %%, rotating |\n| --- | --- | --- | --- |\n");
+  for (const Update &update : kUpdates) {
+    double small, large, turning;
+    PetscCall(BlockEnergy(update, 0.005, 0, "neo_hookean", &small));
+    PetscCall(BlockEnergy(update, 0.05, 0, "neo_hookean", &large));
+    PetscCall(BlockEnergy(update, 0.05, 0.05, "neo_hookean", &turning));
+    std::printf("| %s | %.3f | %.3f | %.3f |\n", update.name, small, large, turning);
+    std::fflush(stdout);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tests()
+{
+  double ratio;
+  PetscFunctionBeginUser;
+  PetscCall(BlockEnergy(kUpdates[0], 0.005, 0, "neo_hookean", &ratio));
+  CheckAtMost("free block, strain 0.5 %: |E/E0 - 1| after 20 periods", std::abs(ratio - 1), 0.03);
+  PetscCall(BlockEnergy(kUpdates[0], 0.05, 0, "neo_hookean", &ratio));
+  CheckAtMost("free block, strain 5 %: |E/E0 - 1| after 20 periods", std::abs(ratio - 1), 0.03);
+  PetscCall(BlockEnergy(kUpdates[0], 0.05, 0.05, "neo_hookean", &ratio));
+  CheckAtMost("rotating block, strain 5 %: |E/E0 - 1| after 20 periods", std::abs(ratio - 1), 0.03);
+  PetscCall(VibratingBar());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  if (argc == 2 && std::strcmp(argv[1], "table") == 0)
+    PetscCall(Table());
+  else
+    PetscCall(Tests());
+  PetscCall(PetscFinalize());
+  return 0;
+}

@@ -1,4 +1,4 @@
-# mlgimp: make run | make test | make verify | make bench | make deps | make clean; see README.md.
+# mlgimp: make run | make test | make verify | make deps | make clean; see README.md.
 #
 # PETSc is found by pkg-config, or under PETSC_DIR/PETSC_ARCH where they are set.
 
@@ -7,18 +7,22 @@ ARCH     ?= -march=native
 CXXFLAGS ?= -O3 -g $(ARCH)
 PYTHON   ?= /usr/bin/python3
 
+HDF5     ?= hdf5-openmpi
+
 ifdef PETSC_DIR
-export PKG_CONFIG_PATH := $(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:$(PKG_CONFIG_PATH)
+PKG_CONFIG := PKG_CONFIG_PATH=$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:$(PKG_CONFIG_PATH) pkg-config
+else
+PKG_CONFIG := pkg-config
 endif
-PACKAGES  = PETSc hdf5-openmpi
-FLAGS     = -std=c++17 -fopenmp-simd -fno-math-errno -Wall -Wextra -Wpedantic -Iinclude -MMD -MP $(shell pkg-config --cflags $(PACKAGES))
-LIBRARIES = $(shell pkg-config --libs $(PACKAGES)) -lmetis
+PACKAGES  = PETSc $(HDF5)
+FLAGS     = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math -Wall -Wextra -Wpedantic -Iinclude -MMD -MP $(shell $(PKG_CONFIG) --cflags $(PACKAGES))
+LIBRARIES = $(shell $(PKG_CONFIG) --libs $(PACKAGES))
 
 SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=build/%.o)
 TESTS   := $(patsubst tests/unit/%.cpp,bin/test_%,$(wildcard tests/unit/*.cpp))
 
-.PHONY: all deps run test verify bench clean
+.PHONY: all deps run test verify clean
 all: bin/mlgimp
 
 bin/mlgimp: build/program/main.o build/libmlgimp.a

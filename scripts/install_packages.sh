@@ -2,7 +2,7 @@
 # Installs what mlgimp needs from Debian's packages, if something is missing and this is Debian or Ubuntu.
 # A machine that has everything is left alone and the network is not touched.
 set -eu
-packages="g++ make pkg-config libpetsc-real-dev petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
+packages="g++ make pkg-config libpetsc-real-dev petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev
 python3-numpy python3-h5py python3-matplotlib"
 
 if [ -n "${PETSC_DIR:-}" ]; then exit 0; fi # a PETSc of the user's own

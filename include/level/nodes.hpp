@@ -41,6 +41,7 @@ struct NodalSettings {
   double mass_cutoff = 0;  ///< nodes with less are skipped, kg
   double xpic_fraction = 0;
   int xpic_order = 2;
+  bool second_extrapolation = true; ///< strain from the velocities of the moved momentum (MUSL)
 };
 
 /// Sums over the steps so far of what the nodes of this rank exchange with the outside.
@@ -62,7 +63,8 @@ void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalT
 void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
-/// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do. Owned nodes.
+/// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
+/// extrapolation it is the new velocity itself. Owned nodes.
 void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings);
 
 } // namespace mlgimp

@@ -47,7 +47,7 @@ struct SweepTotals {
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
   double dt;
-  bool strain;       ///< advance F and stress here, with the new nodal velocity (USL)
+  bool strain;       ///< advance F and stress here, with the new nodal velocity (USL without rates)
   bool strain_rate;  ///< keep the strain rate of the points for the short-wave viscosity
   bool scatter;      ///< add momentum, projected momentum and strain rate to `rates`
   bool move;         ///< move the points: nothing of the step comes after
@@ -56,7 +56,7 @@ struct GridToPointsPlan {
 /// Settings of the sweep that reads `rates`.
 struct RatesPlan {
   double dt;
-  bool strain;                    ///< advance F and stress with the velocities in `rates` (MUSL, USF)
+  bool strain;                    ///< advance F and stress with the velocities in `rates`
   ShortWaveViscosity short_wave;  ///< turn the strain rate kept into the short-wave stress
   double xpic_fraction;           ///< share of the projected velocity in `rates`
   bool move;                      ///< move the points with the velocities that GridToPoints left

@@ -32,7 +32,8 @@ struct MaterialBatch {
   const double *increment[4];  ///< I + dt L, likewise
   const double *F;             ///< [count][4] new deformation gradient
   double *stress;              ///< [count][4] overwritten with the new stress, Pa
-  double *history;             ///< [count][HistorySize()] internal variables, updated in place
+  double *history;             ///< [count][history_stride] internal variables, updated in place
+  int history_stride;          ///< >= HistorySize(): the most that any material of the run has
 };
 
 class Material
@@ -51,7 +52,7 @@ public:
 
   /// Recoverable energy per initial volume, J/m3, into energy [count].
   virtual void StoredEnergy(int count, const double *F, const double *stress, const double *history,
-                            double *energy) const = 0;
+                            int history_stride, double *energy) const = 0;
 
   /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
   virtual void WaveSpeedSquared(int count, const double *F, double *speed2) const = 0;

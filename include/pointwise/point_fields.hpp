@@ -1,7 +1,8 @@
-// The table of point fields: it drives registration, exchange, output and restart, so that a new field is one line.
+// The table of point fields: it drives registration, sorting, exchange and restart.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -76,5 +77,12 @@ struct PointArrays {
   double *history;
   int history_components;
 };
+
+/// Half size of a point's rectangle along an axis in the current configuration, m: the root of sum_b (F_ab l0_b)^2.
+inline double CurrentHalfSize(const PointArrays &points, int p, int axis)
+{
+  const double *F = points.F + 4 * p + 2 * axis, *l0 = points.half_size + 2 * p;
+  return std::hypot(F[0] * l0[0], F[1] * l0[1]);
+}
 
 } // namespace mlgimp

@@ -37,6 +37,7 @@ PetscErrorCode Level::Create(MPI_Comm comm, const LevelGeometry &geometry, const
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
   nodal_ = model_.nodal;
+  nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
   nodal_.mass_cutoff = kEmptyNode * density * geometry.grid.spacing * geometry.grid.spacing * model_.thickness;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,9 +171,10 @@ PetscErrorCode Level::ExchangeRates()
 
 PetscErrorCode Level::AdvancePoints(double dt)
 {
-  const bool rates = model_.UsesRates(), usl = model_.stress_update == StressUpdate::kUsl;
-  const GridToPointsPlan first = {dt, usl, model_.short_wave.On(), rates, !rates};
-  const RatesPlan second = {dt, model_.stress_update == StressUpdate::kMusl, model_.short_wave, nodal_.xpic_fraction, true};
+  // The weights must not change within a step, so F advances in its last sweep.
+  const bool rates = model_.UsesRates(), strain = model_.stress_update != StressUpdate::kUsf;
+  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, !rates};
+  const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
   PointArrays points;
   PointFailure failure;
   PetscFunctionBeginUser;
@@ -181,7 +183,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
   transfer_->GridToPoints(view, first, sweep_totals_, failure);
-  PetscCall(PetscLogFlops((kGridToPointsFlops + rates * kScatterRatesFlops + usl * kStressFlops) * points.count));
+  PetscCall(PetscLogFlops((kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops) * points.count));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) {
     PetscCall(ExchangeRates());
@@ -282,7 +284,7 @@ PetscErrorCode Level::Tally(PointTally *tally)
     const Material *material = bodies_.material[points.body[first]];
     for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
     const double *history = points.history ? points.history + points.history_components * first : nullptr;
-    material->StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, energy);
+    material->StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
     for (int p = first; p < end; ++p) {
       const double m = points.mass[p], *v = points.velocity + 2 * p;
       tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);

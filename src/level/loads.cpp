@@ -18,32 +18,28 @@ Face PointFace(const PointArrays &points, int p, Side side)
 }
 
 /// Weights of a face on the three nodes around its centre along one axis.
-static void FaceWeights(double d, double l, double w[3])
+static AxisWeights FaceWeights(double d, double l)
 {
-  double slope[3];
-  if (l < kMinHalfSize)
-    Linear::Evaluate(d, l, w, slope);
-  else
-    UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize), w, slope);
+  return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }
 
 static void AddFaceForce(const Grid &grid, const Face &face, Vec2 force)
 {
-  double w[2][3];
+  AxisWeights at[2];
   int nearest[2];
   for (int axis = 0; axis < 2; ++axis) {
     const double inverse_h = grid.IndexSpace().inverse_spacing;
     const int first = grid.GhostLower(axis) + 1, last = grid.GhostLower(axis) + grid.GhostSize(axis) - 2;
     nearest[axis] = std::clamp(grid.Nearest(axis, face.center[axis]), first, last);
     const double d = (face.center[axis] - grid.Coordinate(axis, nearest[axis])) * inverse_h;
-    FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h, w[axis]);
+    at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
   }
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
       const int index = grid.Index(nearest[0] + i - 1, nearest[1] + j - 1);
       double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
       for (int axis = 0; axis < 2; ++axis) {
-        const double part = w[0][i] * w[1][j] * force[axis];
+        const double part = at[0].w[i] * at[1].w[j] * force[axis];
         sums[4 + axis] += part;
         sums[6 + axis] += part;
       }

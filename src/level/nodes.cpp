@@ -126,7 +126,10 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
     for (int k = 0; k < NodeArrays::kRates; ++k) rates[k] /= mass;
     for (int axis = 0; axis < 2; ++axis) {
       rates[2 + axis] = settings.xpic_order == 1 ? velocity[axis] : 2 * velocity[axis] - rates[2 + axis];
-      rates[axis] += settings.xpic_fraction * (rates[2 + axis] - rates[axis]);
+      if (settings.second_extrapolation)
+        rates[axis] += settings.xpic_fraction * (rates[2 + axis] - rates[axis]);
+      else
+        rates[axis] = velocity[axis];
     }
   });
   BindRates(grid, sides);

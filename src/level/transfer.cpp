@@ -77,7 +77,7 @@ void AdvanceStress(const PointArrays &b, const BodyTable &bodies, double dt, con
     }
   }
   ForEachMaterial(b, bodies, [&](int first, int count, const Material &material) {
-    MaterialBatch batch{count, dt, {}, {}, b.F + 4 * first, b.stress + 4 * first, nullptr};
+    MaterialBatch batch{count, dt, {}, {}, b.F + 4 * first, b.stress + 4 * first, nullptr, b.history_components};
     for (int k = 0; k < 4; ++k) batch.L[k] = L[k] + first, batch.increment[k] = increment[k] + first;
     if (b.history) batch.history = b.history + b.history_components * first;
     material.UpdateStress(batch, plastic + first);

@@ -69,7 +69,7 @@ public:
     }
   }
 
-  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  void StoredEnergy(int count, const double *F, const double *, const double *, int, double *energy) const override
   {
     for (int p = 0; p < count; ++p) {
       const double *f = F + 4 * p, log_J = std::log(Determinant(f));
@@ -108,7 +108,7 @@ public:
     }
   }
 
-  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  void StoredEnergy(int count, const double *F, const double *, const double *, int, double *energy) const override
   {
     for (int p = 0; p < count; ++p) {
       const Strain E = GreenStrain(F + 4 * p);
@@ -154,7 +154,7 @@ public:
     }
   }
 
-  void StoredEnergy(int count, const double *F, const double *, const double *, double *energy) const override
+  void StoredEnergy(int count, const double *F, const double *, const double *, int, double *energy) const override
   {
     for (int p = 0; p < count; ++p) {
       const double *f = F + 4 * p, xx = f[0] - 1, yy = f[3] - 1, xy = 0.5 * (f[1] + f[2]);
@@ -190,7 +190,7 @@ public:
     }
   }
 
-  void StoredEnergy(int count, const double *F, const double *stress, const double *, double *energy) const override
+  void StoredEnergy(int count, const double *F, const double *stress, const double *, int, double *energy) const override
   {
     const double bulk = lambda_ + 2 * mu_ / 3;
     for (int p = 0; p < count; ++p) {
@@ -227,7 +227,7 @@ public:
   void UpdateStress(const MaterialBatch &b, double *dissipated) const override
   {
     for (int p = 0; p < b.count; ++p) {
-      double *be = b.history + 5 * p, *sigma = b.stress + 4 * p;
+      double *be = b.history + b.history_stride * p, *sigma = b.stress + 4 * p;
       const double gxx = b.increment[0][p], gxy = b.increment[1][p], gyx = b.increment[2][p], gyy = b.increment[3][p];
       const double txx = gxx * gxx * be[0] + 2 * gxx * gxy * be[3] + gxy * gxy * be[1];
       const double tyy = gyx * gyx * be[0] + 2 * gyx * gyy * be[3] + gyy * gyy * be[1];
@@ -259,10 +259,10 @@ public:
     }
   }
 
-  void StoredEnergy(int count, const double *, const double *, const double *history, double *energy) const override
+  void StoredEnergy(int count, const double *, const double *, const double *history, int stride, double *energy) const override
   {
     for (int p = 0; p < count; ++p) {
-      const double *be = history + 5 * p;
+      const double *be = history + stride * p;
       const Principal e = LogStrain(be[0], be[1], be[2], be[3]);
       const double trace = e.value[0] + e.value[1] + e.value[2];
       energy[p] = 0.5 * lambda_ * trace * trace;

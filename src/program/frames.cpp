@@ -51,8 +51,7 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
   for (int p = 0; p < points.count; ++p) {
     const double *F = points.F + 4 * p;
     volume[p] = (F[0] * F[3] - F[1] * F[2]) * points.mass[p] / bodies.material[points.body[p]]->Density();
-    half_size[2 * p] = std::abs(F[0]) * points.half_size[2 * p];
-    half_size[2 * p + 1] = std::abs(F[3]) * points.half_size[2 * p + 1];
+    for (int axis = 0; axis < 2; ++axis) half_size[2 * p + axis] = CurrentHalfSize(points, p, axis);
   }
   file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
   file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data());

@@ -53,13 +53,13 @@ struct Update {
 };
 
 const Update kUpdates[] = {
-    {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.01, 4}, 0},
+    {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.001, 4}, 0},
     {"MUSL", StressUpdate::kMusl, {0, 0}, 0},
     {"USL", StressUpdate::kUsl, {0, 0}, 0},
     {"USF", StressUpdate::kUsf, {0, 0}, 0},
     {"MUSL + XPIC(2) 2 %", StressUpdate::kMusl, {0, 0}, 0.02},
     {"MUSL + XPIC(2) 10 %", StressUpdate::kMusl, {0, 0}, 0.1},
-    {"USL + short-wave viscosity", StressUpdate::kUsl, {0.01, 4}, 0},
+    {"USL + short-wave viscosity", StressUpdate::kUsl, {0.001, 4}, 0},
 };
 
 void SetUpdate(Model &model, const Update &update)

@@ -348,7 +348,6 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
   methods.push_back("none");
   PetscCall(reader.Choice({"-indenter", "rigid indenter", ""}, {"none", "wedge", "cylinder", "flat_punch", "polygon"}, &kind));
   PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact));
-  PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
   if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const bool has_solver = c->model.contact == "pressure" || c->model.contact == "point_pressure";
   if (has_solver && !reader.Help()) PetscCall(CheckContactSolver(reader));
@@ -408,6 +407,7 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
   out.monitor = isatty(STDOUT_FILENO);
   PetscCall(reader.Flag({"-monitor", "progress line (default: on a terminal)", ""}, &out.monitor));
+  PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
   PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},
                           {1, HUGE_VAL, false, true}, false, &c->rebalance_threshold));

@@ -170,6 +170,11 @@ PetscErrorCode OptionReader::Numbers(const OptionText &option, const Range &rang
   if (!allowed || values->size() < least || (most && values->size() > most))
     PetscCall(Refuse(option.name, text.empty() ? "(nothing)" : text,
                      count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas")));
+  if (identify_) { // 1 and 1.0 are the same case
+    std::vector<std::string> canonical;
+    for (double value : *values) canonical.push_back(FormatNumber(value));
+    identity_.back() = option.name + " " + Join(canonical, ",");
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -144,14 +144,14 @@ struct Sample {
     double rate[4][kBlock], increment[4][kBlock];
     for (int k = 0; k < 4; ++k) rate[k][0] = L[k];
     AdvanceDeformation(1, dt, rate, increment, F);
-    MaterialBatch batch{1, dt, {}, {}, F, stress, history};
+    MaterialBatch batch{1, dt, {}, {}, F, stress, history, material.HistorySize()};
     for (int k = 0; k < 4; ++k) batch.L[k] = rate[k], batch.increment[k] = increment[k];
     material.UpdateStress(batch, &dissipated);
   }
   double Energy() const
   {
     double energy;
-    material.StoredEnergy(1, F, stress, history, &energy);
+    material.StoredEnergy(1, F, stress, history, material.HistorySize(), &energy);
     return energy;
   }
   double Jacobian() const { return F[0] * F[3] - F[1] * F[2]; }

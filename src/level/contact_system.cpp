@@ -56,13 +56,21 @@ template <class Record, class Less, class Add> void Merge(std::vector<Record> &r
   if (!records.empty()) records.resize(kept + 1);
 }
 
-/// Where a contact ends, from the pressures p of two unknowns at distances d from its middle: a smooth edge has p^2
-/// linear in d^2 (exactly so under a cylinder); where p does not fall, an edge of the indenter ends the contact.
-double ContactEdge(double d_inner, double p_inner, double d_outer, double p_outer, double limit)
+/// Where a contact ends, from the pressures p of the five outermost unknowns, `spacing` apart, the second at distance d.
+/// At a smooth edge p^2 = B t (1 + g t), t = a - x (g = -1/2a under a cylinder, positive under a wedge). As single
+/// pressures scatter at the edge, the last four enter by their integral only; the first two fix g. Where p does not
+/// fall, or this leads beyond `limit`, an edge of the indenter ends the contact.
+double ContactEdge(double d, double spacing, const double p[5], double limit)
 {
-  const double fall = p_inner * p_inner - p_outer * p_outer;
-  if (fall <= 0) return limit;
-  return std::min(limit, std::sqrt(d_outer * d_outer + p_outer * p_outer * (d_outer * d_outer - d_inner * d_inner) / fall));
+  if (p[1] >= p[0]) return limit;
+  const double tail = spacing * (0.5 * p[1] + p[2] + p[3] + p[4]) / p[1], fall = (p[0] / p[1]) * (p[0] / p[1]);
+  double e = 1.5 * tail; // a - d
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const double s = fall * e / (e + spacing);
+    const double ge = std::clamp((1 - s) * e / (s * e - (e + spacing)), -0.4, 1.0);
+    e = tail * std::sqrt(1 + ge) / (2.0 / 3 + ge / 5);
+  }
+  return std::min(limit, d + e);
 }
 
 } // namespace
@@ -133,10 +141,11 @@ struct ContactSystem::Problem {
       const std::size_t n = loaded.size();
       const RowRecord &last = rows[loaded.back().second];
       reach[side] = std::max(0.0, sign * ((side ? last.right : last.left) - tip));
-      // The outermost unknown covers loaded and free surface alike; the two before it tell more.
-      if (smooth && n >= 4)
-        reach[side] = ContactEdge(loaded[n - 3].first, lambda[loaded[n - 3].second], loaded[n - 2].first,
-                                  lambda[loaded[n - 2].second], reach[side]);
+      if (smooth && n >= 5) {
+        double pressure[5];
+        for (std::size_t k = 0; k < 5; ++k) pressure[k] = lambda[loaded[n - 5 + k].second];
+        reach[side] = ContactEdge(loaded[n - 4].first, loaded[n - 4].first - loaded[n - 5].first, pressure, reach[side]);
+      }
     }
     const bool both_sides = std::min(reach[0], reach[1]) > 0.05 * std::max(reach[0], reach[1]);
     return both_sides ? 0.5 * (reach[0] + reach[1]) : std::max(reach[0], reach[1]);

@@ -1,0 +1,78 @@
+"""Bodies that nothing holds: a collision, a free fall, and a blow that leaves a dent. Momentum and energy balance."""
+import numpy
+
+import harness
+
+STEEL = {"steel_youngs_modulus": 200e9, "steel_poissons_ratio": 0.3, "steel_density": 7800}
+RUBBER = {"rubber_youngs_modulus": 50e9, "rubber_poissons_ratio": 0.4, "rubber_density": 3000}
+
+DISKS = {
+    "domain_lower": "0,0", "domain_upper": "1.2,0.8", "cell_size": 0.02, **STEEL, **RUBBER, "materials": "steel,rubber",
+    "bodies": "left,right", "left_shape": "disk", "left_center": "0.35,0.38", "left_radius": 0.2, "left_material": "steel",
+    "left_velocity": "60,5", "right_shape": "disk", "right_center": "0.8,0.43", "right_radius": 0.2,
+    "right_material": "rubber", "right_velocity": "-80,-5", "end_time": 1.2e-3, "frames": 1,
+}
+
+FALL = {
+    "domain_lower": "0,0", "domain_upper": "1,2", "cell_size": 0.1, **STEEL, "materials": "steel", "bodies": "block",
+    "block_lower": "0.33,1.41", "block_upper": "0.68,1.8", "block_material": "steel", "block_velocity": "0.3,0",
+    "gravity": "0,-50000", "end_time": 6e-3, "frames": 1,
+}
+
+BLOW = {
+    "domain_lower": "0,0", "domain_upper": "1,0.7", "cell_size": 0.02, "boundary_y_lower": "symmetry", "materials": "lead",
+    "lead_model": "j2", "lead_youngs_modulus": 70e9, "lead_poissons_ratio": 0.33, "lead_density": 2700,
+    "lead_yield_stress": 200e6, "lead_hardening_modulus": 1e9, "bodies": "block", "block_lower": "0.1,0",
+    "block_upper": "0.9,0.5", "block_material": "lead", "indenter": "cylinder", "indenter_radius": 0.2,
+    "indenter_tip": "0.5,0.5", "indenter_times": "0,2e-4", "indenter_velocities": "150,0", "end_time": 2e-4, "frames": 1,
+}
+
+
+def gained_energy(history):
+    """Energy that the bodies hold or have dissipated, less what was there and what was given to them."""
+    total = sum(history[name] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    return total - total[0] - history["external_work"] - history["indenter_work"]
+
+
+def test_collision(report):
+    for ranks in (1, 2):
+        result = harness.run(DISKS, ranks=ranks)
+        history, points, name = result.history, result.frame(), f"collision, {ranks} ranks"
+        start = history["kinetic_energy"][0]
+        scale = numpy.sqrt(2 * start * history["mass"][0])
+        change = max(numpy.max(numpy.abs(history[p] - history[p][0])) for p in ("momentum_x", "momentum_y"))
+        report.expect(f"{name}: momentum gained, of sqrt(2 E m)", change / scale, at_most=1e-12)
+        report.expect(f"{name}: energy gained, of the kinetic energy", numpy.max(numpy.abs(gained_energy(history))) / start, at_most=0.02)
+        report.expect(f"{name}: largest strain energy, of the kinetic energy", numpy.max(history["strain_energy"]) / start, at_least=0.3)
+        left, right = (points["body"].ravel() == body for body in (0, 1))
+        speed = [numpy.average(points["velocity"][body, 0], weights=points["mass"][body].ravel()) for body in (left, right)]
+        gap = points["position"][right, 0].min() - points["position"][left, 0].max()
+        report.expect(f"{name}: the disks have parted by, in cells", gap / DISKS["cell_size"], at_least=2)
+        report.expect(f"{name}: they fly apart, in m/s", speed[1] - speed[0], at_least=40)
+
+
+def test_free_fall(report):
+    result = harness.run(FALL)
+    history, points, gravity = result.history, result.frame(), 50000
+    speed = gravity * history["time"][-1]
+    report.expect("free fall: speed is g t", numpy.max(numpy.abs(points["velocity"][:, 1] / -speed - 1)), at_most=1e-12)
+    report.expect("free fall: sideways speed is kept", numpy.max(numpy.abs(points["velocity"][:, 0] / 0.3 - 1)), at_most=1e-12 * speed / 0.3)
+    momentum = history["momentum_y"] + history["mass"] * gravity * history["time"]
+    report.expect("free fall: momentum is -m g t", numpy.max(numpy.abs(momentum)) / (history["mass"][0] * speed), at_most=1e-12)
+    energy = numpy.max(numpy.abs(gained_energy(history))) / history["external_work"][-1]
+    report.expect("free fall: energy gained, of the work of gravity", energy, at_most=1e-12)
+    report.expect("free fall: work of gravity, of m v^2/2", history["external_work"][-1] / (0.5 * history["mass"][0] * speed**2), near=1, tolerance=1e-12)
+    report.expect("free fall: stress, of E", numpy.max(numpy.abs(points["stress"])) / STEEL["steel_youngs_modulus"], at_most=1e-12)
+
+
+def test_blow(report):
+    history = harness.run(BLOW).history
+    work = history["indenter_work"][-1]
+    report.expect("blow: work of the indenter [J]", work, at_least=1e5)
+    report.expect("blow: plastic work, of the indenter's", history["dissipated_energy"][-1] / work, at_least=0.1, at_most=1)
+    report.expect("blow: energy gained, of the indenter's work", numpy.max(numpy.abs(gained_energy(history))) / work, at_most=0.02)
+    impulse = history["momentum_y"] - history["support_impulse_y"]
+    load = numpy.max(history["load"])
+    report.expect("blow: largest load [N]", load, at_least=1e6)
+    given = -numpy.sum(history["load"][1:] * numpy.diff(history["time"]))
+    report.expect("blow: momentum is what indenter and support gave", abs(impulse[-1] - given) / abs(given), at_most=1e-9)

@@ -30,12 +30,17 @@ def labelled_frame(text):
 
 
 def read_fem(path):
-    """Returns depth (m) and load (N), arrays [rows], of a CSV with '#' comments and the header depth,load."""
+    """Returns depth (m) and load (N), arrays [rows], of a CSV with '#' comments and a header.
+
+    The columns are the first whose name begins with depth and the last, of those without gaps, that begins with load.
+    """
     try:
         lines = [line for line in Path(path).read_text().splitlines() if line and not line.startswith("#")]
         table = np.genfromtxt(lines, delimiter=",", names=True, ndmin=1)
-        return table["depth"], table["load"]
-    except (OSError, ValueError, IndexError):
+        depth = [name for name in table.dtype.names if name.startswith("depth")]
+        load = [name for name in table.dtype.names if name.startswith("load") and np.isfinite(table[name]).all()]
+        return table[depth[0]], table[load[-1]]
+    except (OSError, ValueError, IndexError, TypeError):
         raise results.ResultError(path, "cannot be read as a CSV file with the columns depth,load") from None
 
 
@@ -70,7 +75,7 @@ def main(arguments=None):
     curves.add_argument("picture", metavar="OUT.png")
     curves.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")
     curves.add_argument("--fem", action="append", default=[], type=labelled, metavar="CSV:LABEL",
-                        help="finite-element curve: '#' comments, a header depth,load, then SI values")
+                        help="finite-element curve: '#' comments, a header with depth and load, then SI values")
     curves.set_defaults(draw=load_depth)
     stresses = commands.add_parser("fields", help=fields.__doc__)
     stresses.add_argument("picture", metavar="OUT.png")

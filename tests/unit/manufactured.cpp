@@ -99,11 +99,11 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
 const Variant kVariants[] = {
     {"cpGIMP USL", "cpgimp", StressUpdate::kUsl, {0, 0}, 0},
     {"cpGIMP MUSL XPIC(2) 10 %", "cpgimp", StressUpdate::kMusl, {0, 0}, 0.1},
-    {"cpGIMP default", "cpgimp", StressUpdate::kMusl, {0.001, 4}, 0},
+    {"cpGIMP default", "cpgimp", StressUpdate::kMusl, {0.001, 8}, 0},
     {"cpGIMP MUSL XPIC(2) 2 %", "cpgimp", StressUpdate::kMusl, {0, 0}, 0.02},
     {"cpGIMP MUSL", "cpgimp", StressUpdate::kMusl, {0, 0}, 0},
     {"cpGIMP USF", "cpgimp", StressUpdate::kUsf, {0, 0}, 0},
-    {"uGIMP default", "ugimp", StressUpdate::kMusl, {0.001, 4}, 0},
+    {"uGIMP default", "ugimp", StressUpdate::kMusl, {0.001, 8}, 0},
     {"original MPM USL", "linear", StressUpdate::kUsl, {0, 0}, 0},
 };
 

@@ -53,13 +53,13 @@ struct Update {
 };
 
 const Update kUpdates[] = {
-    {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.001, 4}, 0},
+    {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.001, 8}, 0},
     {"MUSL", StressUpdate::kMusl, {0, 0}, 0},
     {"USL", StressUpdate::kUsl, {0, 0}, 0},
     {"USF", StressUpdate::kUsf, {0, 0}, 0},
     {"MUSL + XPIC(2) 2 %", StressUpdate::kMusl, {0, 0}, 0.02},
     {"MUSL + XPIC(2) 10 %", StressUpdate::kMusl, {0, 0}, 0.1},
-    {"USL + short-wave viscosity", StressUpdate::kUsl, {0.001, 4}, 0},
+    {"USL + short-wave viscosity", StressUpdate::kUsl, {0.001, 8}, 0},
 };
 
 void SetUpdate(Model &model, const Update &update)
@@ -69,10 +69,10 @@ void SetUpdate(Model &model, const Update &update)
   model.nodal.xpic_fraction = update.xpic;
 }
 
-/// Energy after 20 periods over that at the start of a free block of side 1 on 16 x 16 cells, each the mean of a period.
+/// Energy after 20 periods over that at the start of a free block of side 1 on 24 x 24 cells, each the mean of a period.
 PetscErrorCode BlockEnergy(const Update &update, double strain, double spin, const std::string &law, double *ratio)
 {
-  constexpr int kPeriods = 20, kCells = 16;
+  constexpr int kPeriods = 20, kCells = 24;
   Run run;
   PetscFunctionBeginUser;
   SetUpdate(run.model, update);

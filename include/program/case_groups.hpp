@@ -1,0 +1,22 @@
+// The groups of options that ReadCase is made of, where they fill a file of their own.
+#pragma once
+
+#include "program/case.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);
+PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c,
+                          std::vector<std::string> *names);
+PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
+PetscErrorCode ReadIndenter(OptionReader &reader, Case *c);
+
+/// Times and values of a piecewise-linear history.
+PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text,
+                           PiecewiseLinear *history);
+
+} // namespace mlgimp

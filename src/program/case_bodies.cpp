@@ -1,0 +1,179 @@
+// Options of materials, bodies and loads.
+#include "program/case_groups.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Index of a name in a list that another option gave.
+PetscErrorCode FindName(OptionReader &reader, const std::string &option, const std::vector<std::string> &names,
+                        const std::string &list, const std::string &name, int *place)
+{
+  PetscFunctionBeginUser;
+  const auto found = std::find(names.begin(), names.end(), name);
+  *place = static_cast<int>(found - names.begin());
+  if (found == names.end() && !reader.Help())
+    PetscCall(reader.Refuse(option, name, "one of the names in " + list + ": " + Join(names, ", ")));
+  if (found == names.end()) *place = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::unique_ptr<Region> *region)
+{
+  const std::string prefix = "-" + name + "_";
+  std::string shape = "box";
+  PetscFunctionBeginUser;
+  PetscCall(reader.Choice({prefix + "shape", "shape of the body", ""}, {"box", "disk", "polygon"}, &shape));
+  if (shape == "box" || reader.Help()) {
+    Box box;
+    PetscCall(reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower));
+    PetscCall(reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper));
+    if (!(box.upper[0] > box.lower[0] && box.upper[1] > box.lower[1]) && !reader.Help())
+      PetscCall(reader.Refuse(prefix + "upper", FormatVector(box.upper), "above " + prefix + "lower " + FormatVector(box.lower)));
+    *region = CreateBoxRegion(box);
+  }
+  if (shape == "disk" || reader.Help()) {
+    Vec2 center{};
+    double radius = 0;
+    PetscCall(reader.Vector({prefix + "center", "centre (disk)", "m"}, true, &center));
+    PetscCall(reader.Number({prefix + "radius", "radius (disk)", "m"}, kPositive, true, &radius));
+    *region = CreateDiskRegion(center, radius);
+  }
+  if (shape == "polygon" || reader.Help()) {
+    std::vector<double> numbers;
+    std::vector<Vec2> vertices;
+    PetscCall(reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
+    if (numbers.size() % 2) PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
+    for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
+    if (!reader.Help()) *region = CreatePolygonRegion(vertices);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A place inside both regions is looked for on a lattice over the common part of their bounds.
+bool Overlap(const Region &a, const Region &b)
+{
+  constexpr int kLattice = 64;
+  const Box A = a.Bounds(), B = b.Bounds();
+  Vec2 lower, size;
+  for (int d = 0; d < 2; ++d) {
+    lower[d] = std::max(A.lower[d], B.lower[d]);
+    size[d] = std::min(A.upper[d], B.upper[d]) - lower[d];
+    if (size[d] <= 1e-9 * (A.upper[d] - A.lower[d])) return false;
+  }
+  for (int j = 0; j < kLattice; ++j)
+    for (int i = 0; i < kLattice; ++i) {
+      const Vec2 x = {lower[0] + (i + 0.5) / kLattice * size[0], lower[1] + (j + 0.5) / kLattice * size[1]};
+      if (a.Contains(x) && b.Contains(x)) return true;
+    }
+  return false;
+}
+
+} // namespace
+
+PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
+{
+  PetscFunctionBeginUser;
+  PetscCall(reader.Names({"-materials", "names of the materials", ""}, true, names));
+  for (const std::string &name : *names) {
+    const std::string prefix = "-" + name + "_";
+    std::string model = "neo_hookean";
+    MaterialConstants k{NAN, NAN, NAN, NAN, NAN};
+    PetscCall(reader.Choice({prefix + "model", "constitutive law", ""}, MaterialModels(), &model));
+    PetscCall(reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus));
+    PetscCall(reader.Number({prefix + "poissons_ratio", "Poisson's ratio", ""}, Open(-1, 0.5), true, &k.poissons_ratio));
+    PetscCall(reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density));
+    if (ModelHasYield(model) || reader.Help()) {
+      PetscCall(reader.Number({prefix + "yield_stress", "yield stress (j2)", "Pa"}, kPositive, true, &k.yield_stress));
+      PetscCall(reader.Number({prefix + "hardening_modulus", "slope of the yield stress over plastic strain (j2)", "Pa"},
+                              kNotNegative, true, &k.hardening_modulus));
+    }
+    c->model.materials.push_back(CreateMaterial(model, k));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c,
+                          std::vector<std::string> *names)
+{
+  PetscFunctionBeginUser;
+  PetscCall(reader.Names({"-bodies", "names of the bodies", ""}, true, names));
+  for (const std::string &name : *names) {
+    const std::string prefix = "-" + name + "_";
+    Body body{name, nullptr, 0, {0, 0}, 2};
+    std::string material = materials.size() == 1 ? materials[0] : "";
+    PetscCall(ReadRegion(reader, name, &body.region));
+    PetscCall(reader.Text({prefix + "material", "name of its material", ""}, materials.size() > 1, &material));
+    PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));
+    PetscCall(reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity));
+    PetscCall(reader.Integer({prefix + "points_per_cell", "material points per direction in a cell", ""}, Closed(1, 16),
+                             &body.points_per_cell));
+    if (!reader.Help()) {
+      const Box bounds = body.region->Bounds();
+      const double tolerance = 1e-9 * c->cell_size;
+      for (int d = 0; d < 2; ++d)
+        if (bounds.lower[d] < c->domain.lower[d] - tolerance || bounds.upper[d] > c->domain.upper[d] + tolerance)
+          PetscCall(reader.Refuse("-bodies", name, "inside the domain; it reaches from " + FormatVector(bounds.lower) +
+                                                       " to " + FormatVector(bounds.upper)));
+      for (const Body &other : c->model.bodies)
+        if (Overlap(*body.region, *other.region))
+          PetscCall(reader.Refuse("-bodies", name, "clear of body " + other.name + ": they overlap"));
+    }
+    c->model.bodies.push_back(std::move(body));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Times and values of a piecewise-linear history.
+PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text,
+                           PiecewiseLinear *history)
+{
+  std::vector<double> times, values;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Numbers({times_name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, true, &times));
+  PetscCall(reader.Numbers(values_text, kAnyNumber, 1, 0, true, &values));
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (times[k] <= times[k - 1]) PetscCall(reader.Refuse(times_name, FormatNumber(times[k]), "increasing"));
+  if (times.size() != values.size())
+    PetscCall(reader.Refuse(values_text.name, std::to_string(values.size()) + " values",
+                            "as many as " + times_name + " has: " + std::to_string(times.size())));
+  *history = PiecewiseLinear(times, values);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c)
+{
+  std::vector<std::string> names;
+  const std::vector<std::string> sides = {"x_lower", "x_upper", "y_lower", "y_upper"};
+  PetscFunctionBeginUser;
+  PetscCall(reader.Names({"-loads", "names of pressures on sides of bodies", ""}, false, &names));
+  if (names.size() > kMaxLoads)
+    PetscCall(reader.Refuse("-loads", std::to_string(names.size()) + " names", "at most " + std::to_string(kMaxLoads)));
+  for (const std::string &name : names) {
+    const std::string prefix = "-" + name + "_";
+    Load load{0, kXLower, {-HUGE_VAL, HUGE_VAL}, {}};
+    std::string body = bodies[0], side = sides[0];
+    std::vector<double> span = {load.span[0], load.span[1]};
+    PetscCall(reader.Text({prefix + "body", "name of the body", ""}, bodies.size() > 1, &body));
+    PetscCall(FindName(reader, prefix + "body", bodies, "-bodies", body, &load.body));
+    PetscCall(reader.Choice({prefix + "side", "side of the body", ""}, sides, &side));
+    load.side = static_cast<Side>(std::find(sides.begin(), sides.end(), side) - sides.begin());
+    PetscCall(reader.Numbers({prefix + "span", "start,end along the side", "m"}, kAnyNumber, 2, 2, false, &span));
+    load.span[0] = span[0];
+    load.span[1] = span[1];
+    if (!(span[1] > span[0])) PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));
+    PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"}, &load.pressure));
+    c->model.loads.push_back(load);
+    c->load_names.push_back(name);
+  }
+  PetscCall(reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &c->model.nodal.gravity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

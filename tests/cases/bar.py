@@ -1,0 +1,74 @@
+"""A bar between rollers, held at one end and loaded by a ramped traction at the other: waves, and the static stress."""
+import numpy
+
+import analytic
+import harness
+import results
+
+E, NU, RHO = 100e9, 0.25, 2500
+MODULUS = analytic.confined_modulus(E, NU)
+SPEED = numpy.sqrt(MODULUS / RHO)  # of waves, m/s
+LENGTH, CELL = 0.98, 0.02          # m; the end lies on a node of the undeformed grid but moves off it
+PARTS = 40                         # frames of a run
+
+
+def bar(pressure, rise_time, end_time, **others):
+    """Options of a bar of four rows of cells under a pressure that rises to its peak within the rise time."""
+    return {
+        "domain_lower": "0,0", "domain_upper": [LENGTH + 6 * CELL, 4 * CELL], "cell_size": CELL, "boundary_x_lower": "symmetry",
+        "boundary_y_lower": "symmetry", "boundary_y_upper": "symmetry", "materials": "glass", "glass_youngs_modulus": E,
+        "glass_poissons_ratio": NU, "glass_density": RHO, "bodies": "glass", "glass_lower": "0,0",
+        "glass_upper": [LENGTH, 4 * CELL], "loads": "end", "end_body": "glass", "end_side": "x_upper",
+        "end_times": [0.0, rise_time], "end_pressures": [0.0, pressure], "end_time": end_time, **others,
+    }
+
+
+def frames(result):
+    """(time, points ordered by id) of every frame."""
+    for path in results.frames(result.folder):
+        frame = results.read_frame(path)
+        points = results.all_points(frame.levels)
+        order = numpy.argsort(points["id"])
+        yield frame.time, {name: values[order] for name, values in points.items()}
+
+
+def test_waves(report):
+    """Two transits of the wave there and back, against d'Alembert, at a strain of 1e-5 where linear theory is good to 1e-5."""
+    rise_time, pressure = 50 * CELL / SPEED, 1e-5 * E
+    exact = analytic.RampedBar(LENGTH, SPEED, MODULUS, -pressure, rise_time)
+    peak = 2 * pressure / MODULUS * LENGTH
+    for ranks in (1, 2):
+        result = harness.run(bar(pressure, rise_time, 4 * LENGTH / SPEED, frames=PARTS), ranks=ranks)
+        error = stress_error = reached = 0
+        last = None
+        for time, points in frames(result):
+            if last is None:  # the first frame is early: the end has moved by less than a hundredth of a cell
+                columns = CELL * 0.25 + 0.5 * CELL * numpy.arange(round(2 * LENGTH / CELL))
+                X = columns[numpy.argmin(numpy.abs(points["position"][:, :1] - columns), axis=1)]
+                last = X == columns[-1]
+            u = points["position"][:, 0] - X
+            error = max(error, numpy.max(numpy.abs(u - exact.displacement(X, time))[last]) / peak)
+            reached = max(reached, numpy.max(numpy.abs(u[last])) / peak)
+            stress_error = max(stress_error, numpy.max(numpy.abs(points["stress"][last, 0] - exact.stress(X[last], time))) / pressure)
+        report.expect(f"bar, {ranks} ranks: end displacement, of the peak", error, at_most=0.01)
+        report.expect(f"bar, {ranks} ranks: the end has moved, of the peak", reached, at_least=0.5)
+        report.expect(f"bar, {ranks} ranks: stress of the last points, of the traction", stress_error, at_most=0.02)
+
+
+def test_static_stress(report):
+    """In equilibrium the Cauchy stress is the traction on the current face, at any strain; damping takes the waves away."""
+    for part, limit, law in ((1e-4, 1e-4, "neo_hookean"), (0.05, 0.01, "neo_hookean"), (-0.05, 0.01, "neo_hookean"),
+                             (0.05, 0.01, "st_venant_kirchhoff")):
+        pressure = part * E
+        options = bar(pressure, 4 * LENGTH / SPEED, 20 * LENGTH / SPEED, frames=1, damping=numpy.pi * SPEED / LENGTH,
+                      glass_model=law, history_interval=100)
+        points = harness.run(options).frame()
+        last = points["position"][:, 0] > points["position"][:, 0].max() - 0.1 * CELL
+        error = numpy.abs(points["stress"][:, 0] / -pressure - 1)
+        name = f"static bar, {law}, p/E = {part:g}"
+        report.expect(f"{name}: stress of the last points against the traction", numpy.max(error[last]), at_most=limit)
+        report.expect(f"{name}: stress of all points against the traction", numpy.max(error), at_most=limit)
+        # The stretch follows from the law: sigma_xx = (mu/F)(F^2 - 1) + lambda ln F/F = -p, or F (lambda + 2 mu)(F^2 - 1)/2.
+        F, (lam, mu) = points["deformation_gradient"][last, 0], analytic.lame_constants(E, NU)
+        law_stress = mu / F * (F**2 - 1) + lam * numpy.log(F) / F if law == "neo_hookean" else 0.5 * F * MODULUS * (F**2 - 1)
+        report.expect(f"{name}: stretch of the last points", numpy.max(numpy.abs(law_stress / -pressure - 1)), at_most=limit)

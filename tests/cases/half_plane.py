@@ -88,5 +88,5 @@ def test_half_plane(report):
 
 def verify_half_plane(report):
     for shape in (cylinder, wedge, flat_punch):
-        shape(report, 260, 0.04)
-        shape(report, 480, 0.04, width=12)
+        shape(report, 200, 0.04)
+        shape(report, 300, 0.04, width=12)

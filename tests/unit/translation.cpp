@@ -99,7 +99,7 @@ PetscErrorCode Tests()
       {"", "USL", StressUpdate::kUsl, {0, 0}, 0},
       {"", "USF", StressUpdate::kUsf, {0, 0}, 0},
       {"", "MUSL", StressUpdate::kMusl, {0, 0}, 0},
-      {"", "MUSL, short-wave viscosity", StressUpdate::kMusl, {0.01, 4}, 0},
+      {"", "MUSL, short-wave viscosity", StressUpdate::kMusl, {0.001, 8}, 0},
       {"", "MUSL, XPIC(2)", StressUpdate::kMusl, {0, 0}, 0.1},
   };
   PetscFunctionBeginUser;

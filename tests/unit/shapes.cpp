@@ -1,0 +1,129 @@
+// Shape functions by their properties at random places.
+#include "check.hpp"
+
+#include "pointwise/shape.hpp"
+
+#include <cmath>
+#include <random>
+
+using namespace mlgimp;
+
+namespace
+{
+
+std::mt19937 generator(20240607);
+double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+
+/// The mean over [d - l, d + l] of the hat function of `node`, exactly: trapezia between its kinks. l = 0: its value.
+double MeanHat(int node, double d, double l)
+{
+  const auto hat = [&](double x) { return std::max(1 - std::abs(x - node), 0.0); };
+  if (l == 0) return hat(d);
+  double sum = 0, from = d - l;
+  for (double knot : {node - 1.0, static_cast<double>(node), node + 1.0, d + l}) {
+    const double to = std::min(std::max(knot, from), d + l);
+    sum += 0.5 * (hat(from) + hat(to)) * (to - from);
+    from = to;
+  }
+  return sum / (2 * l);
+}
+
+/// Largest errors of the weights along an axis over many random offsets; half sizes are drawn from `sizes`.
+template <class Shape> void CheckAxisWeights(const std::string &name, const std::vector<double> &sizes)
+{
+  double unity = 0, slopes = 0, linear = 0, outside = 0, mean = 0, derivative = 0, mirror = 0;
+  for (double l : sizes)
+    for (int n = 0; n < 400; ++n) {
+      const double d = Random(-0.4999, 0.4999), step = 1e-5 * (l > 0 ? l : 1);
+      const AxisWeights at = Shape::Evaluate(d, l), back = Shape::Evaluate(-d, l);
+      const AxisWeights above = Shape::Evaluate(d + step, l), below = Shape::Evaluate(d - step, l);
+      unity = std::max(unity, std::abs(at.w[0] + at.w[1] + at.w[2] - 1));
+      slopes = std::max(slopes, std::abs(at.g[0] + at.g[1] + at.g[2]));
+      linear = std::max(linear, std::abs(at.w[2] - at.w[0] - d) + std::abs(at.g[2] - at.g[0] - 1));
+      for (int k = 0; k < 3; ++k) {
+        outside = std::max({outside, -at.w[k], at.w[k] - 1});
+        mean = std::max(mean, std::abs(at.w[k] - MeanHat(k - 1, d, l)));
+        mirror = std::max({mirror, std::abs(at.w[k] - back.w[2 - k]), std::abs(at.g[k] + back.g[2 - k])});
+        if (l > 0 || std::abs(d) > step)
+          derivative = std::max(derivative, std::abs((above.w[k] - below.w[k]) / (2 * step) - at.g[k]));
+      }
+    }
+  // Round-off grows as 1/l, down to l = 1e-3. A difference across a kink of the slope, which is 1/(2 l) steep, is off by
+  // up to step/(4 l).
+  CheckAtMost(name + ": weights add up to one", unity, 1e-15);
+  CheckAtMost(name + ": slopes add up to zero", slopes, 1e-12);
+  CheckAtMost(name + ": linear functions and their slope are reproduced", linear, 1e-12);
+  CheckAtMost(name + ": weights leave [0, 1] by", outside, 1e-15);
+  CheckAtMost(name + ": weights are means of the hat function", mean, 1e-12);
+  CheckAtMost(name + ": slopes are derivatives of the weights", derivative, 1e-5);
+  CheckAtMost(name + ": a reflection exchanges weights", mirror, 1e-15);
+}
+
+/// Stencils of a block of points in 2D against products of means of hat functions over the points' current extent.
+template <class Shape> void CheckStencil(const std::string &name)
+{
+  constexpr double kH = 0.37;
+  const Lattice<2> lattice = {{-1.3, 2.1}, 1 / kH, {-2, 3}, {1, 40}};
+  double x[2 * kBlock], half[2 * kBlock], F[4 * kBlock], largest = 0;
+  int clamped = 0;
+  Stencil<2> stencil;
+  for (int p = 0; p < kBlock; ++p) {
+    for (int a = 0; a < 2; ++a) {
+      x[2 * p + a] = lattice.origin[a] + kH * Random(5, 15);
+      half[2 * p + a] = kH * (p % 8 == a ? 0.5 : p % 8 == 2 + a ? 0.7 : p % 8 == 4 + a ? 1e-4 : Random(0.05, 0.3));
+    }
+    for (int c = 0; c < 4; ++c) F[4 * p + c] = (c % 3 == 0) + (p % 8 < 6 ? 0 : Random(-0.3, 0.3));
+  }
+  const int counted = ComputeStencil<Shape>(lattice, kBlock, x, half, F, stencil);
+  for (int p = 0; p < kBlock; ++p) {
+    double l[2], sum = 0;
+    for (int a = 0; a < 2; ++a) {
+      const double *f = F + 4 * p + 2 * a, *size = half + 2 * p;
+      l[a] = (Shape::kUsesDeformation ? std::hypot(f[0] * size[0], f[1] * size[1]) : size[a]) / kH;
+      clamped += l[a] > 0.5 + 1e-9 || l[a] < 1e-3;
+      l[a] = std::is_same_v<Shape, Linear> ? 0 : std::min(std::max(l[a], 1e-3), 0.5);
+    }
+    for (int k = 0; k < 9; ++k) {
+      const int index = stencil.node[p] + stencil.offset[k] + 40 * 3 - 2; // global node i + 40 j
+      const double dx = (x[2 * p] - lattice.origin[0]) / kH - index % 40, dy = (x[2 * p + 1] - lattice.origin[1]) / kH - index / 40;
+      largest = std::max(largest, std::abs(stencil.S[k][p] - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1])));
+      sum += stencil.S[k][p];
+    }
+    double gradient[2][2] = {};
+    for (int k = 0; k < 9; ++k) {
+      const int index = stencil.node[p] + stencil.offset[k] + 40 * 3 - 2;
+      for (int a = 0; a < 2; ++a) {
+        gradient[a][0] += stencil.dS[a][k][p] * kH * (index % 40);
+        gradient[a][1] += stencil.dS[a][k][p] * kH * (index / 40);
+      }
+    }
+    largest = std::max({largest, std::abs(sum - 1), 1e-2 * std::abs(gradient[0][0] - 1), 1e-2 * std::abs(gradient[1][1] - 1),
+                        1e-2 * std::abs(gradient[0][1]), 1e-2 * std::abs(gradient[1][0])});
+  }
+  CheckAtMost(name + ": weights of points in the plane, gradients of linear functions", largest, 1e-12);
+  Check(name + ": clamped sizes are counted", counted == clamped, std::to_string(counted) + " of " + std::to_string(clamped));
+}
+
+void ShapeFunctionTests()
+{
+  CheckAxisWeights<Linear>("linear", {0});
+  CheckAxisWeights<UniformGimp>("GIMP", {0.5, 0.25, 0.125, 0.01, Random(0.02, 0.5), Random(0.02, 0.5), Random(0.02, 0.5)});
+  double mean = 0;
+  for (int n = 0; n < 400; ++n)
+    for (int k = 0; k < 3; ++k) {
+      const double d = Random(-0.5, 0.5);
+      mean = std::max(mean, std::abs(UniformGimp::Evaluate(d, kMinHalfSize).w[k] - MeanHat(k - 1, d, kMinHalfSize)));
+    }
+  CheckAtMost("GIMP: least half size", mean, 1e-12);
+  CheckStencil<Linear>("linear");
+  CheckStencil<UniformGimp>("uGIMP");
+  CheckStencil<ContiguousGimp>("cpGIMP");
+}
+
+} // namespace
+
+int main()
+{
+  ShapeFunctionTests();
+  return 0;
+}

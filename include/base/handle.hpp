@@ -28,13 +28,14 @@ public:
     return &object_;
   }
 
-private:
   void Reset()
   {
     PetscFunctionBegin;
     PetscCallVoid(Destroy(&object_));
     PetscFunctionReturnVoid();
   }
+
+private:
   T object_ = nullptr;
 };
 

@@ -22,9 +22,12 @@ struct GridGeometry {
   int Nodes(int axis) const { return cells[axis] + 1 + 2 * padding; }
 };
 
-/// Number of nodes of every column and row of ranks, along x and y.
+/// How a grid is divided: number of nodes of every column and row of blocks, along x and y, and the rank that holds
+/// each block, row by row. Ranks without a block take no part in the level's steps.
 struct GridLayout {
   std::array<std::vector<PetscInt>, 2> widths;
+  std::vector<PetscMPIInt> ranks; ///< of the communicator of all levels
+  int Blocks() const { return static_cast<int>(widths[0].size() * widths[1].size()); }
 };
 
 /// Nodal arrays on the ghosted index space; the components of a node lie together.
@@ -46,13 +49,16 @@ public:
   Grid &operator=(const Grid &) = delete;
   ~Grid();
 
-  PetscErrorCode Create(MPI_Comm comm, const GridGeometry &geometry, const GridLayout &layout);
+  /// Collective on `world`. On ranks without a block the grid knows where it lies, but has no nodes.
+  PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout);
 
   const GridGeometry &Geometry() const { return geometry_; }
   const GridLayout &Layout() const { return layout_; }
   const Lattice<2> &IndexSpace() const { return lattice_; }
   const NodeArrays &Arrays() const { return arrays_; }
+  /// The ranks with a block, ordered by block; null on others.
   MPI_Comm Comm() const { return comm_; }
+  bool Participates() const { return comm_ != MPI_COMM_NULL; }
 
   /// Owned nodes as half-open ranges of box indices (the padding is negative or beyond the cells).
   int OwnedLower(int axis) const { return owned_lower_[axis]; }
@@ -73,17 +79,24 @@ public:
   {
     return static_cast<int>(std::floor((x - geometry_.lower[axis]) / geometry_.spacing + 0.5));
   }
-  /// The rank that owns the points whose nearest node is (i, j); -1 outside the box.
+  /// The block that holds node (i, j), which is also its owner's rank in Comm(); -1 outside the grid.
+  int BlockOfNode(int i, int j) const;
+  /// The owner's rank among all ranks; -1 outside the grid.
   PetscMPIInt OwnerOfNode(int i, int j) const;
+  /// Place of node (i, j) in the ghosted arrays of the owner of `block`.
+  int IndexInBlock(int block, int i, int j) const;
 
   /// Adds the ghosts' values to their owners (kSums or kRates components a node).
   PetscErrorCode ReduceToOwners(double *array);
   /// Copies the owners' values to the ghosts.
   PetscErrorCode Broadcast(double *array, int components);
 
-private:
-  PetscErrorCode CreateHalo();
+  /// The values of a node: kVelocity or kSums components.
   MPI_Datatype Unit(int components) const { return components == NodeArrays::kVelocity ? unit4_ : unit8_; }
+
+private:
+  PetscErrorCode CreateArrays();
+  PetscErrorCode CreateHalo();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   GridGeometry geometry_{};
@@ -95,7 +108,7 @@ private:
   SFHandle halo_;
   MPI_Datatype unit4_ = MPI_DATATYPE_NULL, unit8_ = MPI_DATATYPE_NULL;
   int owned_lower_[2]{}, owned_upper_[2]{}, ghost_lower_[2]{}, ghost_size_[2]{};
-  std::vector<int> starts_[2]; ///< first node of each column and row of ranks, then the end, as box indices
+  std::vector<int> starts_[2]; ///< first node of each column and row of blocks, then the end, as box indices
 };
 
 /// Divides `count` nodes into `parts` ranges of about equal total weight, each at least `minimum` nodes wide.

@@ -16,6 +16,10 @@ namespace mlgimp
 struct LevelGeometry {
   GridGeometry grid;
   Sides sides;
+  std::array<bool, kSides> border{}; ///< sides that lie within the next coarser level, not on the domain's side
+  /// Nearest nodes that points of this level may have along an axis: beyond a border points may stray until they move.
+  int FirstNode(int axis) const { return border[2 * axis] ? 1 - grid.padding : 0; }
+  int LastNode(int axis) const { return grid.cells[axis] + (border[2 * axis + 1] ? grid.padding - 1 : 0); }
 };
 
 /// What contact did since the run began, booked on the first rank of the level, and in the last step.
@@ -47,14 +51,30 @@ public:
   /// The model is kept by reference and must outlive the level.
   Level(const Model &model, const LogEvents &events) : model_(model), events_(events) {}
 
-  PetscErrorCode Create(MPI_Comm comm, const LevelGeometry &geometry, const GridLayout &layout);
+  PetscErrorCode Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout);
 
-  /// One explicit step from `time` to `time + dt`.
-  PetscErrorCode Step(double time, double dt);
+  // One explicit step from `time` to `time + dt` is these, in this order. Between them the nodes of neighbouring levels
+  // are coupled (see levels/border.hpp). Nothing happens on ranks that hold no part of the grid.
 
-  /// Sends points to the ranks that own their nearest nodes. Collective.
-  PetscErrorCode Migrate();
-  /// Replaces the grid by one with another layout and moves the points to their new owners. Collective.
+  /// Mass, momentum and forces of the points on owned nodes.
+  PetscErrorCode GatherForces(double time, double dt);
+  /// New velocities of owned nodes from the level's own points.
+  PetscErrorCode UpdateNodes(double dt);
+  /// Holds the velocities at the domain's sides and sends them to ghost nodes; contact.
+  PetscErrorCode FinishNodes(double time, double dt);
+  /// Velocities, positions, strain and stress of the points.
+  PetscErrorCode AdvancePoints(double dt);
+  /// Counts the step; migrates and sorts where due.
+  PetscErrorCode KeepOrder();
+
+  /// Owned nodes, as places in the ghosted arrays, whose velocity is the same in the second extrapolation.
+  void SetHeldNodes(std::vector<int> nodes) { held_nodes_ = std::move(nodes); }
+  /// Gradients of the new nodal velocity at some points, [points][4]: xx, xy, yx, yy in 1/s.
+  PetscErrorCode VelocityGradients(const std::vector<int> &points, std::vector<double> *gradients);
+
+  /// Sends points to the ranks that own their nearest nodes; `everywhere` where they may be on any rank. Collective.
+  PetscErrorCode Migrate(bool everywhere = false);
+  /// Replaces the grid by one with another layout and moves the points to their new owners. Collective on all ranks.
   PetscErrorCode Recut(const GridLayout &layout);
   /// Orders the points by their nearest node.
   PetscErrorCode Sort();
@@ -68,6 +88,8 @@ public:
   Points &PointStore() { return points_; }
   const Grid &Mesh() const { return *grid_; }
   const LevelGeometry &Geometry() const { return geometry_; }
+  const Model &Physics() const { return model_; }
+  double MassCutoff() const { return nodal_.mass_cutoff; }
   const LevelFailure &Failure() const { return failure_; }
   NodalTotals &Nodal() { return nodal_totals_; }
   SweepTotals &Sweeps() { return sweep_totals_; }
@@ -77,18 +99,15 @@ public:
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:
-  PetscErrorCode GatherForces(double time);
-  PetscErrorCode AdvanceNodes(double time, double dt);
   PetscErrorCode ApplyContact(double time, double dt);
-  PetscErrorCode AdvancePoints(double dt);
   PetscErrorCode StrainBeforeForces(double dt);
-  PetscErrorCode KeepOrder();
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates();
   void NoteFailure(const PointFailure &failure, double time);
 
   const Model &model_;
   LogEvents events_;
+  MPI_Comm world_ = MPI_COMM_NULL;
   LevelGeometry geometry_{};
   NodalSettings nodal_;
   BodyTable bodies_;
@@ -96,6 +115,7 @@ private:
   Points points_;
   std::unique_ptr<Transfer> transfer_;
   std::unique_ptr<Contact> contact_;
+  std::vector<int> held_nodes_;
   std::vector<double> grid_velocity_; ///< [points][2] between two sweeps of a step
   NodalTotals nodal_totals_;
   SweepTotals sweep_totals_;

@@ -42,6 +42,7 @@ struct NodalSettings {
   double xpic_fraction = 0;
   int xpic_order = 2;
   bool second_extrapolation = true; ///< strain from the velocities of the moved momentum (MUSL)
+  bool HasBodyForces() const { return damping > 0 || Norm(gravity) > 0; }
 };
 
 /// Sums over the steps so far of what the nodes of this rank exchange with the outside.
@@ -50,7 +51,10 @@ struct NodalTotals {
   double external_work = 0, damping_dissipation = 0;         ///< J
 };
 
-/// v = p/m + dt f/m with damping and gravity, on owned nodes; velocity := (v, dv). Books impulses of loads and gravity.
+/// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and books their impulses.
+void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+
+/// v = p/m + dt f/m on owned nodes; velocity := (v, dv). Books the impulse of loads.
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
 /// Holds the velocities of owned nodes at the sides, booking the impulse on the body.
@@ -64,7 +68,7 @@ void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSetting
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. Owned nodes.
-void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings);
+/// extrapolation it is the new velocity itself. Owned nodes; at those in `held` both velocities are the new one.
+void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<int> &held);
 
 } // namespace mlgimp

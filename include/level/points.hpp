@@ -13,11 +13,11 @@ namespace mlgimp
 class Points
 {
 public:
-  PetscErrorCode Create(MPI_Comm comm, int history_components);
+  /// The storage of this rank alone; points move between ranks by MovePoints.
+  PetscErrorCode Create(int history_components);
 
   int Count() const { return count_; }
   const std::array<PointFieldInfo, kPointFields> &Table() const { return table_; }
-  MPI_Comm Comm() const { return comm_; }
 
   /// The fields as arrays; valid until the next Resize.
   PetscErrorCode Arrays(PointArrays *arrays);
@@ -25,6 +25,9 @@ public:
 
   /// Keeps the first `count` points, or adds uninitialised ones. Storage grows by a tenth at a time.
   PetscErrorCode Resize(int count);
+
+  /// Removes points, given in ascending order; the last points take their places.
+  PetscErrorCode Remove(const std::vector<int> &points);
 
   /// Reorders the points so that point k is the one that was at order[k].
   PetscErrorCode Reorder(const std::vector<int> &order);
@@ -40,7 +43,6 @@ public:
 private:
   PetscErrorCode ReleaseFields();
 
-  MPI_Comm comm_ = MPI_COMM_NULL;
   DMHandle swarm_;
   std::array<PointFieldInfo, kPointFields> table_{};
   std::array<void *, kPointFields> data_{};

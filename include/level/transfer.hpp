@@ -84,6 +84,9 @@ public:
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
                             PointFailure &failure) const = 0;
 
+  /// Gradient of the new nodal velocity at one point: xx, xy, yx, yy in 1/s.
+  virtual void VelocityGradient(const SweepView &view, int point, double gradient[4]) const = 0;
+
   /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
   virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
                           PointFailure &failure) const = 0;

@@ -8,11 +8,14 @@
 namespace mlgimp
 {
 
-/// Splits the ranks into columns and rows and the nodes among them by points per node column and row; takes the split
-/// with the shortest inner borders. False where there are too few nodes for the ranks.
-bool MakeLayout(int ranks, const std::vector<double> &columns, const std::vector<double> &rows, GridLayout *layout);
+/// Splits the nodes of a level among `ranks` ranks, or fewer: each rank gets at least `least_points` points and
+/// kHaloWidth nodes along each axis. Columns and rows of blocks follow the points per node column and row; the split
+/// with the shortest inner borders is taken. The first ranks get the blocks.
+void MakeLayout(int ranks, double least_points, const std::vector<double> &columns, const std::vector<double> &rows,
+                GridLayout *layout);
 
-/// The layout that suits the points of a level now; `changed` tells whether it differs from that in use. Collective.
-PetscErrorCode ProposeLayout(Level &level, GridLayout *layout, bool *changed);
+/// The layout that suits the points of a level now, on the same ranks; `changed` tells whether it differs from that in
+/// use. Collective on `world`.
+PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, bool *changed);
 
 } // namespace mlgimp

@@ -3,6 +3,8 @@
 
 #include "level/level.hpp"
 #include "level/seeding.hpp"
+#include "levels/border.hpp"
+#include "levels/crossing.hpp"
 
 #include <memory>
 #include <vector>
@@ -15,6 +17,10 @@ struct HierarchySettings {
   std::vector<LevelGeometry> levels;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
+  int ratio = 2;               ///< of neighbouring levels' cells and steps
+  double blend_width = 2;      ///< of the band inside a border, cells of the coarser level
+  bool merge_siblings = false; ///< points that leave a level become their parent again
+  int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
 };
 
 /// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
@@ -22,7 +28,8 @@ struct Books {
   double kinetic_energy, strain_energy, mass, momentum[2], points, contact_points;
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
-      damping_impulse[2];
+      damping_impulse[2], stagger_impulse[2];
+  double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error;
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
   double Dissipated() const
   {
@@ -47,6 +54,11 @@ public:
   PetscErrorCode Advance(double time, double dt);
 
   PetscErrorCode MeasurePulse(Pulse *pulse);
+  /// The coarse forces that border b of levels b and b + 1 keeps from one step to the next, [interface nodes][2], the
+  /// same on every rank; empty before the first step. Collective.
+  PetscErrorCode GatherBorderForces(int b, std::vector<double> *forces) { return borders_[b]->GatherForces(forces); }
+  /// Connects the levels as their layouts are now, with forces from GatherBorderForces. Collective.
+  PetscErrorCode RestoreBorderForces(int b, const std::vector<double> &forces);
   /// Migrates with intervals that suit the speeds, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const Pulse &pulse, double dt);
   PetscErrorCode ReduceBooks(Books *books);
@@ -62,8 +74,11 @@ public:
   PetscErrorCode PointsOn(int l, double *total, double *largest);
 
 private:
-  PetscErrorCode AdvanceLevel(int l, double time, double dt);
-  PetscErrorCode CreateLevel(int l, const GridLayout &layout);
+  PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
+  PetscErrorCode CreateLevel(int l, const Seeding &seeding, bool fill);
+  PetscErrorCode RenewBorder(int b);
+  PetscErrorCode Reconnect(int l);
+  void HoldNodes(int l);
   PetscErrorCode Rebalance(int l);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
@@ -72,6 +87,8 @@ private:
   LogEvents events_{};
   std::vector<PetscLogStage> stages_;
   std::vector<std::unique_ptr<Level>> levels_;
+  std::vector<std::unique_ptr<Border>> borders_;      ///< [b]: of levels b and b + 1
+  std::vector<std::unique_ptr<Crossing>> crossings_;
 };
 
 } // namespace mlgimp

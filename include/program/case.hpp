@@ -1,7 +1,7 @@
 // A case: everything that options say, validated.
 #pragma once
 
-#include "level/model.hpp"
+#include "level/level.hpp"
 #include "program/options.hpp"
 
 #include <string>
@@ -35,19 +35,27 @@ struct Case {
   double cell_size = 0; ///< of level 0, m
   int levels = 1;
   int refinement_ratio = 2;
+  std::vector<Box> boxes;   ///< of the levels; the first is the domain
+  double blend_width = 2;   ///< cells of the coarser level
+  bool merge_siblings = false;
   Model model;
   TimeSettings time;
   OutputSettings output;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
+  int points_per_rank = 1000;
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity; ///< options that a restart must share
 
+  double CellSize(int level) const { return cell_size / std::pow(refinement_ratio, level); }
   int Cells(int axis) const
   {
     return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size));
   }
 };
+
+/// Where the levels lie, and which of their sides are the domain's.
+std::vector<LevelGeometry> MakeLevels(const Case &settings);
 
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
 PetscErrorCode ReadCase(OptionReader &reader, Case *settings);

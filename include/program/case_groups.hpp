@@ -9,6 +9,7 @@
 namespace mlgimp
 {
 
+PetscErrorCode ReadLevels(OptionReader &reader, Case *c);
 PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);
 PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c,
                           std::vector<std::string> *names);

@@ -16,6 +16,7 @@ struct RunState {
   long step = 0;
   int frames = 0;               ///< written so far
   double initial_mass = 0, initial_points = 0;
+  double initial_created = 0;   ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
   double penetration = 0;       ///< deepest so far, m
 };

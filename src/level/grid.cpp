@@ -6,17 +6,39 @@
 namespace mlgimp
 {
 
-PetscErrorCode Grid::Create(MPI_Comm comm, const GridGeometry &geometry, const GridLayout &layout)
+PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout)
 {
-  PetscInt m = static_cast<PetscInt>(layout.widths[0].size()), n = static_cast<PetscInt>(layout.widths[1].size());
-  PetscInt xs, ys, xm, ym;
+  PetscMPIInt rank;
   PetscFunctionBeginUser;
-  comm_ = comm;
   geometry_ = geometry;
   layout_ = layout;
-  PetscCall(DMDACreate2d(comm, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry.Nodes(0),
-                         geometry.Nodes(1), m, n, NodeArrays::kSums, kHaloWidth, layout.widths[0].data(),
-                         layout.widths[1].data(), nodes8_.Out()));
+  for (int d = 0; d < 2; ++d) {
+    starts_[d] = {-geometry.padding};
+    for (PetscInt width : layout.widths[d]) starts_[d].push_back(starts_[d].back() + width);
+  }
+  PetscCallMPI(MPI_Comm_rank(world, &rank));
+  const auto place = std::find(layout.ranks.begin(), layout.ranks.end(), rank);
+  const bool participates = place != layout.ranks.end();
+  PetscCallMPI(MPI_Comm_split(world, participates ? 0 : MPI_UNDEFINED, static_cast<int>(place - layout.ranks.begin()), &comm_));
+  if (participates) {
+    PetscCall(CreateArrays());
+    PetscCall(CreateHalo());
+  }
+  PetscCallMPI(MPI_Type_contiguous(8, MPIU_SCALAR, &unit8_));
+  PetscCallMPI(MPI_Type_contiguous(4, MPIU_SCALAR, &unit4_));
+  PetscCallMPI(MPI_Type_commit(&unit8_));
+  PetscCallMPI(MPI_Type_commit(&unit4_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Grid::CreateArrays()
+{
+  const PetscInt m = static_cast<PetscInt>(layout_.widths[0].size()), n = static_cast<PetscInt>(layout_.widths[1].size());
+  PetscInt xs, ys, xm, ym;
+  PetscFunctionBeginUser;
+  PetscCall(DMDACreate2d(comm_, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry_.Nodes(0),
+                         geometry_.Nodes(1), m, n, NodeArrays::kSums, kHaloWidth, layout_.widths[0].data(),
+                         layout_.widths[1].data(), nodes8_.Out()));
   PetscCall(DMSetUp(nodes8_));
   PetscCall(DMDACreateCompatibleDMDA(nodes8_, NodeArrays::kVelocity, nodes4_.Out()));
 
@@ -25,30 +47,22 @@ PetscErrorCode Grid::Create(MPI_Comm comm, const GridGeometry &geometry, const G
   PetscCall(DMDAGetGhostCorners(nodes8_, &xs, &ys, nullptr, &xm, &ym, nullptr));
   const PetscInt ghost_start[2] = {xs, ys}, ghost_size[2] = {xm, ym};
   for (int d = 0; d < 2; ++d) {
-    owned_lower_[d] = owned_start[d] - geometry.padding;
+    owned_lower_[d] = owned_start[d] - geometry_.padding;
     owned_upper_[d] = owned_lower_[d] + owned_size[d];
-    ghost_lower_[d] = ghost_start[d] - geometry.padding;
+    ghost_lower_[d] = ghost_start[d] - geometry_.padding;
     ghost_size_[d] = ghost_size[d];
-    starts_[d] = {-geometry.padding};
-    for (PetscInt width : layout.widths[d]) starts_[d].push_back(starts_[d].back() + width);
-    lattice_.origin[d] = geometry.lower[d];
+    lattice_.origin[d] = geometry_.lower[d];
     lattice_.first[d] = ghost_lower_[d];
   }
-  lattice_.inverse_spacing = 1 / geometry.spacing;
+  lattice_.inverse_spacing = 1 / geometry_.spacing;
   lattice_.stride[0] = 1;
   lattice_.stride[1] = ghost_size_[0];
-
   PetscCall(DMCreateLocalVector(nodes8_, sums_.Out()));
   PetscCall(DMCreateLocalVector(nodes8_, rates_.Out()));
   PetscCall(DMCreateLocalVector(nodes4_, velocity_.Out()));
   PetscCall(VecGetArray(sums_, &arrays_.sums));
   PetscCall(VecGetArray(rates_, &arrays_.rates));
   PetscCall(VecGetArray(velocity_, &arrays_.velocity));
-  PetscCallMPI(MPI_Type_contiguous(8, MPIU_SCALAR, &unit8_));
-  PetscCallMPI(MPI_Type_contiguous(4, MPIU_SCALAR, &unit4_));
-  PetscCallMPI(MPI_Type_commit(&unit8_));
-  PetscCallMPI(MPI_Type_commit(&unit4_));
-  PetscCall(CreateHalo());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,28 +74,25 @@ Grid::~Grid()
   if (velocity_) PetscCallVoid(VecRestoreArray(velocity_, &arrays_.velocity));
   for (MPI_Datatype *unit : {&unit4_, &unit8_})
     if (*unit != MPI_DATATYPE_NULL) MPI_Type_free(unit);
+  halo_.Reset(), sums_.Reset(), rates_.Reset(), velocity_.Reset(), nodes4_.Reset(), nodes8_.Reset();
+  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
   PetscFunctionReturnVoid();
 }
 
 /// Roots are owned nodes and leaves ghost nodes, both as places in the ghosted arrays, so that the exchange is in place.
 PetscErrorCode Grid::CreateHalo()
 {
-  PetscMPIInt size, rank;
+  PetscMPIInt rank;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm_, &size));
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  const int mine[4] = {ghost_lower_[0], ghost_lower_[1], ghost_size_[0], ghost_size_[1]};
-  std::vector<int> ghosts(4 * static_cast<std::size_t>(size));
-  PetscCallMPI(MPI_Allgather(mine, 4, MPI_INT, ghosts.data(), 4, MPI_INT, comm_));
   std::vector<PetscInt> leaves;
   std::vector<PetscSFNode> roots;
   for (int j = ghost_lower_[1]; j < ghost_lower_[1] + ghost_size_[1]; ++j)
     for (int i = ghost_lower_[0]; i < ghost_lower_[0] + ghost_size_[0]; ++i) {
-      const PetscMPIInt owner = OwnerOfNode(i, j);
-      if (owner == rank) continue;
-      const int *ghost = &ghosts[4 * static_cast<std::size_t>(owner)];
+      const int block = BlockOfNode(i, j);
+      if (block == rank) continue;
       leaves.push_back(Index(i, j));
-      roots.push_back({owner, (j - ghost[1]) * ghost[2] + i - ghost[0]});
+      roots.push_back({block, IndexInBlock(block, i, j)});
     }
   PetscCall(PetscSFCreate(comm_, halo_.Out()));
   PetscCall(PetscSFSetGraph(halo_, GhostedNodes(), static_cast<PetscInt>(leaves.size()), leaves.data(), PETSC_COPY_VALUES,
@@ -90,7 +101,7 @@ PetscErrorCode Grid::CreateHalo()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscMPIInt Grid::OwnerOfNode(int i, int j) const
+int Grid::BlockOfNode(int i, int j) const
 {
   const int node[2] = {i, j};
   int block[2];
@@ -99,6 +110,23 @@ PetscMPIInt Grid::OwnerOfNode(int i, int j) const
     block[d] = static_cast<int>(std::upper_bound(starts_[d].begin(), starts_[d].end(), node[d]) - starts_[d].begin()) - 1;
   }
   return block[1] * static_cast<int>(starts_[0].size() - 1) + block[0];
+}
+
+PetscMPIInt Grid::OwnerOfNode(int i, int j) const
+{
+  const int block = BlockOfNode(i, j);
+  return block < 0 ? -1 : layout_.ranks[block];
+}
+
+int Grid::IndexInBlock(int block, int i, int j) const
+{
+  const int columns = static_cast<int>(starts_[0].size() - 1), place[2] = {block % columns, block / columns};
+  int lower[2], width = 0;
+  for (int d = 0; d < 2; ++d) {
+    lower[d] = std::max(starts_[d][place[d]] - kHaloWidth, starts_[d].front());
+    if (d == 0) width = std::min(starts_[d][place[d] + 1] + kHaloWidth, starts_[d].back()) - lower[d];
+  }
+  return (j - lower[1]) * width + i - lower[0];
 }
 
 PetscErrorCode Grid::ReduceToOwners(double *array)

@@ -17,21 +17,24 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
   PetscCall(PetscLogEventRegister("GridUpdate", id, &events->grid_update));
   PetscCall(PetscLogEventRegister("Contact", id, &events->contact));
   PetscCall(PetscLogEventRegister("G2PStress", id, &events->grid_to_points));
+  PetscCall(PetscLogEventRegister("Coupling", id, &events->coupling));
+  PetscCall(PetscLogEventRegister("Transfer", id, &events->transfer));
   PetscCall(PetscLogEventRegister("Migrate", id, &events->migrate));
   PetscCall(PetscLogEventRegister("Sort", id, &events->sort));
   PetscCall(PetscLogEventRegister("Output", id, &events->output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::Create(MPI_Comm comm, const LevelGeometry &geometry, const GridLayout &layout)
+PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout)
 {
   constexpr double kEmptyNode = 1e-24; // of the mass of a full cell; forces on lighter nodes are lost
   double density = HUGE_VAL;
   PetscFunctionBeginUser;
   geometry_ = geometry;
+  world_ = world;
   grid_ = std::make_unique<Grid>();
-  PetscCall(grid_->Create(comm, geometry.grid, layout));
-  PetscCall(points_.Create(comm, model_.HistoryComponents()));
+  PetscCall(grid_->Create(world, geometry.grid, layout));
+  PetscCall(points_.Create(model_.HistoryComponents()));
   transfer_ = CreateTransfer(model_.shape_function);
   if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
   bodies_ = model_.Table();
@@ -39,18 +42,6 @@ PetscErrorCode Level::Create(MPI_Comm comm, const LevelGeometry &geometry, const
   nodal_ = model_.nodal;
   nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
   nodal_.mass_cutoff = kEmptyNode * density * geometry.grid.spacing * geometry.grid.spacing * model_.thickness;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::Step(double time, double dt)
-{
-  PetscFunctionBeginUser;
-  time_ = time;
-  if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
-  PetscCall(GatherForces(time));
-  PetscCall(AdvanceNodes(time, dt));
-  PetscCall(AdvancePoints(dt));
-  PetscCall(KeepOrder());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,32 +73,43 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::GatherForces(double time)
+PetscErrorCode Level::GatherForces(double time, double dt)
 {
   PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  time_ = time;
+  if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
   if (contact_) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::AdvanceNodes(double time, double dt)
+PetscErrorCode Level::UpdateNodes(double dt)
 {
   const int owned = (grid_->OwnedUpper(0) - grid_->OwnedLower(0)) * (grid_->OwnedUpper(1) - grid_->OwnedLower(1));
   PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   UpdateVelocities(*grid_, nodal_, dt, nodal_totals_);
-  ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
   PetscCall(PetscLogFlops(kNodeFlops * owned));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::FinishNodes(double time, double dt)
+{
+  PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (contact_) PetscCall(ApplyContact(time, dt));
-  const bool has_work = !model_.loads.empty() || nodal_.damping > 0 || Norm(nodal_.gravity) > 0 || model_.acceleration;
-  if (has_work) BookWork(*grid_, nodal_, dt, nodal_totals_);
+  if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -163,7 +165,7 @@ PetscErrorCode Level::ExchangeRates()
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(rates));
-  UpdateRates(*grid_, geometry_.sides, nodal_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, held_nodes_);
   PetscCall(grid_->Broadcast(rates, NodeArrays::kRates));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -178,6 +180,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PointArrays points;
   PointFailure failure;
   PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(points_.Arrays(&points));
   const SweepView view = MakeView(*grid_, points, grid_velocity_, bodies_);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
@@ -201,6 +204,7 @@ PetscErrorCode Level::KeepOrder()
 {
   PetscFunctionBeginUser;
   ++steps_;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (steps_ % migration_interval_ == 0) PetscCall(Migrate());
   if (steps_ % sort_interval_ == 0) PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,7 +218,7 @@ void Level::PlanMigration(double largest_speed, double dt)
   migration_interval_ = std::max(1, static_cast<int>(kDrift / cells_per_step));
 }
 
-PetscErrorCode Level::Migrate()
+PetscErrorCode Level::Migrate(bool everywhere)
 {
   PointArrays points;
   PetscMPIInt rank;
@@ -222,24 +226,23 @@ PetscErrorCode Level::Migrate()
   PointFailure failure;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
-  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
+  const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(points_.Arrays(&points));
-  const int cells[2] = {grid_->Geometry().cells[0], grid_->Geometry().cells[1]};
   for (int p = 0; p < points.count; ++p) {
     const double *x = points.position + 2 * p;
     const int i = grid_->Nearest(0, x[0]), j = grid_->Nearest(1, x[1]);
-    if (i >= grid_->OwnedLower(0) && i < grid_->OwnedUpper(0) && j >= grid_->OwnedLower(1) && j < grid_->OwnedUpper(1) &&
-        i >= 0 && i <= cells[0] && j >= 0 && j <= cells[1])
-      continue;
-    if (i < 0 || i > cells[0] || j < 0 || j > cells[1]) {
+    const bool inside = i >= geometry_.FirstNode(0) && i <= geometry_.LastNode(0) && j >= geometry_.FirstNode(1) &&
+                        j <= geometry_.LastNode(1);
+    if (!inside) {
       if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], {x[0], x[1]}};
-      continue;
+    } else if (const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(i, j) : grid_->BlockOfNode(i, j); owner != rank) {
+      departures.points.push_back(p);
+      departures.ranks.push_back(owner);
     }
-    departures.points.push_back(p);
-    departures.ranks.push_back(grid_->OwnerOfNode(i, j));
   }
   NoteFailure(failure, time_);
-  PetscCall(MovePoints(grid_->Comm(), points_, points_, departures));
+  PetscCall(MovePoints(comm, points_, points_, departures));
   PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -248,9 +251,10 @@ PetscErrorCode Level::Recut(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
   auto grid = std::make_unique<Grid>();
-  PetscCall(grid->Create(grid_->Comm(), geometry_.grid, layout));
+  PetscCall(grid->Create(world_, geometry_.grid, layout));
   grid_ = std::move(grid);
-  PetscCall(Migrate());
+  held_nodes_.clear();
+  PetscCall(Migrate(true));
   PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -259,6 +263,7 @@ PetscErrorCode Level::Sort()
 {
   PointArrays points;
   PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
   PetscCall(points_.Arrays(&points));
   std::vector<int> start(grid_->GhostedNodes() + 1, 0), key(points.count), order(points.count);
@@ -270,6 +275,17 @@ PetscErrorCode Level::Sort()
   for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
   PetscCall(points_.Reorder(order));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::VelocityGradients(const std::vector<int> &points, std::vector<double> *gradients)
+{
+  PointArrays arrays;
+  PetscFunctionBeginUser;
+  gradients->resize(4 * points.size());
+  PetscCall(points_.Arrays(&arrays));
+  const SweepView view = {*grid_, arrays, nullptr, bodies_};
+  for (std::size_t k = 0; k < points.size(); ++k) transfer_->VelocityGradient(view, points[k], &(*gradients)[4 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -37,6 +37,19 @@ template <class Work> void ForEachBound(const Grid &grid, const Sides &sides, Wo
 
 } // namespace
 
+void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+{
+  ForEachOwned(grid, [&](int index) {
+    double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double gravity = sums[0] * settings.gravity[axis], damping = -settings.damping * sums[1 + axis];
+      sums[4 + axis] += gravity + damping;
+      totals.gravity_impulse[axis] += dt * gravity;
+      totals.damping_impulse[axis] += dt * damping;
+    }
+  });
+}
+
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
@@ -47,13 +60,9 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
     std::fill_n(velocity, NodeArrays::kVelocity, 0.0);
     if (mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < 2; ++axis) {
-      const double old = sums[1 + axis] / mass;
-      const double change = dt * (sums[4 + axis] / mass + settings.gravity[axis] - settings.damping * old);
-      velocity[axis] = old + change;
-      velocity[2 + axis] = change;
+      velocity[2 + axis] = dt * sums[4 + axis] / mass;
+      velocity[axis] = sums[1 + axis] / mass + velocity[2 + axis];
       totals.load_impulse[axis] += dt * sums[6 + axis];
-      totals.gravity_impulse[axis] += dt * mass * settings.gravity[axis];
-      totals.damping_impulse[axis] -= dt * settings.damping * sums[1 + axis];
     }
   });
 }
@@ -112,7 +121,7 @@ void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSetting
   BindRates(grid, sides);
 }
 
-void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings)
+void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<int> &held)
 {
   const NodeArrays &nodes = grid.Arrays();
   ForEachOwned(grid, [&](int index) {
@@ -132,6 +141,11 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
         rates[axis] = velocity[axis];
     }
   });
+  for (const int index : held)
+    for (int axis = 0; axis < 2; ++axis) {
+      double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+      rates[axis] = rates[2 + axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index) + axis];
+    }
   BindRates(grid, sides);
 }
 

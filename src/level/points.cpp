@@ -17,13 +17,12 @@ static PetscDataType PetscType(FieldType type)
   }
 }
 
-PetscErrorCode Points::Create(MPI_Comm comm, int history_components)
+PetscErrorCode Points::Create(int history_components)
 {
   static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
   PetscFunctionBeginUser;
-  comm_ = comm;
   table_ = PointFieldTable(history_components);
-  PetscCall(DMCreate(comm, swarm_.Out()));
+  PetscCall(DMCreate(PETSC_COMM_SELF, swarm_.Out()));
   PetscCall(DMSetType(swarm_, DMSWARM));
   PetscCall(DMSetDimension(swarm_, 2));
   PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
@@ -212,25 +211,24 @@ PetscErrorCode PackParcel(Points &from, const Departures &departures, Parcel *pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Fills the holes that departures leave from the end of the storage.
-PetscErrorCode RemovePoints(Points &points, const std::vector<int> &holes)
+} // namespace
+
+PetscErrorCode Points::Remove(const std::vector<int> &holes)
 {
-  int last = points.Count() - 1;
+  int last = count_ - 1;
   std::size_t top = holes.size();
   RecordCopier copier;
   PetscFunctionBeginUser;
   if (holes.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RecordCopier::Create(points, &copier));
+  PetscCall(RecordCopier::Create(*this, &copier));
   for (std::size_t k = 0; k < top; ++k) {
     while (top > k && holes[top - 1] == last) --top, --last;
     if (k >= top) break;
     copier.Copy(last--, holes[k]);
   }
-  PetscCall(points.Resize(points.Count() - static_cast<int>(holes.size())));
+  PetscCall(Resize(count_ - static_cast<int>(holes.size())));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-} // namespace
 
 PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures)
 {
@@ -250,7 +248,7 @@ PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departu
   PetscCall(PetscFree(source_ranks));
   PetscCall(PetscFree(source_counts));
   std::sort(arrivals.begin(), arrivals.end());
-  PetscCall(RemovePoints(from, departures.points));
+  PetscCall(from.Remove(departures.points));
 
   // From here on nothing is collective but the duplication, which counts tags and so must happen on all ranks.
   PetscMPIInt tag;

@@ -90,13 +90,14 @@ PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
   PetscMPIInt rank;
   int lower[2], upper[2];
   PetscFunctionBeginUser;
+  if (!grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
   for (int d = 0; d < 2; ++d) {
     lower[d] = grid.OwnedLower(d) - 1;
     upper[d] = grid.OwnedUpper(d);
   }
   ForEach(lower, upper, [&](const Seed &seed) {
-    if (grid.OwnerOfNode(grid.Nearest(0, seed.tile.center[0]), grid.Nearest(1, seed.tile.center[1])) == rank)
+    if (grid.BlockOfNode(grid.Nearest(0, seed.tile.center[0]), grid.Nearest(1, seed.tile.center[1])) == rank)
       seeds.push_back(seed);
   });
   const int before = points.Count();

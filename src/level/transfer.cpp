@@ -175,6 +175,16 @@ public:
     }
   }
 
+  void VelocityGradient(const SweepView &view, int point, double gradient[4]) const override
+  {
+    Weights w;
+    double value[1][4], slope_x[1][4], slope_y[1][4];
+    const PointArrays &all = view.points;
+    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+    GatherVelocity(view.grid, w, 1, value, slope_x, slope_y);
+    gradient[0] = slope_x[0][0], gradient[1] = slope_y[0][0], gradient[2] = slope_x[0][1], gradient[3] = slope_y[0][1];
+  }
+
   void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
                   PointFailure &failure) const override
   {

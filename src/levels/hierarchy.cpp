@@ -9,6 +9,16 @@
 namespace mlgimp
 {
 
+/// Calls `work` as a log event.
+template <class Work> static PetscErrorCode Logged(PetscLogEvent event, Work work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
+  PetscCall(work());
+  PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The log stage of a level, which hierarchies created one after the other share.
 static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
 {
@@ -23,50 +33,113 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
                                  const LogEvents &events, bool fill)
 {
   std::int64_t first_id = 0;
-  PetscMPIInt ranks;
   PetscFunctionBeginUser;
   comm_ = comm;
   model_ = &model;
   settings_ = settings;
   events_ = events;
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   levels_.resize(settings.levels.size());
   for (int l = 0; l < Levels(); ++l) {
     const LevelGeometry &geometry = settings.levels[l];
-    const Seeding seeding(model, geometry.grid, geometry.sides, [](Vec2) { return true; }, first_id);
-    GridLayout layout;
-    PetscCheck(MakeLayout(ranks, seeding.CountByNode(0), seeding.CountByNode(1), &layout), comm, PETSC_ERR_USER_INPUT,
-               "-cell_size %.12g: must leave at least %d nodes for each rank in some direction; there are %d x %d cells for %d ranks",
-               geometry.grid.spacing, kHaloWidth, geometry.grid.cells[0], geometry.grid.cells[1], ranks);
+    const Box here = PlacesOf(geometry).seeds;
+    const bool has_finer = l + 1 < Levels();
+    const Box finer = has_finer ? PlacesOf(settings.levels[l + 1]).seeds : Box{};
+    const auto belongs = [=](Vec2 x) { return here.Contains(x) && !(has_finer && finer.Contains(x)); };
+    const Seeding seeding(model, geometry.grid, geometry.sides, belongs, first_id);
     PetscCall(LevelStage(l, &stages_.emplace_back()));
-    PetscCall(CreateLevel(l, layout));
-    if (fill) PetscCall(seeding.Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
+    PetscCall(CreateLevel(l, seeding, fill));
     first_id = seeding.EndId();
   }
+  const PointNumbers numbers(first_id, settings.ratio * settings.ratio);
+  for (int b = 0; b + 1 < Levels(); ++b) {
+    borders_.push_back(std::make_unique<Border>());
+    crossings_.push_back(std::make_unique<Crossing>(comm, *levels_[b], *levels_[b + 1], settings.ratio, numbers, settings.merge_siblings));
+    PetscCall(RenewBorder(b));
+    if (fill) PetscCall(crossings_[b]->Transfer());
+  }
+  for (int l = 0; l < Levels(); ++l) HoldNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::CreateLevel(int l, const GridLayout &layout)
+PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding, bool fill)
 {
+  PetscMPIInt ranks;
+  GridLayout layout;
   PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
+  MakeLayout(ranks, settings_.points_per_rank, seeding.CountByNode(0), seeding.CountByNode(1), &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
+  if (fill) PetscCall(seeding.Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Creates a border anew, with the forces and totals it had.
+PetscErrorCode Hierarchy::RenewBorder(int b)
+{
+  std::vector<double> forces;
+  auto border = std::make_unique<Border>();
+  PetscFunctionBeginUser;
+  PetscCall(borders_[b]->GatherForces(&forces));
+  PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, settings_.blend_width));
+  border->RestoreForces(forces);
+  border->SetTotals(borders_[b]->Totals());
+  borders_[b] = std::move(border);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Hierarchy::HoldNodes(int l)
+{
+  std::vector<int> nodes;
+  if (l > 0) nodes = borders_[l - 1]->HeldFine();
+  if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->HeldCoarse().begin(), borders_[l]->HeldCoarse().end());
+  levels_[l]->SetHeldNodes(std::move(nodes));
+}
+
+PetscErrorCode Hierarchy::Reconnect(int l)
+{
+  PetscFunctionBeginUser;
+  for (int b = std::max(l - 1, 0); b <= l && b + 1 < Levels(); ++b) PetscCall(RenewBorder(b));
+  for (int k = std::max(l - 1, 0); k <= l + 1 && k < Levels(); ++k) HoldNodes(k);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::RestoreBorderForces(int b, const std::vector<double> &forces)
+{
+  PetscFunctionBeginUser;
+  PetscCall(RenewBorder(b));
+  borders_[b]->RestoreForces(forces);
+  HoldNodes(b), HoldNodes(b + 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Hierarchy::Advance(double time, double dt)
 {
   PetscFunctionBeginUser;
-  PetscCall(AdvanceLevel(0, time, dt));
+  PetscCall(AdvanceLevel(0, time, dt, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt)
+PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int substep)
 {
+  Level &level = *levels_[l];
+  const bool has_finer = l + 1 < Levels();
+  const double fine_dt = dt / settings_.ratio;
   PetscFunctionBeginUser;
   PetscCall(PetscLogStagePush(stages_[l]));
-  PetscCall(levels_[l]->Step(time, dt));
+  PetscCall(level.GatherForces(time, dt));
+  PetscCall(level.UpdateNodes(dt));
+  if (l > 0) PetscCall(Logged(events_.coupling, [&] { return borders_[l - 1]->Advance(substep, dt); }));
+  if (has_finer) {
+    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->SendDown(); }));
+    for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevel(l + 1, time + k * fine_dt, fine_dt, k));
+    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->SendUp(); }));
+  }
+  PetscCall(level.FinishNodes(time, dt));
+  PetscCall(level.AdvancePoints(dt));
+  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(); }));
+  PetscCall(level.KeepOrder());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,11 +165,9 @@ PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double dt)
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     double total = 0, largest = 0;
-    PetscMPIInt ranks;
-    PetscCallMPI(MPI_Comm_size(comm_, &ranks));
     PetscCall(PointsOn(l, &total, &largest));
-    if (largest * ranks > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
-    levels_[l]->PlanMigration(pulse.point_speed, dt);
+    if (largest * levels_[l]->Mesh().Layout().Blocks() > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
+    levels_[l]->PlanMigration(pulse.point_speed, dt / std::pow(settings_.ratio, l));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,8 +186,10 @@ PetscErrorCode Hierarchy::Rebalance(int l)
   GridLayout layout;
   bool changed = false;
   PetscFunctionBeginUser;
-  PetscCall(ProposeLayout(*levels_[l], &layout, &changed));
-  if (changed) PetscCall(levels_[l]->Recut(layout));
+  PetscCall(ProposeLayout(comm_, *levels_[l], &layout, &changed));
+  if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(levels_[l]->Recut(layout));
+  PetscCall(Reconnect(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,12 +228,28 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// This rank's share of what borders do.
+static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossing, Books *b)
+{
+  for (int d = 0; d < 2; ++d) {
+    b->support_impulse[d] += border.support_impulse[d];
+    b->stagger_impulse[d] += border.stagger_impulse[d];
+  }
+  b->points_entered += crossing.entered;
+  b->points_left += crossing.left;
+  b->points_split += crossing.split;
+  b->points_merged += crossing.merged;
+  b->transfer_mass_error += crossing.mass_error;
+  b->transfer_momentum_error += crossing.momentum_error;
+}
+
 PetscErrorCode Hierarchy::ReduceBooks(Books *books)
 {
   static_assert(sizeof(Books) % sizeof(double) == 0, "books are reduced as an array of doubles");
   PetscFunctionBeginUser;
   *books = {};
   for (auto &level : levels_) PetscCall(LocalBooks(*level, books));
+  for (int b = 0; b + 1 < Levels(); ++b) BorderBooks(borders_[b]->Totals(), crossings_[b]->Totals(), books);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, books, sizeof(Books) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -186,6 +275,9 @@ PetscErrorCode Hierarchy::RestoreBooks(const Books &b)
   contact.steps = b.contact_steps;
   contact.set_updates = b.contact_set_updates;
   contact.fallbacks = b.contact_fallbacks;
+  if (borders_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  borders_[0]->SetTotals({{}, {b.stagger_impulse[0], b.stagger_impulse[1]}});
+  crossings_[0]->SetTotals({b.points_entered, b.points_left, b.points_split, b.points_merged, b.transfer_mass_error, b.transfer_momentum_error});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

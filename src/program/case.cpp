@@ -25,9 +25,6 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   PetscCall(reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower));
   PetscCall(reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper));
   PetscCall(reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size));
-  PetscCall(reader.Integer({"-levels", "number of grid levels", ""}, Closed(1, 1), &c->levels));
-  PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
-                           &c->refinement_ratio));
   for (int s = 0; s < kSides; ++s) {
     const std::string names[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
@@ -63,6 +60,8 @@ PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
   PetscCall(reader.Choice({"-shape_function", "weights of points on nodes", ""}, ShapeFunctions(), &model.shape_function));
   PetscCall(reader.Choice({"-stress_update", "when strain and stress advance in a step", ""}, updates, &update));
   model.stress_update = static_cast<StressUpdate>(std::find(updates.begin(), updates.end(), update) - updates.begin());
+  if (model.stress_update == StressUpdate::kUsf && c->levels > 1)
+    PetscCall(reader.Refuse("-stress_update", update, "usl or musl with more than one level"));
   PetscCall(reader.Numbers({"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
                            kNotNegative, 2, 2, false, &viscosity));
   model.short_wave = {viscosity[0], viscosity[1]};
@@ -100,6 +99,7 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},
                           {1, HUGE_VAL, false, true}, false, &c->rebalance_threshold));
+  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""}, Closed(1, 2e9), &c->points_per_rank));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,6 +138,7 @@ PetscErrorCode ReadCase(OptionReader &reader, Case *c)
   PetscFunctionBeginUser;
   PetscCall(ReadName(c));
   PetscCall(Group(reader, "Grid", [&] { return ReadGrid(reader, c); }));
+  PetscCall(Group(reader, "Levels (1: each level but the coarsest)", [&] { return ReadLevels(reader, c); }));
   PetscCall(Group(reader, "Materials (NAME: each name in -materials)", [&] { return ReadMaterials(reader, c, &materials); }));
   PetscCall(Group(reader, "Bodies (NAME: each name in -bodies)", [&] { return ReadBodies(reader, materials, c, &bodies); }));
   PetscCall(Group(reader, "Loads (NAME: each name in -loads)", [&] { return ReadLoads(reader, bodies, c); }));

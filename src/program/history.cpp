@@ -47,6 +47,8 @@ const Column kColumns[] = {
     {"damping_impulse_y", [](const HistoryRow &r) { return r.books.damping_impulse[1]; }},
     {"penetration", [](const HistoryRow &r) { return r.penetration; }},
     {"peak_pressure", [](const HistoryRow &r) { return r.peak_pressure; }},
+    {"stagger_impulse_x", [](const HistoryRow &r) { return r.books.stagger_impulse[0]; }},
+    {"stagger_impulse_y", [](const HistoryRow &r) { return r.books.stagger_impulse[1]; }},
 };
 
 /// The header and the rows of an earlier part of the run up to a step.

@@ -23,18 +23,10 @@ static std::string Rounded(double x)
   return text;
 }
 
-static LevelGeometry LevelZero(const Case &c)
-{
-  LevelGeometry geometry;
-  geometry.grid = {c.domain.lower, c.cell_size, {c.Cells(0), c.Cells(1)}, 1};
-  geometry.sides.kind = c.model.sides;
-  geometry.sides.node = {0, c.Cells(0), 0, c.Cells(1)};
-  return geometry;
-}
-
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
-  HierarchySettings settings{{LevelZero(case_)}, case_.sort_interval, case_.rebalance_threshold};
+  const HierarchySettings settings{MakeLevels(case_),    case_.sort_interval,  case_.rebalance_threshold, case_.refinement_ratio,
+                                   case_.blend_width,    case_.merge_siblings, case_.points_per_rank};
   const bool restart = !case_.output.restart.empty();
   PetscFunctionBeginUser;
   comm_ = comm;
@@ -52,6 +44,7 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     PetscCall(hierarchy_.ReduceBooks(&books_));
     state_.initial_mass = books_.mass;
     state_.initial_points = books_.points;
+    state_.initial_created = books_.points_split * (std::pow(case_.refinement_ratio, 2) - 1);
   }
   PetscCall(CheckOutputFolder());
   PetscCall(ControlStep());
@@ -223,7 +216,8 @@ PetscErrorCode Simulation::Run()
     const double begin = MPI_Wtime();
     PetscCall(hierarchy_.Advance(state_.time, state_.time_step));
     level_seconds_ += MPI_Wtime() - begin;
-    for (int l = 0; l < hierarchy_.Levels(); ++l) point_steps_ += hierarchy_.At(l).PointStore().Count();
+    for (int l = 0; l < hierarchy_.Levels(); ++l)
+      point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.refinement_ratio, l);
     state_.time += state_.time_step;
     ++state_.step;
     if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;

@@ -54,16 +54,17 @@ std::string Versions()
   return json.str();
 }
 
-std::string LevelJson(const Level &level, double points, double largest, int ranks, double time_step)
+std::string LevelJson(const Level &level, double points, double largest, double time_step)
 {
   const GridGeometry &grid = level.Geometry().grid;
+  const int ranks = level.Mesh().Layout().Blocks();
   std::ostringstream json;
   json << "{\"lower\": " << Pair(grid.lower) << ", \"upper\": "
        << Pair(grid.lower + grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])})
        << ", \"cell_size\": " << FormatNumber(grid.spacing) << ", \"points\": " << FormatNumber(points)
        << ", \"cells\": " << static_cast<long>(grid.cells[0]) * grid.cells[1] << ", \"steps\": " << level.Steps()
        << ", \"time_step\": " << FormatNumber(time_step) << ", \"imbalance\": " << FormatNumber(points > 0 ? largest * ranks / points : 1)
-       << "}";
+       << ", \"ranks\": " << ranks << "}";
   return json.str();
 }
 
@@ -74,31 +75,38 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
   PetscMPIInt rank, ranks;
   Books books;
   Hierarchy &hierarchy = in.hierarchy;
-  double times[5] = {in.step_seconds, 0, 0, 0, in.point_steps};
+  double times[6] = {in.step_seconds, 0, 0, 0, in.point_steps, 0};
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
   PetscCallMPI(MPI_Comm_size(hierarchy.Comm(), &ranks));
   PetscCall(hierarchy.ReduceBooks(&books));
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.contact, &times[1]));
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.halo, &times[2]));
-  PetscCall(EventSeconds(hierarchy.Stages(), in.events.migrate, &times[3]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, times, 5, MPI_DOUBLE, MPI_SUM, hierarchy.Comm()));
+  PetscCall(EventSeconds(hierarchy.Stages(), in.events.transfer, &times[3]));
+  PetscCall(EventSeconds(hierarchy.Stages(), in.events.coupling, &times[5]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, times, 6, MPI_DOUBLE, MPI_SUM, hierarchy.Comm()));
   const double total = std::max(times[0], 1e-30);
+  const double children = in.settings.refinement_ratio * in.settings.refinement_ratio;
+  const double created = (books.points_split - books.points_merged) * (children - 1) - in.state.initial_created;
   std::ostringstream json;
   json << "{\n  \"status\": " << Quoted(in.status) << ",\n  \"case\": " << Quoted(in.settings.name) << ",\n  \"ranks\": " << ranks
        << ",\n  \"levels\": [";
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     double points = 0, largest = 0;
     PetscCall(hierarchy.PointsOn(l, &points, &largest));
-    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, ranks, in.state.time_step);
+    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(in.settings.refinement_ratio, l));
   }
   json << "\n  ],\n  \"steps\": " << in.state.step << ",\n  \"simulated_time\": " << FormatNumber(in.state.time)
        << ",\n  \"wall_seconds\": " << FormatNumber(in.wall_seconds)
        << ",\n  \"seconds_per_point_step\": " << FormatNumber(times[4] > 0 ? times[0] / times[4] : 0)
        << ",\n  \"contact_share\": " << FormatNumber(times[1] / total) << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
-       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total)
-       << ",\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": 0"
-       << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points - books.points)
+       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total) << ",\n  \"coupling_share\": " << FormatNumber(times[5] / total)
+       << ",\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": " << FormatNumber(created)
+       << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points + created - books.points)
+       << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered) << ", \"left\": " << FormatNumber(books.points_left)
+       << ", \"split\": " << FormatNumber(books.points_split) << ", \"merged\": " << FormatNumber(books.points_merged)
+       << ", \"mass_error\": " << FormatNumber(books.transfer_mass_error)
+       << ", \"momentum_error\": " << FormatNumber(books.transfer_momentum_error) << "}"
        << ",\n  \"contact_steps\": " << FormatNumber(books.contact_steps)
        << ",\n  \"contact_set_updates\": " << FormatNumber(books.contact_set_updates)
        << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)

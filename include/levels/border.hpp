@@ -1,0 +1,99 @@
+// The border between a level and the next finer one: one composite grid, without copies of points.
+//
+// Nested grids give N_I = sum_i N_I(x_i) N_i for a coarse hat N_I and the fine hats N_i. With beta_i in [0, 1], which grows
+// from zero outside the fine level's box to one at depth W h inside, the functions beta_i N_i and
+// sum_i (1 - beta_i) N_I(x_i) N_i add up to one, and each nodal force acts on one momentum. The coarse nodes of the second
+// kind are the interface nodes. They advance with the fine step; fine nodes with beta = 0 are slaves. See docs/levels.md.
+#pragma once
+
+#include "level/level.hpp"
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// A fine node with beta < 1 and the interface nodes it hangs on.
+struct BandNode {
+  int node;         ///< place in the fine level's ghosted arrays
+  double beta;
+  int count;        ///< of interface nodes with a weight
+  int interface[4]; ///< places in the arrays of interface nodes
+  double weight[4]; ///< N_I(x_i)
+};
+
+/// What the border gave to bodies since the run began, on this rank.
+struct BorderTotals {
+  Vec2 support_impulse{};  ///< at interface nodes on held sides, N s
+  Vec2 stagger_impulse{};  ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
+};
+
+class Border
+{
+public:
+  /// The levels are kept by reference. Collective on `world`.
+  PetscErrorCode Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width);
+
+  /// Brings mass, momentum and force of the coarse points to the interface nodes. Starts a coarse step. Collective on all.
+  PetscErrorCode SendDown();
+  /// Advances the interface nodes by the fine step number `substep`, and sets the velocities (v, dv) of the band from
+  /// theirs; the free part of the velocities must be there. On the fine level's ranks.
+  PetscErrorCode Advance(int substep, double dt);
+  /// Brings the mean velocity and the whole change of the interface nodes to the coarse level. Collective on all.
+  PetscErrorCode SendUp();
+
+  /// Owned nodes of this rank whose second velocity is the first: interface nodes on the coarse level, slaves on the fine.
+  const std::vector<int> &HeldCoarse() const { return held_coarse_; }
+  const std::vector<int> &HeldFine() const { return held_fine_; }
+
+  /// The coarse forces of the step before, [interface nodes][2], the same on every rank: for a change of layout or a
+  /// restart. Empty where there has been no step. Collective on all.
+  PetscErrorCode GatherForces(std::vector<double> *forces) const;
+  void RestoreForces(const std::vector<double> &forces);
+
+  const BorderTotals &Totals() const { return totals_; }
+  void SetTotals(const BorderTotals &totals) { totals_ = totals; }
+  /// Bytes that pass between different ranks in a coarse step.
+  double BytesPerStep() const { return bytes_per_step_; }
+
+private:
+  /// An interface node by its index on the coarse grid, the fine block that advances it and its place there.
+  struct InterfaceNode {
+    int i, j;
+    int block, place;
+  };
+
+  double Depth(int i, int j) const;
+  double Beta(int i, int j) const;
+  bool InFineGrid(int i, int j) const;
+  bool IsInterface(int i, int j) const;
+  void ListInterface();
+  void ListBand();
+  PetscErrorCode CreateExchange();
+  PetscErrorCode CreateTransfer(PetscMPIInt rank);
+  void Restrict();
+  void AdvanceInterface(int substep, double dt);
+  void Prolong();
+
+  MPI_Comm world_ = MPI_COMM_NULL;
+  Level *coarse_ = nullptr, *fine_ = nullptr;
+  int ratio_ = 2;
+  double blend_width_ = 2;
+  std::vector<InterfaceNode> interface_;   ///< all of them, in the same order on every rank
+  std::vector<int> local_;                 ///< those known here: owned ones first, in order
+  int owned_ = 0;
+  std::vector<BandNode> band_;             ///< of owned fine nodes
+  std::vector<unsigned char> held_axes_;   ///< [owned_] bit per axis held by a side
+  std::vector<int> held_coarse_, held_fine_;
+  SFHandle exchange_, transfer_;
+  std::vector<double> coarse_sums_;        ///< [owned_][kSums]: of the coarse points
+  std::vector<double> previous_force_;     ///< [owned_][2]
+  std::vector<double> sums_;               ///< [local_][kSums]: of the fine points, restricted
+  std::vector<double> velocity_;           ///< [local_][kVelocity]: (v, dv) of the substep
+  std::vector<double> mean_;               ///< [owned_][kVelocity]: mean v and sum of dv over substeps
+  bool has_previous_ = false;
+  BorderTotals totals_;
+  double bytes_per_step_ = 0;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,81 @@
+// Points that change levels: which level a place belongs to, splitting on the way in, merging after the way out.
+#pragma once
+
+#include "level/level.hpp"
+
+#include <cstdint>
+
+namespace mlgimp
+{
+
+/// The places of a level: its box, open at the domain's sides, and the box widened by one cell, which tells a point's level.
+struct LevelPlaces {
+  Box seeds;  ///< points are created here, unless a finer level's box holds the place
+  Box owned;  ///< points here belong to the level or a finer one
+};
+LevelPlaces PlacesOf(const LevelGeometry &geometry);
+
+/// Numbers of points: every split gives numbers in a new range, from the parent's alone, so that no counter is shared.
+///   child c of the point `id` of generation g has start(g + 1) + (id - start(g)) children + c,  start(g + 1) = start(g) + N children^g
+class PointNumbers
+{
+public:
+  /// seeds: N, one more than the largest number of a point at the start; children: of a split.
+  PointNumbers(std::int64_t seeds, int children) : seeds_(seeds), children_(children) {}
+  /// False where a point has been split too often for the numbers to fit.
+  bool CanSplit(std::int64_t id) const;
+  std::int64_t Child(std::int64_t id, int child) const;
+  /// The number of the point that was split; -1 for one that was not made by splitting.
+  std::int64_t Parent(std::int64_t id) const;
+  int ChildIndex(std::int64_t id) const;
+
+private:
+  struct Range {
+    std::int64_t start, count;
+  };
+  Range RangeOf(std::int64_t id) const;
+  std::int64_t seeds_;
+  int children_;
+};
+
+/// What crossed a border since the run began: points by their own count, on this rank.
+struct CrossingTotals {
+  double entered = 0, left = 0;         ///< points that went to the finer, to the coarser level
+  double split = 0, merged = 0;         ///< parents split; parents put together again
+  double mass_error = 0;     ///< of splitting, summed over transfers: absolute values, kg
+  double momentum_error = 0; ///< kg m/s
+};
+
+/// Moves points between two neighbouring levels.
+class Crossing
+{
+public:
+  /// The levels are kept by reference.
+  Crossing(MPI_Comm world, Level &coarse, Level &fine, int ratio, const PointNumbers &numbers, bool merge)
+      : world_(world), coarse_(coarse), fine_(fine), ratio_(ratio), numbers_(numbers), merge_(merge)
+  {
+  }
+
+  /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^2,
+  /// each with the parent's F and stress and the velocity v + L dx. Collective on all ranks.
+  PetscErrorCode Transfer();
+
+  const CrossingTotals &Totals() const { return totals_; }
+  void SetTotals(const CrossingTotals &totals) { totals_ = totals; }
+
+private:
+  PetscErrorCode FindEntering(std::vector<int> *points);
+  PetscErrorCode FindLeaving(std::vector<int> *points);
+  PetscErrorCode Split(std::vector<int> *entering);
+  void MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const;
+  PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points);
+
+  MPI_Comm world_;
+  Level &coarse_, &fine_;
+  int ratio_;
+  PointNumbers numbers_;
+  bool merge_;
+  CrossingTotals totals_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,118 @@
+// Options of the grid levels: boxes, ratio and coupling.
+#include "program/case_groups.hpp"
+
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kOnLine = 1e-6; ///< cells, within which a place counts as on a grid line
+
+/// The side of a box along an axis.
+double SideOf(const Box &box, int side) { return side % 2 ? box.upper[side / 2] : box.lower[side / 2]; }
+
+const char *const kSideNames[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
+
+/// One corner of a level's box must lie on the cell lines of the next coarser level.
+PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec2 corner, double cell)
+{
+  PetscFunctionBeginUser;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
+    if (std::abs(cells - std::round(cells)) > kOnLine * std::max(1.0, std::abs(cells)))
+      PetscCall(reader.Refuse(option, FormatVector(corner), "on cell lines of the next coarser level, whole cells of " + FormatNumber(cell) +
+                                                                " from -domain_lower " + FormatVector(c.domain.lower)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The box of level k must lie in that of level k - 1, as deep as the coupling needs where a side is not the domain's.
+PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
+{
+  const Box &box = c.boxes[k], &outer = c.boxes[k - 1];
+  const double cell = c.CellSize(k - 1);
+  PetscFunctionBeginUser;
+  for (int s = 0; s < kSides; ++s) {
+    const double depth = (s % 2 ? -1 : 1) * (SideOf(box, s) - SideOf(outer, s));
+    const bool at_domain = std::abs(SideOf(outer, s) - SideOf(c.domain, s)) < kOnLine * cell;
+    const std::string option = "-level_" + std::to_string(k) + (s % 2 ? "_upper" : "_lower");
+    const Vec2 corner = s % 2 ? box.upper : box.lower;
+    const double needed = at_domain ? 0 : c.blend_width * c.CellSize(k - 2) + 3 * cell;
+    if (depth < needed - kOnLine * cell)
+      PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatNumber(needed) + " inside level " + std::to_string(k - 1) +
+                                                                " at its side " + kSideNames[s] + "; it is " + FormatNumber(depth)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
+{
+  const std::string name = "-level_" + std::to_string(k);
+  const double coarse = k > 0 ? c->CellSize(k - 1) : 0;
+  Box box;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower));
+  PetscCall(reader.Vector({name + "_upper", "upper corner of the level's box", "m"}, true, &box.upper));
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CheckLines(reader, *c, name + "_lower", box.lower, coarse));
+  PetscCall(CheckLines(reader, *c, name + "_upper", box.upper, coarse));
+  for (int axis = 0; axis < 2; ++axis)
+    if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
+      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper), "at least two coarser cells, " + FormatNumber(2 * coarse) + ", above " +
+                                                                           name + "_lower " + FormatVector(box.lower)));
+  c->boxes.push_back(box);
+  PetscCall(CheckNesting(reader, *c, k));
+  const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeArrays::kSums;
+  const double nodes = ((box.upper[0] - box.lower[0]) / cell + 8) * ((box.upper[1] - box.lower[1]) / cell + 8);
+  if (nodes > most)
+    PetscCall(reader.Refuse("-levels", std::to_string(c->levels), "such that each grid has at most " + FormatNumber(most) + " nodes; level " +
+                                                                     std::to_string(k) + " would have " + FormatNumber(nodes)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
+{
+  PetscFunctionBeginUser;
+  PetscCall(reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest", ""}, Closed(1, 16), &c->levels));
+  PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
+                           &c->refinement_ratio));
+  if (c->levels > 1 || reader.Help()) {
+    std::string coupling = "nodes";
+    PetscCall(reader.Choice({"-level_coupling", "how neighbouring levels act on each other", ""}, {"nodes", "points"}, &coupling));
+    if (coupling != "nodes") PetscCall(reader.Refuse("-level_coupling", coupling, "nodes: it is the only one built yet"));
+    PetscCall(reader.Number({"-blend_width", "band inside a level's border where it passes into the coarser one", "cells of the coarser level"},
+                            Closed(0, 64), false, &c->blend_width));
+    PetscCall(reader.Flag({"-merge_siblings", "points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
+  }
+  c->boxes = {c->domain};
+  const int last = reader.Help() ? 1 : c->levels - 1;
+  for (int k = 1; k <= last; ++k) PetscCall(ReadBox(reader, c, k));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<LevelGeometry> MakeLevels(const Case &c)
+{
+  std::vector<LevelGeometry> levels;
+  for (int k = 0; k < c.levels; ++k) {
+    const Box &box = c.boxes[k];
+    const double h = c.CellSize(k);
+    LevelGeometry geometry;
+    geometry.grid = {box.lower, h, {}, k > 0 ? kHaloWidth : 1};
+    for (int axis = 0; axis < 2; ++axis)
+      geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
+    for (int s = 0; s < kSides; ++s) {
+      geometry.border[s] = std::abs(SideOf(box, s) - SideOf(c.domain, s)) > kOnLine * h;
+      geometry.sides.kind[s] = geometry.border[s] ? SideKind::kFree : c.model.sides[s];
+      geometry.sides.node[s] = s % 2 ? geometry.grid.cells[s / 2] : 0;
+    }
+    levels.push_back(geometry);
+  }
+  return levels;
+}
+
+} // namespace mlgimp

@@ -16,7 +16,7 @@ PKG_CONFIG := pkg-config
 endif
 PACKAGES  = PETSc $(HDF5)
 FLAGS     = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math -Wall -Wextra -Wpedantic -Iinclude -MMD -MP $(shell $(PKG_CONFIG) --cflags $(PACKAGES))
-LIBRARIES = $(shell $(PKG_CONFIG) --libs $(PACKAGES))
+LIBRARIES = $(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis
 
 SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=build/%.o)

@@ -28,8 +28,8 @@ public:
   /// Calls work for every seed with its cell within [lower, upper) along both axes, row by row.
   void ForEach(const int lower[2], const int upper[2], const std::function<void(const Seed &)> &work) const;
 
-  /// Seeds per node (by nearest node) of each column (axis 0) or row (axis 1) of the padded grid.
-  std::vector<double> CountByNode(int axis) const;
+  /// Seeds per node (by nearest node) of the padded grid, row by row.
+  std::vector<double> CountByNode() const;
 
   /// Adds the points whose nearest node this rank owns.
   PetscErrorCode Fill(const Grid &grid, Points &points) const;

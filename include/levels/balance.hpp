@@ -8,11 +8,11 @@
 namespace mlgimp
 {
 
-/// Splits the nodes of a level among `ranks` ranks, or fewer: each rank gets at least `least_points` points and
-/// kHaloWidth nodes along each axis. Columns and rows of blocks follow the points per node column and row; the split
-/// with the shortest inner borders is taken. The first ranks get the blocks.
-void MakeLayout(int ranks, double least_points, const std::vector<double> &columns, const std::vector<double> &rows,
-                GridLayout *layout);
+/// Splits the nodes of a level among `ranks` ranks, or fewer: each rank gets at least `least_points` points on average
+/// and kHaloWidth nodes along each axis. Of all splits into columns and rows, which follow the points per node column and
+/// row, the one with the least work on the busiest rank, points and halo nodes, is taken. The first ranks get the blocks.
+/// points [height][width]: per node, padding included.
+void MakeLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout);
 
 /// The layout that suits the points of a level now, on the same ranks; `changed` tells whether it differs from that in
 /// use. Collective on `world`.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "level/level.hpp"
+#include "levels/mapping.hpp"
 
 #include <vector>
 
@@ -53,8 +54,8 @@ public:
 
   const BorderTotals &Totals() const { return totals_; }
   void SetTotals(const BorderTotals &totals) { totals_ = totals; }
-  /// Bytes that pass between different ranks in a coarse step.
-  double BytesPerStep() const { return bytes_per_step_; }
+  /// What the blocks of the two levels exchange in a coarse step; `level` is that of the coarser one. The same on all ranks.
+  std::vector<BlockTraffic> Traffic(int level) const;
 
 private:
   /// An interface node by its index on the coarse grid, the fine block that advances it and its place there.
@@ -70,7 +71,7 @@ private:
   void ListInterface();
   void ListBand();
   PetscErrorCode CreateExchange();
-  PetscErrorCode CreateTransfer(PetscMPIInt rank);
+  PetscErrorCode CreateTransfer();
   void Restrict();
   void AdvanceInterface(int substep, double dt);
   void Prolong();
@@ -93,7 +94,6 @@ private:
   std::vector<double> mean_;               ///< [owned_][kVelocity]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   BorderTotals totals_;
-  double bytes_per_step_ = 0;
 };
 
 } // namespace mlgimp

@@ -71,11 +71,17 @@ public:
   Level &At(int l) { return *levels_[l]; }
   MPI_Comm Comm() const { return comm_; }
   const std::vector<PetscLogStage> &Stages() const { return stages_; }
+  /// Bytes that the coupling of levels sends between ranks in a step of level 0, with the ranks that METIS chose for the
+  /// blocks and with the first ranks in order.
+  void BytesBetweenLevels(double *mapped, double *unmapped) const;
   PetscErrorCode PointsOn(int l, double *total, double *largest);
 
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
-  PetscErrorCode CreateLevel(int l, const Seeding &seeding, bool fill);
+  PetscErrorCode CreateLevel(int l, const Seeding &seeding);
+  PetscErrorCode MapRanks();
+  std::vector<BlockTraffic> Traffic() const;
+  RankMap RanksInUse() const;
   PetscErrorCode RenewBorder(int b);
   PetscErrorCode Reconnect(int l);
   void HoldNodes(int l);

@@ -39,14 +39,17 @@ std::int64_t Seeding::EndId() const
   return first_id_ + cells * static_cast<std::int64_t>(model_.bodies.size()) * tiles_per_cell_;
 }
 
-std::vector<double> Seeding::CountByNode(int axis) const
+std::vector<double> Seeding::CountByNode() const
 {
-  std::vector<double> counts(geometry_.Nodes(axis), 0.0);
+  const int width = geometry_.Nodes(0);
+  std::vector<double> counts(static_cast<std::size_t>(width) * geometry_.Nodes(1), 0.0);
   const int lower[2] = {-geometry_.padding, -geometry_.padding};
   const int upper[2] = {geometry_.cells[0] + geometry_.padding, geometry_.cells[1] + geometry_.padding};
   ForEach(lower, upper, [&](const Seed &seed) {
-    const double a = (seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing;
-    ++counts[static_cast<std::size_t>(std::floor(a + 0.5)) + geometry_.padding];
+    int node[2];
+    for (int axis = 0; axis < 2; ++axis)
+      node[axis] = static_cast<int>(std::floor((seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing + 0.5)) + geometry_.padding;
+    ++counts[static_cast<std::size_t>(node[1]) * width + node[0]];
   });
   return counts;
 }

@@ -15,18 +15,16 @@ static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b
 
 PetscErrorCode Border::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width)
 {
-  PetscMPIInt rank;
   PetscFunctionBeginUser;
   world_ = world;
   coarse_ = &coarse;
   fine_ = &fine;
   ratio_ = ratio;
   blend_width_ = blend_width;
-  PetscCallMPI(MPI_Comm_rank(world, &rank));
   ListInterface();
   ListBand();
   if (fine.Mesh().Participates()) PetscCall(CreateExchange());
-  PetscCall(CreateTransfer(rank));
+  PetscCall(CreateTransfer());
   const int known = static_cast<int>(local_.size());
   coarse_sums_.assign(NodeArrays::kSums * static_cast<std::size_t>(owned_), 0.0);
   previous_force_.assign(2 * static_cast<std::size_t>(owned_), 0.0);
@@ -168,24 +166,31 @@ PetscErrorCode Border::CreateExchange()
 }
 
 /// Owned coarse nodes to the interface nodes that the fine level's ranks advance.
-PetscErrorCode Border::CreateTransfer(PetscMPIInt rank)
+PetscErrorCode Border::CreateTransfer()
 {
   const Grid &coarse = coarse_->Mesh();
   std::vector<PetscSFNode> roots;
   PetscFunctionBeginUser;
-  bytes_per_step_ = 0;
   for (int k = 0; k < owned_; ++k) {
     const InterfaceNode &node = interface_[local_[k]];
     const int block = coarse.BlockOfNode(node.i, node.j);
-    const PetscMPIInt owner = coarse.Layout().ranks[block];
-    roots.push_back({owner, coarse.IndexInBlock(block, node.i, node.j)});
-    if (owner != rank) bytes_per_step_ += sizeof(double) * (NodeArrays::kSums + NodeArrays::kVelocity);
+    roots.push_back({coarse.Layout().ranks[block], coarse.IndexInBlock(block, node.i, node.j)});
   }
   const PetscInt places = coarse.Participates() ? coarse.GhostedNodes() : 0;
   PetscCall(PetscSFCreate(world_, transfer_.Out()));
   PetscCall(PetscSFSetGraph(transfer_, places, owned_, nullptr, PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
   PetscCall(PetscSFSetUp(transfer_));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<BlockTraffic> Border::Traffic(int level) const
+{
+  std::map<std::pair<int, int>, double> bytes;
+  std::vector<BlockTraffic> traffic;
+  for (const InterfaceNode &node : interface_)
+    bytes[{coarse_->Mesh().BlockOfNode(node.i, node.j), node.block}] += sizeof(double) * (NodeArrays::kSums + NodeArrays::kVelocity);
+  for (const auto &[blocks, sum] : bytes) traffic.push_back({level, blocks.first, blocks.second, sum});
+  return traffic;
 }
 
 PetscErrorCode Border::SendDown()

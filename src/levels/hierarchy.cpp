@@ -4,6 +4,8 @@
 #include "levels/balance.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <string>
 
 namespace mlgimp
@@ -33,6 +35,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
                                  const LogEvents &events, bool fill)
 {
   std::int64_t first_id = 0;
+  std::vector<Seeding> seedings;
   PetscFunctionBeginUser;
   comm_ = comm;
   model_ = &model;
@@ -45,34 +48,80 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
     const bool has_finer = l + 1 < Levels();
     const Box finer = has_finer ? PlacesOf(settings.levels[l + 1]).seeds : Box{};
     const auto belongs = [=](Vec2 x) { return here.Contains(x) && !(has_finer && finer.Contains(x)); };
-    const Seeding seeding(model, geometry.grid, geometry.sides, belongs, first_id);
+    seedings.emplace_back(model, geometry.grid, geometry.sides, belongs, first_id);
+    first_id = seedings.back().EndId();
     PetscCall(LevelStage(l, &stages_.emplace_back()));
-    PetscCall(CreateLevel(l, seeding, fill));
-    first_id = seeding.EndId();
+    PetscCall(CreateLevel(l, seedings.back()));
   }
   const PointNumbers numbers(first_id, settings.ratio * settings.ratio);
   for (int b = 0; b + 1 < Levels(); ++b) {
     borders_.push_back(std::make_unique<Border>());
     crossings_.push_back(std::make_unique<Crossing>(comm, *levels_[b], *levels_[b + 1], settings.ratio, numbers, settings.merge_siblings));
     PetscCall(RenewBorder(b));
-    if (fill) PetscCall(crossings_[b]->Transfer());
   }
+  PetscCall(MapRanks());
   for (int l = 0; l < Levels(); ++l) HoldNodes(l);
+  if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
+  for (auto &crossing : crossings_) PetscCall(crossing->Transfer());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding, bool fill)
+PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
 {
   PetscMPIInt ranks;
   GridLayout layout;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm_, &ranks));
-  MakeLayout(ranks, settings_.points_per_rank, seeding.CountByNode(0), seeding.CountByNode(1), &layout);
+  MakeLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid.Nodes(0), &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
-  if (fill) PetscCall(seeding.Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<BlockTraffic> Hierarchy::Traffic() const
+{
+  std::vector<BlockTraffic> all;
+  for (int b = 0; b + 1 < Levels(); ++b)
+    for (BlockTraffic traffic : borders_[b]->Traffic(b)) {
+      traffic.bytes *= std::pow(settings_.ratio, b);
+      all.push_back(traffic);
+    }
+  return all;
+}
+
+RankMap Hierarchy::RanksInUse() const
+{
+  RankMap map;
+  for (const auto &level : levels_) map.push_back(level->Mesh().Layout().ranks);
+  return map;
+}
+
+/// Gives the blocks of all levels to the ranks that save most messages between levels.
+PetscErrorCode Hierarchy::MapRanks()
+{
+  PetscMPIInt ranks;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
+  const RankMap map = RanksInUse(), better = ImproveMap(Traffic(), ranks, map);
+  for (int l = 0; l < Levels(); ++l) {
+    if (better[l] == map[l]) continue;
+    GridLayout layout = levels_[l]->Mesh().Layout();
+    layout.ranks = better[l];
+    PetscCall(levels_[l]->Recut(layout));
+    PetscCall(Reconnect(l));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
+{
+  const std::vector<BlockTraffic> traffic = Traffic();
+  RankMap map = RanksInUse();
+  *mapped = BytesBetweenRanks(traffic, map);
+  for (auto &level : map) std::iota(level.begin(), level.end(), 0);
+  *unmapped = BytesBetweenRanks(traffic, map);
 }
 
 /// Creates a border anew, with the forces and totals it had.

@@ -86,6 +86,8 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.coupling, &times[5]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, times, 6, MPI_DOUBLE, MPI_SUM, hierarchy.Comm()));
   const double total = std::max(times[0], 1e-30);
+  double mapped = 0, unmapped = 0;
+  hierarchy.BytesBetweenLevels(&mapped, &unmapped);
   const double children = in.settings.refinement_ratio * in.settings.refinement_ratio;
   const double created = (books.points_split - books.points_merged) * (children - 1) - in.state.initial_created;
   std::ostringstream json;
@@ -101,7 +103,8 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
        << ",\n  \"seconds_per_point_step\": " << FormatNumber(times[4] > 0 ? times[0] / times[4] : 0)
        << ",\n  \"contact_share\": " << FormatNumber(times[1] / total) << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
        << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total) << ",\n  \"coupling_share\": " << FormatNumber(times[5] / total)
-       << ",\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": " << FormatNumber(created)
+       << ",\n  \"bytes_between_levels\": {\"mapped\": " << FormatNumber(mapped) << ", \"unmapped\": " << FormatNumber(unmapped)
+       << "},\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": " << FormatNumber(created)
        << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points + created - books.points)
        << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered) << ", \"left\": " << FormatNumber(books.points_left)
        << ", \"split\": " << FormatNumber(books.points_split) << ", \"merged\": " << FormatNumber(books.points_merged)

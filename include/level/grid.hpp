@@ -32,7 +32,7 @@ struct GridLayout {
 
 /// Nodal arrays on the ghosted index space; the components of a node lie together.
 struct NodeArrays {
-  /// Sums over points: mass, momentum (2), -, force (2), power-giving external force (2).
+  /// Sums over points: mass, momentum (2), mass of owned points (no copies), force (2), power-giving external force (2).
   static constexpr int kSums = 8;
   /// New velocity (2) and its change in the step (2).
   static constexpr int kVelocity = 4;

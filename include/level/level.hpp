@@ -69,8 +69,15 @@ public:
 
   /// Owned nodes, as places in the ghosted arrays, whose velocity is the same in the second extrapolation.
   void SetHeldNodes(std::vector<int> nodes) { held_nodes_ = std::move(nodes); }
-  /// Gradients of the new nodal velocity at some points, [points][4]: xx, xy, yx, yy in 1/s.
-  PetscErrorCode VelocityGradients(const std::vector<int> &points, std::vector<double> *gradients);
+  /// The nodal velocity of the last step at some points: change in the step and gradient.
+  struct VelocitySample {
+    Vec2 change;     ///< m/s
+    double L[4];     ///< xx, xy, yx, yy, 1/s
+  };
+  PetscErrorCode SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples);
+  /// F and stress of some points as the grid sees them: sum_i S_ip (sum_q m_q S_iq F_q)/(sum_q m_q S_iq), [points][8].
+  /// Collective on the level's ranks.
+  PetscErrorCode SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors);
 
   /// Sends points to the ranks that own their nearest nodes; `everywhere` where they may be on any rank. Collective.
   PetscErrorCode Migrate(bool everywhere = false);
@@ -86,6 +93,9 @@ public:
   PetscErrorCode LargestSpeeds(double *wave, double *point);
 
   Points &PointStore() { return points_; }
+  /// Copies of points that the next coarser (0) or finer level (1) owns. They move and act with the level's own points,
+  /// but do not count in any book.
+  Points &CopyStore(int origin) { return copies_[origin]; }
   const Grid &Mesh() const { return *grid_; }
   const LevelGeometry &Geometry() const { return geometry_; }
   const Model &Physics() const { return model_; }
@@ -103,6 +113,8 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates();
+  /// Calls work(view) for the level's own points and for both stores of copies, where there are any.
+  template <class Work> PetscErrorCode ForEachStore(Work work);
   void NoteFailure(const PointFailure &failure, double time);
 
   const Model &model_;
@@ -112,11 +124,11 @@ private:
   NodalSettings nodal_;
   BodyTable bodies_;
   std::unique_ptr<Grid> grid_;
-  Points points_;
+  Points points_, copies_[2];
   std::unique_ptr<Transfer> transfer_;
   std::unique_ptr<Contact> contact_;
   std::vector<int> held_nodes_;
-  std::vector<double> grid_velocity_; ///< [points][2] between two sweeps of a step
+  std::vector<double> grid_velocity_[3]; ///< [points][2] between two sweeps of a step, for each store
   NodalTotals nodal_totals_;
   SweepTotals sweep_totals_;
   ContactTotals contact_totals_;

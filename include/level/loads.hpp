@@ -20,8 +20,10 @@ struct Load {
 };
 
 /// Adds the forces of the loads at `time` to the nodal forces and to the external forces in `sums`.
+/// Loads on copies of another level's points (not `owned`) are no external forces here.
 /// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
-PetscErrorCode AddLoads(const Grid &grid, Points &points, const std::vector<Load> &loads, double thickness, double time);
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
+                        double time);
 
 /// One face of a point in the current configuration.
 struct Face {

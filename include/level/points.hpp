@@ -17,6 +17,8 @@ public:
   PetscErrorCode Create(int history_components);
 
   int Count() const { return count_; }
+  /// Changes whenever points come, go or change places in storage.
+  long Version() const { return version_; }
   const std::array<PointFieldInfo, kPointFields> &Table() const { return table_; }
 
   /// The fields as arrays; valid until the next Resize.
@@ -48,6 +50,7 @@ private:
   std::array<void *, kPointFields> data_{};
   bool have_fields_ = false;
   int count_ = 0, capacity_ = 0;
+  long version_ = 0;
   std::vector<int> surface_;
   bool surface_known_ = false;
 };
@@ -61,5 +64,9 @@ struct Departures {
 /// Moves points out of `from` into `to` (the same object for migration within a level), across the ranks of `comm`.
 /// Collective. Arrivals are ordered by source rank and place, so that a fixed number of ranks repeats bit for bit.
 PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures);
+
+/// The same, but the points stay in `from` as well. Departures are ordered by rank. origins: of each arrival, in the order
+/// of storage, its rank and its place among that rank's departures.
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures, std::vector<PetscSFNode> *origins);
 
 } // namespace mlgimp

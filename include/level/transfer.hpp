@@ -68,6 +68,7 @@ struct SweepView {
   PointArrays points;
   double *grid_velocity; ///< [count][2] velocity of the grid at the points, from GridToPoints to the move, m/s
   const BodyTable &bodies;
+  bool owned = true; ///< false for copies of another level's points: they act, but do not count
 };
 
 /// The sweeps, for one shape function.
@@ -84,8 +85,13 @@ public:
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
                             PointFailure &failure) const = 0;
 
-  /// Gradient of the new nodal velocity at one point: xx, xy, yx, yy in 1/s.
-  virtual void VelocityGradient(const SweepView &view, int point, double gradient[4]) const = 0;
+  /// Change of the nodal velocity in the step, m/s, and gradient of the new one, xx, xy, yx, yy in 1/s, at one point.
+  virtual void VelocityAt(const SweepView &view, int point, double change[2], double gradient[4]) const = 0;
+
+  /// Adds F and stress, times mass, to `rates`.
+  virtual void ScatterTensors(const SweepView &view) const = 0;
+  /// tensors [8]: F and stress of the nodes at one point; needs node values in `rates` that were divided by the mass.
+  virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
 
   /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
   virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,

@@ -8,12 +8,16 @@
 namespace mlgimp
 {
 
-/// The places of a level: its box, open at the domain's sides, and the box widened by one cell, which tells a point's level.
-struct LevelPlaces {
-  Box seeds;  ///< points are created here, unless a finer level's box holds the place
-  Box owned;  ///< points here belong to the level or a finer one
+/// The box of a level, moved outwards by a distance in m where its sides are borders, open where they are the domain's.
+Box WidenedBox(const LevelGeometry &geometry, double distance);
+
+/// When points change levels, and what happens to them then.
+struct CrossingRule {
+  double margin;       ///< cells of the finer level outside its box in which it owns points
+  int ring;            ///< cells outside the box in which the coarser level has points of the finer one's size; 0: none
+  bool velocity_shift; ///< velocities move from one level's half step to the other's
+  bool merge;          ///< points that leave become their parent again
 };
-LevelPlaces PlacesOf(const LevelGeometry &geometry);
 
 /// Numbers of points: every split gives numbers in a new range, from the parent's alone, so that no counter is shared.
 ///   child c of the point `id` of generation g has start(g + 1) + (id - start(g)) children + c,  start(g + 1) = start(g) + N children^g
@@ -51,30 +55,31 @@ class Crossing
 {
 public:
   /// The levels are kept by reference.
-  Crossing(MPI_Comm world, Level &coarse, Level &fine, int ratio, const PointNumbers &numbers, bool merge)
-      : world_(world), coarse_(coarse), fine_(fine), ratio_(ratio), numbers_(numbers), merge_(merge)
+  Crossing(MPI_Comm world, Level &coarse, Level &fine, int ratio, const PointNumbers &numbers, const CrossingRule &rule)
+      : world_(world), coarse_(coarse), fine_(fine), ratio_(ratio), numbers_(numbers), rule_(rule)
   {
   }
 
   /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^2,
-  /// each with the parent's F and stress and the velocity v + L dx. Collective on all ranks.
-  PetscErrorCode Transfer();
+  /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s. Collective on all ranks.
+  PetscErrorCode Transfer(double dt);
+  /// Splits the points of coarse size in the ring around the box; they stay where they are.
+  PetscErrorCode SplitRing();
 
   const CrossingTotals &Totals() const { return totals_; }
   void SetTotals(const CrossingTotals &totals) { totals_ = totals; }
 
 private:
-  PetscErrorCode FindEntering(std::vector<int> *points);
-  PetscErrorCode FindLeaving(std::vector<int> *points);
-  PetscErrorCode Split(std::vector<int> *entering);
+  PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
+  PetscErrorCode Split(std::vector<int> *points);
   void MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const;
-  PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points);
+  PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 
   MPI_Comm world_;
   Level &coarse_, &fine_;
   int ratio_;
   PointNumbers numbers_;
-  bool merge_;
+  CrossingRule rule_;
   CrossingTotals totals_;
 };
 

@@ -5,12 +5,16 @@
 #include "level/seeding.hpp"
 #include "levels/border.hpp"
 #include "levels/crossing.hpp"
+#include "levels/ghosts.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace mlgimp
 {
+
+/// How neighbouring levels act on each other: through their nodes (border.hpp) or copies of points (ghosts.hpp).
+enum class LevelCoupling { kNodes, kPoints };
 
 /// Where the levels lie and how they are kept.
 struct HierarchySettings {
@@ -21,6 +25,9 @@ struct HierarchySettings {
   double blend_width = 2;      ///< of the band inside a border, cells of the coarser level
   bool merge_siblings = false; ///< points that leave a level become their parent again
   int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
+  LevelCoupling coupling = LevelCoupling::kNodes;
+  GhostRepairs repairs;        ///< of the coupling by points
+  int ghost_cells = 4;         ///< the coupling by points copies so far outside a level's box, cells of the level
 };
 
 /// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
@@ -78,6 +85,9 @@ public:
 
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
+  PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
+  PetscErrorCode CorrectMomentum();
+  PetscErrorCode CreateBorders(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
   PetscErrorCode MapRanks();
   std::vector<BlockTraffic> Traffic() const;
@@ -95,6 +105,9 @@ private:
   std::vector<std::unique_ptr<Level>> levels_;
   std::vector<std::unique_ptr<Border>> borders_;      ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<Crossing>> crossings_;
+  std::vector<std::unique_ptr<GhostBorder>> ghosts_;  ///< where the coupling is by points
+  bool copies_ready_ = false, momentum_known_ = false;
+  Vec2 momentum_left_{}; ///< momentum less the impulses since the start, that the coupling by points should keep
 };
 
 } // namespace mlgimp

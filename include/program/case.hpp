@@ -1,7 +1,7 @@
 // A case: everything that options say, validated.
 #pragma once
 
-#include "level/level.hpp"
+#include "levels/hierarchy.hpp"
 #include "program/options.hpp"
 
 #include <string>
@@ -38,6 +38,9 @@ struct Case {
   std::vector<Box> boxes;   ///< of the levels; the first is the domain
   double blend_width = 2;   ///< cells of the coarser level
   bool merge_siblings = false;
+  LevelCoupling coupling = LevelCoupling::kNodes;
+  GhostRepairs repairs;     ///< of the coupling by points
+  int ghost_cells = 4;      ///< of the coupling by points
   Model model;
   TimeSettings time;
   OutputSettings output;

@@ -35,6 +35,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   grid_ = std::make_unique<Grid>();
   PetscCall(grid_->Create(world, geometry.grid, layout));
   PetscCall(points_.Create(model_.HistoryComponents()));
+  for (Points &copies : copies_) PetscCall(copies.Create(model_.HistoryComponents()));
   transfer_ = CreateTransfer(model_.shape_function);
   if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
   bodies_ = model_.Table();
@@ -51,24 +52,32 @@ void Level::NoteFailure(const PointFailure &failure, double time)
     failure_ = {LevelFailure::kPoint, failure, time};
 }
 
-/// Calls a sweep with views of the current points and nodes.
-static SweepView MakeView(const Grid &grid, const PointArrays &points, std::vector<double> &grid_velocity,
-                          const BodyTable &bodies)
+template <class Work> PetscErrorCode Level::ForEachStore(Work work)
 {
-  grid_velocity.resize(2 * static_cast<std::size_t>(points.count));
-  return {grid, points, grid_velocity.data(), bodies};
+  Points *const stores[3] = {&points_, &copies_[0], &copies_[1]};
+  PetscFunctionBeginUser;
+  for (int k = 0; k < 3; ++k) {
+    PointArrays points;
+    if (k > 0 && stores[k]->Count() == 0) continue;
+    PetscCall(stores[k]->Arrays(&points));
+    grid_velocity_[k].resize(2 * static_cast<std::size_t>(points.count));
+    work(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, k == 0});
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::PointsToGrid(double time)
 {
-  PointArrays points;
   PetscFunctionBeginUser;
-  PetscCall(points_.Arrays(&points));
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
-  transfer_->PointsToGrid(MakeView(*grid_, points, grid_velocity_, bodies_), model_.acceleration, time, sweep_totals_);
-  PetscCall(AddLoads(*grid_, points_, model_.loads, model_.thickness, time));
-  PetscCall(PetscLogFlops(kPointsToGridFlops * points.count));
+  PetscCall(ForEachStore([&](const SweepView &view) {
+    SweepTotals unbooked;
+    transfer_->PointsToGrid(view, model_.acceleration, time, view.owned ? sweep_totals_ : unbooked);
+    PetscCallContinue(PetscLogFlops(kPointsToGridFlops * view.points.count));
+  }));
+  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time));
+  for (Points &copies : copies_) PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.thickness, time));
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -152,7 +161,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   PetscCall(points_.Arrays(&points));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  transfer_->ApplyRates(MakeView(*grid_, points, grid_velocity_, bodies_), plan, sweep_totals_, failure);
+  transfer_->ApplyRates({*grid_, points, nullptr, bodies_}, plan, sweep_totals_, failure);
   NoteFailure(failure, time_);
   PetscCall(PetscLogFlops((kGatherRatesFlops + kStressFlops) * points.count));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
@@ -177,26 +186,31 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const bool rates = model_.UsesRates(), strain = model_.stress_update != StressUpdate::kUsf;
   const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, !rates};
   const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
-  PointArrays points;
-  PointFailure failure;
+  const double first_flops = kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops;
+  const double second_flops = kGatherRatesFlops + second.strain * kStressFlops + second.short_wave.On() * kShortWaveFlops;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.Arrays(&points));
-  const SweepView view = MakeView(*grid_, points, grid_velocity_, bodies_);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
-  transfer_->GridToPoints(view, first, sweep_totals_, failure);
-  PetscCall(PetscLogFlops((kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops) * points.count));
+  PetscCall(ForEachStore([&](const SweepView &view) {
+    SweepTotals unbooked;
+    PointFailure failure;
+    transfer_->GridToPoints(view, first, view.owned ? sweep_totals_ : unbooked, failure);
+    if (view.owned) NoteFailure(failure, time_);
+    PetscCallContinue(PetscLogFlops(first_flops * view.points.count));
+  }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (rates) {
-    PetscCall(ExchangeRates());
-    PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-    transfer_->ApplyRates(view, second, sweep_totals_, failure);
-    PetscCall(PetscLogFlops((kGatherRatesFlops + second.strain * kStressFlops + second.short_wave.On() * kShortWaveFlops) *
-                            points.count));
-    PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  }
-  NoteFailure(failure, time_);
+  if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ExchangeRates());
+  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
+  PetscCall(ForEachStore([&](const SweepView &view) {
+    SweepTotals unbooked;
+    PointFailure failure;
+    transfer_->ApplyRates(view, second, view.owned ? sweep_totals_ : unbooked, failure);
+    if (view.owned) NoteFailure(failure, time_);
+    PetscCallContinue(PetscLogFlops(second_flops * view.points.count));
+  }));
+  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,14 +292,43 @@ PetscErrorCode Level::Sort()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::VelocityGradients(const std::vector<int> &points, std::vector<double> *gradients)
+PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples)
 {
   PointArrays arrays;
   PetscFunctionBeginUser;
-  gradients->resize(4 * points.size());
+  samples->resize(points.size());
   PetscCall(points_.Arrays(&arrays));
   const SweepView view = {*grid_, arrays, nullptr, bodies_};
-  for (std::size_t k = 0; k < points.size(); ++k) transfer_->VelocityGradient(view, points[k], &(*gradients)[4 * k]);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    transfer_->VelocityAt(view, points[k], (*samples)[k].change.data(), (*samples)[k].L);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)
+{
+  const std::size_t nodes = grid_->GhostedNodes();
+  PointArrays arrays;
+  PetscFunctionBeginUser;
+  tensors->resize(8 * points.size());
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  double *const rates = grid_->Arrays().rates, *const sums = grid_->Arrays().sums;
+  std::fill_n(rates, NodeArrays::kRates * nodes, 0.0);
+  std::fill_n(sums, NodeArrays::kSums * nodes, 0.0);
+  PetscCall(ForEachStore([&](const SweepView &view) {
+    SweepTotals unbooked;
+    transfer_->ScatterTensors(view);
+    transfer_->PointsToGrid(view, {}, 0, unbooked);
+  }));
+  PetscCall(grid_->ReduceToOwners(rates));
+  PetscCall(grid_->ReduceToOwners(sums));
+  PetscCall(grid_->Broadcast(rates, NodeArrays::kRates));
+  PetscCall(grid_->Broadcast(sums, NodeArrays::kSums));
+  for (std::size_t i = 0; i < nodes; ++i)
+    for (int c = 0; c < NodeArrays::kRates; ++c)
+      rates[NodeArrays::kRates * i + c] /= std::max(sums[NodeArrays::kSums * i], nodal_.mass_cutoff);
+  PetscCall(points_.Arrays(&arrays));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    transfer_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

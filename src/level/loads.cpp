@@ -23,7 +23,7 @@ static AxisWeights FaceWeights(double d, double l)
   return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }
 
-static void AddFaceForce(const Grid &grid, const Face &face, Vec2 force)
+static void AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 force)
 {
   AxisWeights at[2];
   int nearest[2];
@@ -41,12 +41,13 @@ static void AddFaceForce(const Grid &grid, const Face &face, Vec2 force)
       for (int axis = 0; axis < 2; ++axis) {
         const double part = at[0].w[i] * at[1].w[j] * force[axis];
         sums[4 + axis] += part;
-        sums[6 + axis] += part;
+        if (owned) sums[6 + axis] += part;
       }
     }
 }
 
-PetscErrorCode AddLoads(const Grid &grid, Points &points, const std::vector<Load> &loads, double thickness, double time)
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
+                        double time)
 {
   const std::vector<int> *surface = nullptr;
   PointArrays arrays;
@@ -60,7 +61,7 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, const std::vector<Load
     for (std::size_t k = 0; k < loads.size(); ++k) {
       if (!(arrays.faces[p] & LoadBit(static_cast<int>(k)))) continue;
       const Face face = PointFace(arrays, p, loads[k].side);
-      AddFaceForce(grid, face, -pressure[k] * thickness * face.area_normal);
+      AddFaceForce(grid, owned, face, -pressure[k] * thickness * face.area_normal);
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,6 +35,9 @@ template <class Work> void ForEachBound(const Grid &grid, const Sides &sides, Wo
   }
 }
 
+/// Share of a node's mass that points of this level have; the rest are copies, whose books their owners keep.
+double OwnedShare(const double *sums) { return sums[0] > 0 ? sums[3] / sums[0] : 0; }
+
 } // namespace
 
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
@@ -44,8 +47,8 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, N
     for (int axis = 0; axis < 2; ++axis) {
       const double gravity = sums[0] * settings.gravity[axis], damping = -settings.damping * sums[1 + axis];
       sums[4 + axis] += gravity + damping;
-      totals.gravity_impulse[axis] += dt * gravity;
-      totals.damping_impulse[axis] += dt * damping;
+      totals.gravity_impulse[axis] += dt * OwnedShare(sums) * gravity;
+      totals.damping_impulse[axis] += dt * OwnedShare(sums) * damping;
     }
   });
 }
@@ -71,12 +74,12 @@ void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &setti
 {
   const NodeArrays &nodes = grid.Arrays();
   ForEachBound(grid, sides, [&](int index, Side side) {
-    const double mass = nodes.sums[NodeArrays::kSums * static_cast<std::ptrdiff_t>(index)];
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    if (mass <= settings.mass_cutoff) return;
+    if (sums[0] <= settings.mass_cutoff) return;
     for (int axis = 0; axis < 2; ++axis) {
       if (!sides.Binds(side, axis)) continue;
-      totals.support_impulse[axis] -= mass * velocity[axis];
+      totals.support_impulse[axis] -= sums[3] * velocity[axis];
       velocity[2 + axis] -= velocity[axis];
       velocity[axis] = 0;
     }
@@ -91,8 +94,8 @@ void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalT
     const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
     for (int axis = 0; axis < 2; ++axis) {
       const double mean = velocity[axis] - 0.5 * velocity[2 + axis], old = velocity[axis] - velocity[2 + axis];
-      totals.external_work += dt * mean * (sums[6 + axis] + sums[0] * settings.gravity[axis]);
-      totals.damping_dissipation += dt * settings.damping * sums[0] * old * mean;
+      totals.external_work += dt * mean * (sums[6 + axis] + sums[3] * settings.gravity[axis]);
+      totals.damping_dissipation += dt * settings.damping * sums[3] * old * mean;
     }
   });
 }

@@ -94,6 +94,7 @@ PetscErrorCode Points::Resize(int count)
   PetscCall(DMSwarmSetLocalSizes(swarm_, count, capacity_ - count));
   count_ = count;
   surface_known_ = false;
+  ++version_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,6 +113,7 @@ PetscErrorCode Points::Reorder(const std::vector<int> &order)
     std::memcpy(field, scratch.data(), bytes * count_);
   }
   surface_known_ = false;
+  ++version_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,9 +183,15 @@ private:
   std::size_t record_bytes_ = 0;
 };
 
+/// Number of points for a rank, and the place of the first among all departures.
+struct Portion {
+  int count, start;
+};
+
 /// Packed departures grouped by destination rank.
 struct Parcel {
-  std::vector<PetscMPIInt> ranks, counts;
+  std::vector<PetscMPIInt> ranks;
+  std::vector<Portion> portions;
   std::vector<char> records;
 };
 
@@ -203,9 +211,9 @@ PetscErrorCode PackParcel(Points &from, const Departures &departures, Parcel *pa
     const PetscMPIInt rank = departures.ranks[order[k]];
     if (parcel->ranks.empty() || parcel->ranks.back() != rank) {
       parcel->ranks.push_back(rank);
-      parcel->counts.push_back(0);
+      parcel->portions.push_back({0, static_cast<int>(k)});
     }
-    ++parcel->counts.back();
+    ++parcel->portions.back().count;
     copier.Pack(departures.points[order[k]], &parcel->records[k * copier.RecordBytes()]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -230,55 +238,90 @@ PetscErrorCode Points::Remove(const std::vector<int> &holes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures)
+namespace
 {
-  Parcel parcel;
-  PetscMPIInt sources;
-  PetscMPIInt *source_ranks = nullptr, *source_counts = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(PackParcel(from, departures, &parcel));
-  PetscCall(PetscCommBuildTwoSided(comm, 1, MPI_INT, static_cast<PetscMPIInt>(parcel.ranks.size()), parcel.ranks.data(),
-                                   parcel.counts.data(), &sources, &source_ranks, &source_counts));
-  std::vector<std::pair<PetscMPIInt, PetscMPIInt>> arrivals;
-  int arriving = 0;
-  for (PetscMPIInt k = 0; k < sources; ++k) {
-    arrivals.emplace_back(source_ranks[k], source_counts[k]);
-    arriving += source_counts[k];
-  }
-  PetscCall(PetscFree(source_ranks));
-  PetscCall(PetscFree(source_counts));
-  std::sort(arrivals.begin(), arrivals.end());
-  PetscCall(from.Remove(departures.points));
 
-  // From here on nothing is collective but the duplication, which counts tags and so must happen on all ranks.
+/// What comes from a rank.
+struct Arrival {
+  PetscMPIInt rank;
+  Portion portion;
+};
+
+/// Tells every rank what comes to it. Collective.
+PetscErrorCode AnnounceArrivals(MPI_Comm comm, const Parcel &parcel, std::vector<Arrival> *arrivals)
+{
+  PetscMPIInt sources, *ranks = nullptr;
+  Portion *portions = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscCommBuildTwoSided(comm, 2, MPI_INT, static_cast<PetscMPIInt>(parcel.ranks.size()), parcel.ranks.data(),
+                                   parcel.portions.data(), &sources, &ranks, static_cast<void *>(&portions)));
+  for (PetscMPIInt k = 0; k < sources; ++k) arrivals->push_back({ranks[k], portions[k]});
+  PetscCall(PetscFree(ranks));
+  PetscCall(PetscFree(portions));
+  std::sort(arrivals->begin(), arrivals->end(), [](const Arrival &a, const Arrival &b) { return a.rank < b.rank; });
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Sends packed points and adds the arrivals to `to`. Nothing is collective but the duplication of the communicator,
+/// which counts tags and so must happen on all ranks.
+PetscErrorCode Deliver(MPI_Comm comm, const Parcel &parcel, const std::vector<Arrival> &arrivals, Points &to)
+{
   PetscMPIInt tag;
   MPI_Comm inner;
-  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
   RecordCopier copier;
+  std::vector<MPI_Request> requests;
+  MPI_Datatype record;
+  int arriving = 0;
+  PetscFunctionBeginUser;
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
+  for (const Arrival &arrival : arrivals) arriving += arrival.portion.count;
   const int before = to.Count();
   if (arriving > 0) PetscCall(to.Resize(before + arriving));
   PetscCall(RecordCopier::Create(to, &copier));
   const std::size_t bytes = copier.RecordBytes();
   std::vector<char> incoming(bytes * arriving);
-  std::vector<MPI_Request> requests;
-  MPI_Datatype record;
   PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
   PetscCallMPI(MPI_Type_commit(&record));
   std::size_t offset = 0;
-  for (const auto &[rank, count] : arrivals) {
-    PetscCallMPI(MPI_Irecv(&incoming[offset], count, record, rank, tag, inner, &requests.emplace_back()));
-    offset += bytes * count;
+  for (const auto &[rank, portion] : arrivals) {
+    PetscCallMPI(MPI_Irecv(&incoming[offset], portion.count, record, rank, tag, inner, &requests.emplace_back()));
+    offset += bytes * portion.count;
   }
-  offset = 0;
-  for (std::size_t k = 0; k < parcel.ranks.size(); ++k) {
-    PetscCallMPI(MPI_Isend(&parcel.records[offset], parcel.counts[k], record, parcel.ranks[k], tag, inner,
-                           &requests.emplace_back()));
-    offset += bytes * parcel.counts[k];
-  }
+  for (std::size_t k = 0; k < parcel.ranks.size(); ++k)
+    PetscCallMPI(MPI_Isend(&parcel.records[bytes * parcel.portions[k].start], parcel.portions[k].count, record,
+                           parcel.ranks[k], tag, inner, &requests.emplace_back()));
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCallMPI(MPI_Type_free(&record));
   PetscCall(PetscCommDestroy(&inner));
   for (int k = 0; k < arriving; ++k) copier.Unpack(&incoming[bytes * k], before + k);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures)
+{
+  Parcel parcel;
+  std::vector<Arrival> arrivals;
+  PetscFunctionBeginUser;
+  PetscCall(PackParcel(from, departures, &parcel));
+  PetscCall(AnnounceArrivals(comm, parcel, &arrivals));
+  PetscCall(from.Remove(departures.points));
+  PetscCall(Deliver(comm, parcel, arrivals, to));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures, std::vector<PetscSFNode> *origins)
+{
+  Parcel parcel;
+  std::vector<Arrival> arrivals;
+  PetscFunctionBeginUser;
+  PetscCall(PackParcel(from, departures, &parcel));
+  PetscCall(AnnounceArrivals(comm, parcel, &arrivals));
+  PetscCall(Deliver(comm, parcel, arrivals, to));
+  origins->clear();
+  for (const auto &[rank, portion] : arrivals)
+    for (int k = 0; k < portion.count; ++k) origins->push_back({rank, portion.start + k});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

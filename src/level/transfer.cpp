@@ -118,6 +118,7 @@ public:
   {
     Weights w;
     double volume[kBlock], body_force[2 * kBlock] = {}, values[kBlock][12];
+    const double counts = view.owned ? 1 : 0;
     for (int start = 0; start < view.points.count; start += kBlock) {
       const PointArrays b = Slice(view.points, start);
       totals.clamped_sizes += ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
@@ -130,9 +131,9 @@ public:
         const double yy = b.stress[4 * p + 1] + b.short_wave_stress[3 * p + 1];
         const double xy = b.stress[4 * p + 3] + b.short_wave_stress[3 * p + 2];
         double *value = values[p];
-        value[0] = m, value[1] = m * b.velocity[2 * p], value[2] = m * b.velocity[2 * p + 1], value[3] = 0;
+        value[0] = m, value[1] = m * b.velocity[2 * p], value[2] = m * b.velocity[2 * p + 1], value[3] = counts * m;
         value[4] = m * body_force[2 * p], value[5] = m * body_force[2 * p + 1];
-        value[6] = value[4], value[7] = value[5];
+        value[6] = counts * value[4], value[7] = counts * value[5];
         value[8] = -V * xx, value[9] = -V * xy, value[10] = -V * yy, value[11] = 0;
       }
       for (int p = 0; p < b.count; ++p) {
@@ -175,14 +176,42 @@ public:
     }
   }
 
-  void VelocityGradient(const SweepView &view, int point, double gradient[4]) const override
+  void VelocityAt(const SweepView &view, int point, double change[2], double gradient[4]) const override
   {
     Weights w;
     double value[1][4], slope_x[1][4], slope_y[1][4];
-    const PointArrays &all = view.points;
-    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+    StencilOf(view, point, w);
     GatherVelocity(view.grid, w, 1, value, slope_x, slope_y);
+    change[0] = value[0][2], change[1] = value[0][3];
     gradient[0] = slope_x[0][0], gradient[1] = slope_y[0][0], gradient[2] = slope_x[0][1], gradient[3] = slope_y[0][1];
+  }
+
+  void ScatterTensors(const SweepView &view) const override
+  {
+    Weights w;
+    for (int start = 0; start < view.points.count; start += kBlock) {
+      const PointArrays b = Slice(view.points, start);
+      ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+      for (int p = 0; p < b.count; ++p) {
+        const Pack F = Load(b.F + 4 * p), stress = Load(b.stress + 4 * p);
+        double *center = view.grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kRates;
+        for (int k = 0; k < Weights::kNodes; ++k) {
+          double *node = center + w.offset[k] * NodeArrays::kRates;
+          Store(node, Load(node) + (b.mass[p] * w.S[k][p]) * F);
+          Store(node + 4, Load(node + 4) + (b.mass[p] * w.S[k][p]) * stress);
+        }
+      }
+    }
+  }
+
+  void TensorsAt(const SweepView &view, int point, double tensors[8]) const override
+  {
+    Weights w;
+    StencilOf(view, point, w);
+    std::fill_n(tensors, 8, 0.0);
+    const double *center = view.grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[0]) * NodeArrays::kRates;
+    for (int k = 0; k < Weights::kNodes; ++k)
+      for (int c = 0; c < 8; ++c) tensors[c] += w.S[k][0] * center[w.offset[k] * NodeArrays::kRates + c];
   }
 
   void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
@@ -202,6 +231,12 @@ public:
   }
 
 private:
+  static void StencilOf(const SweepView &view, int point, Weights &w)
+  {
+    const PointArrays &all = view.points;
+    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+  }
+
   /// value, slopes [count][4]: velocity and its change at the points, and their gradients.
   static void GatherVelocity(const Grid &grid, const Weights &w, int count, double (*value)[4], double (*slope_x)[4],
                              double (*slope_y)[4])

@@ -9,19 +9,15 @@
 namespace mlgimp
 {
 
-LevelPlaces PlacesOf(const LevelGeometry &geometry)
+Box WidenedBox(const LevelGeometry &geometry, double distance)
 {
-  constexpr double kWidening = 0.999; // cells; not one, where points may lie at the start
-  LevelPlaces places;
+  Box box;
   for (int axis = 0; axis < 2; ++axis) {
-    const double h = geometry.grid.spacing, lower = geometry.grid.lower[axis], upper = lower + geometry.grid.cells[axis] * h;
-    const bool below = geometry.border[2 * axis], above = geometry.border[2 * axis + 1];
-    places.seeds.lower[axis] = below ? lower : -HUGE_VAL;
-    places.seeds.upper[axis] = above ? upper : HUGE_VAL;
-    places.owned.lower[axis] = below ? lower - kWidening * h : -HUGE_VAL;
-    places.owned.upper[axis] = above ? upper + kWidening * h : HUGE_VAL;
+    const double lower = geometry.grid.lower[axis], upper = lower + geometry.grid.cells[axis] * geometry.grid.spacing;
+    box.lower[axis] = geometry.border[2 * axis] ? lower - distance : -HUGE_VAL;
+    box.upper[axis] = geometry.border[2 * axis + 1] ? upper + distance : HUGE_VAL;
   }
-  return places;
+  return box;
 }
 
 PointNumbers::Range PointNumbers::RangeOf(std::int64_t id) const
@@ -54,25 +50,14 @@ int PointNumbers::ChildIndex(std::int64_t id) const
   return static_cast<int>((id - RangeOf(id).start) % children_);
 }
 
-PetscErrorCode Crossing::FindEntering(std::vector<int> *points)
+/// The points of a level inside or outside a box.
+PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
 {
-  const Box box = PlacesOf(fine_.Geometry()).owned;
   PointArrays a;
   PetscFunctionBeginUser;
-  PetscCall(coarse_.PointStore().Arrays(&a));
+  PetscCall(level.PointStore().Arrays(&a));
   for (int p = 0; p < a.count; ++p)
-    if (box.Contains({a.position[2 * p], a.position[2 * p + 1]})) points->push_back(p);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Crossing::FindLeaving(std::vector<int> *points)
-{
-  const Box box = PlacesOf(fine_.Geometry()).owned;
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(fine_.PointStore().Arrays(&a));
-  for (int p = 0; p < a.count; ++p)
-    if (!box.Contains({a.position[2 * p], a.position[2 * p + 1]})) points->push_back(p);
+    if (box.Contains({a.position[2 * p], a.position[2 * p + 1]}) == inside) points->push_back(p);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,77 +75,90 @@ static PetscErrorCode Sum(Points &points, const std::vector<int> &list, double s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Books what splitting or merging turned `before` into.
-static void BookErrors(const double before[3], const double after[3], CrossingTotals &totals)
+PetscErrorCode Crossing::Transfer(double dt)
 {
-  totals.mass_error += std::abs(after[0] - before[0]);
-  totals.momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);
-}
-
-PetscErrorCode Crossing::Transfer()
-{
+  const Box box = WidenedBox(fine_.Geometry(), rule_.margin * fine_.Geometry().grid.spacing);
+  const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   std::vector<int> entering, leaving;
-  double before[3], after[3];
   PetscFunctionBeginUser;
-  PetscCall(FindEntering(&entering));
-  PetscCall(FindLeaving(&leaving));
+  PetscCall(SplitRing());
+  PetscCall(Select(coarse_, box, true, &entering));
+  PetscCall(Select(fine_, box, false, &leaving));
   int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));
+  totals_.entered += static_cast<double>(entering.size());
+  totals_.left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
-    PetscCall(Sum(coarse_.PointStore(), entering, before));
-    totals_.entered += static_cast<double>(entering.size());
     PetscCall(Split(&entering));
-    PetscCall(Sum(coarse_.PointStore(), entering, after));
-    BookErrors(before, after, totals_);
-    PetscCall(Send(coarse_, fine_, entering));
+    PetscCall(Send(coarse_, fine_, entering, dt, shift));
   }
   if (counts[1] > 0) {
-    totals_.left += static_cast<double>(leaving.size());
-    PetscCall(Send(fine_, coarse_, leaving));
-    if (merge_) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &totals_));
+    PetscCall(Send(fine_, coarse_, leaving, fine_dt, -shift));
+    if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &totals_));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &points)
+PetscErrorCode Crossing::SplitRing()
+{
+  std::vector<int> near;
+  PetscFunctionBeginUser;
+  if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing), true, &near));
+  PetscCall(Split(&near));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift)
 {
   const Grid &mesh = to.Mesh();
   Departures departures{points, {}};
+  std::vector<Level::VelocitySample> samples;
   PointArrays a;
   PetscFunctionBeginUser;
+  if (shift != 0) PetscCall(from.SampleVelocity(points, &samples));
   PetscCall(from.PointStore().Arrays(&a));
-  for (int p : points)
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const int p = points[k];
     departures.ranks.push_back(mesh.OwnerOfNode(mesh.Nearest(0, a.position[2 * p]), mesh.Nearest(1, a.position[2 * p + 1])));
+    for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
+  }
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), departures));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Crossing::Split(std::vector<int> *entering)
+/// Splits those of the given points of the coarser level that are of its size, and adds the children to the list.
+PetscErrorCode Crossing::Split(std::vector<int> *points)
 {
   const int children = ratio_ * ratio_;
   const double h = fine_.Geometry().grid.spacing;
   std::vector<int> parents;
-  std::vector<double> L;
+  std::vector<Level::VelocitySample> samples;
+  double before[3], after[3];
   PointArrays a;
   PetscFunctionBeginUser;
   PetscCall(coarse_.PointStore().Arrays(&a));
-  for (int p : *entering) {
+  for (int p : *points) {
     const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
     const double size = std::max(a.half_size[2 * p], a.half_size[2 * p + 1]);
     if (size > 0.75 * ratio_ * usual && numbers_.CanSplit(a.id[p])) parents.push_back(p);
   }
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(coarse_.VelocityGradients(parents, &L));
+  PetscCall(Sum(coarse_.PointStore(), *points, before));
+  PetscCall(coarse_.SampleVelocity(parents, &samples));
   int next = a.count;
   PetscCall(coarse_.PointStore().Resize(a.count + static_cast<int>(parents.size()) * (children - 1)));
   PetscCall(coarse_.PointStore().Arrays(&a));
   for (std::size_t k = 0; k < parents.size(); ++k) {
     for (int child = children - 1; child >= 0; --child) { // the first takes the parent's place, last
       const int target = child ? next++ : parents[k];
-      if (child) entering->push_back(target);
-      MakeChild(a, parents[k], target, child, &L[4 * k]);
+      if (child) points->push_back(target);
+      MakeChild(a, parents[k], target, child, samples[k].L);
     }
   }
+  PetscCall(Sum(coarse_.PointStore(), *points, after));
+  totals_.mass_error += std::abs(after[0] - before[0]);
+  totals_.momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);
   totals_.split += static_cast<double>(parents.size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

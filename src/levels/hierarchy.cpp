@@ -44,26 +44,42 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   levels_.resize(settings.levels.size());
   for (int l = 0; l < Levels(); ++l) {
     const LevelGeometry &geometry = settings.levels[l];
-    const Box here = PlacesOf(geometry).seeds;
+    const Box here = WidenedBox(geometry, 0);
     const bool has_finer = l + 1 < Levels();
-    const Box finer = has_finer ? PlacesOf(settings.levels[l + 1]).seeds : Box{};
+    const Box finer = has_finer ? WidenedBox(settings.levels[l + 1], 0) : Box{};
     const auto belongs = [=](Vec2 x) { return here.Contains(x) && !(has_finer && finer.Contains(x)); };
     seedings.emplace_back(model, geometry.grid, geometry.sides, belongs, first_id);
     first_id = seedings.back().EndId();
     PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));
   }
-  const PointNumbers numbers(first_id, settings.ratio * settings.ratio);
-  for (int b = 0; b + 1 < Levels(); ++b) {
-    borders_.push_back(std::make_unique<Border>());
-    crossings_.push_back(std::make_unique<Crossing>(comm, *levels_[b], *levels_[b + 1], settings.ratio, numbers, settings.merge_siblings));
-    PetscCall(RenewBorder(b));
-  }
+  PetscCall(CreateBorders(first_id));
   PetscCall(MapRanks());
   for (int l = 0; l < Levels(); ++l) HoldNodes(l);
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
-  for (auto &crossing : crossings_) PetscCall(crossing->Transfer());
+  for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::CreateBorders(std::int64_t seeds)
+{
+  constexpr double kOwnedMargin = 0.999; // cells; not one, where points may lie at the start
+  const bool copies = settings_.coupling == LevelCoupling::kPoints;
+  const GhostRepairs &repairs = settings_.repairs;
+  const CrossingRule by_nodes = {kOwnedMargin, 0, false, settings_.merge_siblings};
+  const CrossingRule by_points = {0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
+  const PointNumbers numbers(seeds, settings_.ratio * settings_.ratio);
+  PetscFunctionBeginUser;
+  for (int b = 0; b + 1 < Levels(); ++b) {
+    Level &coarse = *levels_[b], &fine = *levels_[b + 1];
+    borders_.push_back(std::make_unique<Border>());
+    crossings_.push_back(std::make_unique<Crossing>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
+    PetscCall(RenewBorder(b));
+    if (!copies) continue;
+    ghosts_.push_back(std::make_unique<GhostBorder>());
+    PetscCall(ghosts_[b]->Create(comm_, coarse, fine, settings_.ratio, repairs, {settings_.ghost_cells}));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,6 +157,7 @@ PetscErrorCode Hierarchy::RenewBorder(int b)
 void Hierarchy::HoldNodes(int l)
 {
   std::vector<int> nodes;
+  if (settings_.coupling == LevelCoupling::kPoints) return;
   if (l > 0) nodes = borders_[l - 1]->HeldFine();
   if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->HeldCoarse().begin(), borders_[l]->HeldCoarse().end());
   levels_[l]->SetHeldNodes(std::move(nodes));
@@ -166,7 +183,14 @@ PetscErrorCode Hierarchy::RestoreBorderForces(int b, const std::vector<double> &
 PetscErrorCode Hierarchy::Advance(double time, double dt)
 {
   PetscFunctionBeginUser;
-  PetscCall(AdvanceLevel(0, time, dt, 0));
+  if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1) {
+    PetscCall(AdvanceLevel(0, time, dt, 0));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (int b = 0; b + 1 < Levels() && !copies_ready_; ++b) PetscCall(ghosts_[b]->Exchange(dt / std::pow(settings_.ratio, b)));
+  copies_ready_ = true;
+  PetscCall(AdvanceLevelWithCopies(0, time, dt));
+  if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,9 +211,60 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   }
   PetscCall(level.FinishNodes(time, dt));
   PetscCall(level.AdvancePoints(dt));
-  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(); }));
+  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt); }));
   PetscCall(level.KeepOrder());
   PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
+{
+  Level &level = *levels_[l];
+  const bool has_finer = l + 1 < Levels();
+  const double fine_dt = dt / settings_.ratio;
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogStagePush(stages_[l]));
+  PetscCall(level.GatherForces(time, dt));
+  PetscCall(level.UpdateNodes(dt));
+  PetscCall(level.FinishNodes(time, dt));
+  PetscCall(level.AdvancePoints(dt));
+  PetscCall(level.KeepOrder());
+  if (has_finer) {
+    for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, time + k * fine_dt, fine_dt));
+    if (!settings_.repairs.owner_flags) PetscCall(Logged(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
+    PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt); }));
+    PetscCall(Logged(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
+  }
+  PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Gives the momentum that copies have lost or won in this step to the points that have copies.
+PetscErrorCode Hierarchy::CorrectMomentum()
+{
+  double sums[3] = {}; // momentum less impulses, mass of the points with copies
+  PetscFunctionBeginUser;
+  for (auto &level : levels_) {
+    const NodalTotals &nodal = level->Nodal();
+    PointArrays a;
+    PetscCall(level->PointStore().Arrays(&a));
+    for (int d = 0; d < 2; ++d) {
+      for (int p = 0; p < a.count; ++p) sums[d] += a.mass[p] * a.velocity[2 * p + d];
+      sums[d] -= nodal.support_impulse[d] + nodal.gravity_impulse[d] + nodal.load_impulse[d] + nodal.damping_impulse[d] +
+                 level->Contacts().impulse[d];
+    }
+  }
+  for (auto &ghosts : ghosts_) {
+    double mass = 0;
+    PetscCall(ghosts->RingMass(&mass));
+    sums[2] += mass;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, comm_));
+  const Vec2 left = {sums[0], sums[1]};
+  if (!momentum_known_) momentum_left_ = left;
+  momentum_known_ = true;
+  if (sums[2] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / sums[2]) * (momentum_left_ - left)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

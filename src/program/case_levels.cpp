@@ -29,6 +29,14 @@ PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// How far inside level k - 1 the coupling needs the borders of level k to lie.
+double NeededDepth(const Case &c, int k)
+{
+  if (c.coupling == LevelCoupling::kPoints)
+    return GhostWidths{}.inside * c.CellSize(k - 2) + (c.ghost_cells + 2) * c.CellSize(k);
+  return c.blend_width * c.CellSize(k - 2) + 3 * c.CellSize(k - 1);
+}
+
 /// The box of level k must lie in that of level k - 1, as deep as the coupling needs where a side is not the domain's.
 PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 {
@@ -40,7 +48,7 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
     const bool at_domain = std::abs(SideOf(outer, s) - SideOf(c.domain, s)) < kOnLine * cell;
     const std::string option = "-level_" + std::to_string(k) + (s % 2 ? "_upper" : "_lower");
     const Vec2 corner = s % 2 ? box.upper : box.lower;
-    const double needed = at_domain ? 0 : c.blend_width * c.CellSize(k - 2) + 3 * cell;
+    const double needed = at_domain ? 0 : NeededDepth(c, k);
     if (depth < needed - kOnLine * cell)
       PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatNumber(needed) + " inside level " + std::to_string(k - 1) +
                                                                 " at its side " + kSideNames[s] + "; it is " + FormatNumber(depth)));
@@ -73,6 +81,32 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
+{
+  std::string coupling = "nodes", ownership = "flags";
+  PetscFunctionBeginUser;
+  PetscCall(reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
+                          {"nodes", "points"}, &coupling));
+  c->coupling = coupling == "nodes" ? LevelCoupling::kNodes : LevelCoupling::kPoints;
+  if (coupling == "nodes" || reader.Help()) {
+    PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells", ""},
+                            Closed(0, 64), false, &c->blend_width));
+    PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
+  }
+  if (coupling == "nodes" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  c->ghost_cells = 2 * c->refinement_ratio;
+  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points", ""},
+                           Closed(c->refinement_ratio, 64), &c->ghost_cells));
+  PetscCall(reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
+                          {"flags", "place"}, &ownership));
+  c->repairs.owner_flags = ownership == "flags";
+  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""}, &c->repairs.velocity_shift));
+  PetscCall(reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
+                        &c->repairs.strain_smoothing));
+  PetscCall(reader.Flag({"-momentum_correction", "points: global momentum correction", ""}, &c->repairs.momentum_correction));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 } // namespace
 
 PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
@@ -81,14 +115,7 @@ PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
   PetscCall(reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest", ""}, Closed(1, 16), &c->levels));
   PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
                            &c->refinement_ratio));
-  if (c->levels > 1 || reader.Help()) {
-    std::string coupling = "nodes";
-    PetscCall(reader.Choice({"-level_coupling", "how neighbouring levels act on each other", ""}, {"nodes", "points"}, &coupling));
-    if (coupling != "nodes") PetscCall(reader.Refuse("-level_coupling", coupling, "nodes: it is the only one built yet"));
-    PetscCall(reader.Number({"-blend_width", "band inside a level's border where it passes into the coarser one", "cells of the coarser level"},
-                            Closed(0, 64), false, &c->blend_width));
-    PetscCall(reader.Flag({"-merge_siblings", "points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
-  }
+  if (c->levels > 1 || reader.Help()) PetscCall(ReadCoupling(reader, c));
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;
   for (int k = 1; k <= last; ++k) PetscCall(ReadBox(reader, c, k));
@@ -102,7 +129,8 @@ std::vector<LevelGeometry> MakeLevels(const Case &c)
     const Box &box = c.boxes[k];
     const double h = c.CellSize(k);
     LevelGeometry geometry;
-    geometry.grid = {box.lower, h, {}, k > 0 ? kHaloWidth : 1};
+    const int reach = c.coupling == LevelCoupling::kPoints ? c.ghost_cells + 2 : kHaloWidth;
+    geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1};
     for (int axis = 0; axis < 2; ++axis)
       geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
     for (int s = 0; s < kSides; ++s) {

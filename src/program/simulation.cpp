@@ -26,7 +26,8 @@ static std::string Rounded(double x)
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
   const HierarchySettings settings{MakeLevels(case_),    case_.sort_interval,  case_.rebalance_threshold, case_.refinement_ratio,
-                                   case_.blend_width,    case_.merge_siblings, case_.points_per_rank};
+                                   case_.blend_width,    case_.merge_siblings, case_.points_per_rank,      case_.coupling,
+                                   case_.repairs,        case_.ghost_cells};
   const bool restart = !case_.output.restart.empty();
   PetscFunctionBeginUser;
   comm_ = comm;

@@ -135,6 +135,42 @@ PetscErrorCode CheckContactSolver(OptionReader &reader)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Lowest place of the tip during the run; -infinity where the end of the run is not known.
+double LowestTip(const Indenter &indenter, double end_time)
+{
+  constexpr int kSamples = 1000;
+  if (!std::isfinite(end_time)) return -HUGE_VAL;
+  double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[1];
+  for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[1]);
+  return lowest;
+}
+
+/// A level that the tip meets must hold it with the band of its border for the whole run.
+PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const double x = indenter.tip[0], lowest = LowestTip(indenter, c.time.end_time);
+  PetscFunctionBeginUser;
+  for (int k = 1; k < c.levels; ++k) {
+    const Box &box = c.boxes[k];
+    const double margin = c.blend_width * c.CellSize(k - 1) + 3 * c.CellSize(k), just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
+    const auto open = [&](int side) { // a border of the level, not a side of the domain
+      const double domain = side % 2 ? c.domain.upper[side / 2] : c.domain.lower[side / 2];
+      return std::abs((side % 2 ? box.upper[side / 2] : box.lower[side / 2]) - domain) > 0.5 * c.CellSize(k);
+    };
+    if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin) continue;
+    const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
+    if (open(kXLower) && x < box.lower[0] + margin)
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower), "at least " + FormatNumber(margin) + needed));
+    if (open(kXUpper) && x > box.upper[0] - margin)
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper), "at least " + FormatNumber(margin) + needed));
+    if (open(kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
+                              "at least " + FormatNumber(margin) + " below the indenter's lowest place, " + FormatNumber(lowest)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 } // namespace
 
 PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
@@ -158,6 +194,7 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
       indenter.initial_surface = std::max(indenter.initial_surface, body.region->Bounds().upper[1]);
   }
   PetscCall(ReadTurningPoint(reader, c));
+  if (!reader.Help()) PetscCall(CheckIndenterPath(reader, *c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -190,6 +190,34 @@ CASES = [
     ("restart into the results of another run", {"restart": "whole.h5", "output_dir": "full"}, ["-output_dir full:", "-overwrite"]),
 ]
 
+# Two levels on the block, and what can be wrong with them.
+LEVELS = {**BLOCK, "levels": "2", "level_1_lower": "2,2", "level_1_upper": "10,10"}
+THREE = {"levels": "3", "level_2_lower": "6,6", "level_2_upper": "8,8", "level_1_lower": "0,0"}
+LEVEL_CASES = [
+    ("no level", {"levels": "0"}, ["-levels 0:", "[1, 16]"]),
+    ("too many levels", {"levels": "17"}, ["-levels 17:", "[1, 16]"]),
+    ("levels are text", {"levels": "two"}, ["-levels two:", "whole"]),
+    ("ratio 1", {"refinement_ratio": "1"}, ["-refinement_ratio 1:", "[2, 16]"]),
+    ("ratio 2.5", {"refinement_ratio": "2.5"}, ["-refinement_ratio 2.5:", "whole"]),
+    ("no box", without("level_1_lower"), ["-level_1_lower", "given"]),
+    ("no upper corner of a box", without("level_1_upper"), ["-level_1_upper", "given"]),
+    ("box off the cell lines", {"level_1_lower": "2.3,2"}, ["-level_1_lower 2.3,2:", "cell lines"]),
+    ("box upside down", {"level_1_upper": "1,10"}, ["-level_1_upper 1,10:", "above -level_1_lower 2,2"]),
+    ("box outside the domain", {"level_1_upper": "10,13"}, ["-level_1_upper 10,13:", "inside level 0", "y_upper"]),
+    ("box too near its parent's border", {**THREE, "level_2_upper": "9,9"}, ["-level_2_upper 9,9:", "inside level 1", "x_upper"]),
+    ("boxes of levels that are not there", {"level_2_lower": "4,4"}, ["-level_2_lower"]),
+    ("coupling unknown", {"level_coupling": "glue"}, ["-level_coupling glue:", "nodes, points"]),
+    ("blend width negative", {"blend_width": "-1"}, ["-blend_width -1:", "[0, 64]"]),
+    ("ghost cells without copies", {"ghost_cells": "4"}, ["-ghost_cells"]),
+    ("too few ghost cells", {"level_coupling": "points", "ghost_cells": "1"}, ["-ghost_cells 1:", "[2, 64]"]),
+    ("ownership unknown", {"level_coupling": "points", "ghost_ownership": "mine"}, ["-ghost_ownership mine:", "flags, place"]),
+    ("USF on levels", {"stress_update": "usf"}, ["-stress_update usf:", "usl or musl"]),
+    ("points per rank 0", {"points_per_rank": "0"}, ["-points_per_rank 0:"]),
+    ("indenter leaves the finest level", {**WEDGE, "max_steps": None, "indenter_max_depth": "5", "level_1_lower": "2,4"},
+     ["-level_1_lower 2,4:", "indenter"]),
+    ("indenter at a border", {**WEDGE, "indenter_tip": "2.5,8"}, ["-level_1_lower 2,2:", "indenter"]),
+]
+
 # What is tried, words after the options of BLOCK, the text of an options file (bytes) or None, expected words.
 COMMAND_LINES = [
     ("a stray word", ["word"], None, ["'word'", "option"]),
@@ -315,13 +343,6 @@ def test_unreadable_file(report):
     report.note("an options file that may not be read", not problem, problem)
 
 
-def test_too_many_ranks(report):
-    folder = prepare()
-    words = words_of({"output_dir": "out", **BLOCK, "domain_upper": "1,1", "block_upper": "1,1"})
-    problem = problem_of(words, folder, 7, ["-cell_size 1", "7 ranks"])
-    report.note("more ranks than the grid can feed", not problem, problem)
-
-
-def test_levels_to_come(report):
-    """Two levels where the boxes of the second are missing, or before two levels are built."""
-    try_inputs(report, [("levels 2", words_of({"output_dir": "out", **BLOCK, "levels": "2"}), ["level"], None)])
+def test_levels(report):
+    try_inputs(report, [(name, words_of({"output_dir": "out", **LEVELS, **changes}), expected, None)
+                        for name, changes, expected in LEVEL_CASES])

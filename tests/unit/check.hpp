@@ -39,7 +39,9 @@ inline HierarchySettings OneLevel(const Model &model, const Box &box, double spa
     geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
   geometry.sides.kind = model.sides;
   geometry.sides.node = {0, geometry.grid.cells[0], 0, geometry.grid.cells[1]};
-  return {{geometry}, 50, 1.1};
+  HierarchySettings settings;
+  settings.levels = {geometry};
+  return settings;
 }
 
 /// A model with one material and one body.

@@ -1,0 +1,148 @@
+// The books of a run and its failures, over all levels and ranks.
+#include "levels/hierarchy.hpp"
+
+#include <cstdio>
+#include <string>
+
+namespace mlgimp
+{
+
+/// This rank's share of the books.
+static PetscErrorCode LocalBooks(Level &level, Books *b)
+{
+  PointTally tally;
+  PetscFunctionBeginUser;
+  PetscCall(level.Tally(&tally));
+  const NodalTotals &nodal = level.Nodal();
+  const SweepTotals &sweeps = level.Sweeps();
+  const ContactTotals &contact = level.Contacts();
+  b->kinetic_energy += tally.kinetic_energy;
+  b->strain_energy += tally.strain_energy;
+  b->mass += tally.mass;
+  b->points += tally.count;
+  b->contact_points += contact.last.local_points;
+  b->short_wave_dissipation += sweeps.short_wave_dissipation;
+  b->plastic_dissipation += sweeps.plastic_dissipation;
+  b->xpic_dissipation += sweeps.xpic_dissipation;
+  b->clamped_sizes += static_cast<double>(sweeps.clamped_sizes);
+  b->damping_dissipation += nodal.damping_dissipation;
+  b->external_work += nodal.external_work;
+  b->indenter_work += contact.indenter_work;
+  b->contact_steps += contact.steps;
+  b->contact_set_updates += contact.set_updates;
+  b->contact_fallbacks += contact.fallbacks;
+  for (int d = 0; d < 2; ++d) {
+    b->momentum[d] += tally.momentum[d];
+    b->support_impulse[d] += nodal.support_impulse[d];
+    b->contact_impulse[d] += contact.impulse[d];
+    b->load_impulse[d] += nodal.load_impulse[d];
+    b->gravity_impulse[d] += nodal.gravity_impulse[d];
+    b->damping_impulse[d] += nodal.damping_impulse[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// This rank's share of what borders do.
+static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossing, Books *b)
+{
+  for (int d = 0; d < 2; ++d) {
+    b->support_impulse[d] += border.support_impulse[d];
+    b->stagger_impulse[d] += border.stagger_impulse[d];
+  }
+  b->points_entered += crossing.entered;
+  b->points_left += crossing.left;
+  b->points_split += crossing.split;
+  b->points_merged += crossing.merged;
+  b->transfer_mass_error += crossing.mass_error;
+  b->transfer_momentum_error += crossing.momentum_error;
+}
+
+PetscErrorCode Hierarchy::ReduceBooks(Books *books)
+{
+  static_assert(sizeof(Books) % sizeof(double) == 0, "books are reduced as an array of doubles");
+  PetscFunctionBeginUser;
+  *books = {};
+  for (auto &level : levels_) PetscCall(LocalBooks(*level, books));
+  for (int b = 0; b + 1 < Levels(); ++b) BorderBooks(borders_[b]->Totals(), crossings_[b]->Totals(), books);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, books, sizeof(Books) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::RestoreBooks(const Books &b)
+{
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  if (rank != 0) PetscFunctionReturn(PETSC_SUCCESS);
+  NodalTotals &nodal = levels_[0]->Nodal();
+  SweepTotals &sweeps = levels_[0]->Sweeps();
+  ContactTotals &contact = levels_[0]->Contacts();
+  sweeps = {b.short_wave_dissipation, b.plastic_dissipation, b.xpic_dissipation, static_cast<long>(b.clamped_sizes)};
+  nodal = {{b.support_impulse[0], b.support_impulse[1]},
+           {b.gravity_impulse[0], b.gravity_impulse[1]},
+           {b.load_impulse[0], b.load_impulse[1]},
+           {b.damping_impulse[0], b.damping_impulse[1]},
+           b.external_work,
+           b.damping_dissipation};
+  contact.impulse = {b.contact_impulse[0], b.contact_impulse[1]};
+  contact.indenter_work = b.indenter_work;
+  contact.steps = b.contact_steps;
+  contact.set_updates = b.contact_set_updates;
+  contact.fallbacks = b.contact_fallbacks;
+  if (borders_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  borders_[0]->SetTotals({{}, {b.stagger_impulse[0], b.stagger_impulse[1]}});
+  crossings_[0]->SetTotals({b.points_entered, b.points_left, b.points_split, b.points_merged, b.transfer_mass_error, b.transfer_momentum_error});
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static std::string Describe(const LevelFailure &failure, int l)
+{
+  char text[400];
+  const PointFailure &point = failure.point;
+  const char *what = "", *advice = "";
+  if (failure.kind == LevelFailure::kContact) {
+    std::snprintf(text, sizeof text,
+                  "time %.6e, level %d: the contact solve did not converge; try -contact_ksp_monitor, a larger "
+                  "-contact_ksp_max_it or another -contact_ksp_type", failure.time, l);
+    return text;
+  }
+  switch (point.kind) {
+  case PointFailure::kLeftGrid:
+    what = "left the grid";
+    advice = "a larger domain, or sides that hold the body";
+    break;
+  case PointFailure::kDeformedTooFast:
+    what = "deforms by more than a quarter in one step";
+    advice = "a smaller -cfl or -time_step, some -xpic_fraction, or a slower load";
+    break;
+  default:
+    what = "has a value that is not finite";
+    advice = "a smaller -cfl or -time_step";
+  }
+  std::snprintf(text, sizeof text, "time %.6e, level %d: point %lld at (%.6e, %.6e) %s; try %s", failure.time, l,
+                static_cast<long long>(point.id), point.position[0], point.position[1], what, advice);
+  return text;
+}
+
+PetscErrorCode Hierarchy::DescribeFailure(std::string *message)
+{
+  PetscMPIInt rank, size;
+  std::string mine;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  PetscCallMPI(MPI_Comm_size(comm_, &size));
+  for (int l = 0; l < Levels() && mine.empty(); ++l)
+    if (levels_[l]->Failure().kind != LevelFailure::kNone) mine = Describe(levels_[l]->Failure(), l);
+  int first = mine.empty() ? size : rank;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm_));
+  message->clear();
+  if (first == size) PetscFunctionReturn(PETSC_SUCCESS);
+  int length = static_cast<int>(mine.size());
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, first, comm_));
+  mine.resize(length);
+  PetscCallMPI(MPI_Bcast(mine.data(), length, MPI_CHAR, first, comm_));
+  *message = mine;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

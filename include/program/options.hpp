@@ -77,6 +77,8 @@ private:
 /// Numbers as they are written in messages and files, exact.
 std::string FormatNumber(double x);
 std::string FormatVector(Vec2 x);
+/// A computed number for people to read: four digits.
+std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
 

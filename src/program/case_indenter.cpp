@@ -161,12 +161,12 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
     if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin) continue;
     const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
     if (open(kXLower) && x < box.lower[0] + margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower), "at least " + FormatNumber(margin) + needed));
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower), "at least " + FormatRounded(margin) + needed));
     if (open(kXUpper) && x > box.upper[0] - margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper), "at least " + FormatNumber(margin) + needed));
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper), "at least " + FormatRounded(margin) + needed));
     if (open(kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
       PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
-                              "at least " + FormatNumber(margin) + " below the indenter's lowest place, " + FormatNumber(lowest)));
+                              "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -23,7 +23,7 @@ PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string
   for (int axis = 0; axis < 2; ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     if (std::abs(cells - std::round(cells)) > kOnLine * std::max(1.0, std::abs(cells)))
-      PetscCall(reader.Refuse(option, FormatVector(corner), "on cell lines of the next coarser level, whole cells of " + FormatNumber(cell) +
+      PetscCall(reader.Refuse(option, FormatVector(corner), "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
                                                                 " from -domain_lower " + FormatVector(c.domain.lower)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -50,8 +50,8 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
     const Vec2 corner = s % 2 ? box.upper : box.lower;
     const double needed = at_domain ? 0 : NeededDepth(c, k);
     if (depth < needed - kOnLine * cell)
-      PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatNumber(needed) + " inside level " + std::to_string(k - 1) +
-                                                                " at its side " + kSideNames[s] + "; it is " + FormatNumber(depth)));
+      PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) +
+                                                                " at its side " + kSideNames[s] + "; it is " + FormatRounded(depth)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -69,7 +69,7 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
   PetscCall(CheckLines(reader, *c, name + "_upper", box.upper, coarse));
   for (int axis = 0; axis < 2; ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper), "at least two coarser cells, " + FormatNumber(2 * coarse) + ", above " +
+      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper), "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " +
                                                                            name + "_lower " + FormatVector(box.lower)));
   c->boxes.push_back(box);
   PetscCall(CheckNesting(reader, *c, k));

@@ -22,6 +22,13 @@ std::string FormatNumber(double x)
   return buffer;
 }
 
+std::string FormatRounded(double x)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
+
 std::string FormatVector(Vec2 x) { return FormatNumber(x[0]) + "," + FormatNumber(x[1]); }
 
 std::string Join(const std::vector<std::string> &words, const std::string &separator)

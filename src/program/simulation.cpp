@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 namespace mlgimp
@@ -14,14 +13,6 @@ namespace mlgimp
 namespace fs = std::filesystem;
 
 static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
-
-/// A computed number for people to read.
-static std::string Rounded(double x)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
 
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
@@ -97,7 +88,7 @@ PetscErrorCode Simulation::CheckIndenter()
   const Vec2 tip = case_.model.indenter->tip;
   PetscCheck(deepest <= 1e-6 * case_.cell_size, comm_, PETSC_ERR_USER_INPUT,
              "-indenter_tip %s: must leave the indenter outside every body; it starts %s m inside one", FormatVector(tip).c_str(),
-             Rounded(deepest).c_str());
+             FormatRounded(deepest).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,7 +182,7 @@ PetscErrorCode Simulation::ControlStep()
   if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
   const double limit = kLargestCfl * case_.cell_size / pulse.wave_speed;
   if (case_.time.time_step > limit) {
-    const std::string message = "-time_step " + FormatNumber(case_.time.time_step) + ": must be <= " + Rounded(limit) +
+    const std::string message = "-time_step " + FormatNumber(case_.time.time_step) + ": must be <= " + FormatRounded(limit) +
                                 ", the cell size over the wave speed" + (state_.step > start_step_ ? " by now" : "");
     PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
     PetscCall(Fail(message));

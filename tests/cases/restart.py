@@ -5,7 +5,7 @@ import time
 import xml.etree.ElementTree
 
 import harness
-from ranks import SAME, WEDGE, expect_same, largest_difference
+from ranks import FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
 
 CHECKPOINT = 25  # steps; no multiple of 10, so that the steps between looks at the wave speed go on too
 CASE = {**WEDGE, "checkpoint_interval": CHECKPOINT, "frames": 8}
@@ -34,6 +34,21 @@ def test_ranks(report):
             report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
             report.note(f"{name}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
             report.note(f"{name}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
+
+
+def test_levels(report):
+    """Three levels go on, on any number of ranks, also while points cross borders."""
+    for kind, case in (("wedge", LEVELS), ("flight", FLIGHT)):
+        case = {**case, "checkpoint_interval": CHECKPOINT}
+        for wrote in (1, 3):
+            whole = harness.run(case, ranks=wrote)
+            checkpoint = whole.folder / f"checkpoint_{2 * CHECKPOINT:06d}.h5"
+            for ranks in (1, 2, 3):
+                name = f"levels, {kind}, from {wrote} on {ranks} ranks"
+                result = harness.run({**case, "restart": checkpoint}, ranks=ranks)
+                difference, column = largest_difference(result.history, whole.history)
+                report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
+                report.note(f"{name}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
 
 
 def test_same_folder(report):

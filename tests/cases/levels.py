@@ -1,0 +1,73 @@
+"""Three levels against one: load and stress of the wedge indentation, books, and the cost of levels."""
+import numpy
+from harness import run
+from wedge import energy_error
+
+AXIS_DEPTHS = (1e-6, 2e-6, 5e-6, 10e-6)  # with cells of 125 nm
+SURFACE = 40e-6
+
+
+def smooth_load(history, depths, width=10e-9):
+    """Mean load within a distance of each depth: the time steps of two runs differ."""
+    return numpy.array([history["load"][abs(history["depth"] - depth) <= width].mean() for depth in depths])
+
+
+def axis_stress(result, depths):
+    """sigma_yy at places below the undeformed surface, from the points next to the axis, interpolated along it."""
+    points = result.frame()
+    near = points["position"][:, 0] < 1.05 * points["half_size"][:, 0]
+    order = numpy.argsort(points["position"][near, 1])
+    return numpy.interp(SURFACE - numpy.array(depths), points["position"][near, 1][order], points["stress"][near, 1][order])
+
+
+def momentum_errors(history):
+    """(conserved book, stagger) over sqrt(2 E m): momentum less all impulses; its part from the borders' extrapolation."""
+    scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
+    book, stagger = 0, 0
+    for axis in "xy":
+        kinds = ("contact", "support", "load", "gravity", "damping", "stagger")
+        left = history[f"momentum_{axis}"] - sum(history[f"{kind}_impulse_{axis}"] for kind in kinds)
+        book = max(book, abs(left - left[0]).max() / scale)
+        stagger = max(stagger, abs(history[f"stagger_impulse_{axis}"]).max() / scale)
+    return book, stagger
+
+
+def compare(report, name, levels, uniform, depths_below):
+    depths = numpy.arange(100e-9, 441e-9, 20e-9)
+    load = smooth_load(levels.history, depths) / smooth_load(uniform.history, depths) - 1
+    report.expect(f"{name}: load against one level, 100 to 440 nm", abs(load).max(), at_most=0.01)
+    stress = axis_stress(levels, depths_below) / axis_stress(uniform, depths_below) - 1
+    for depth, error in zip(depths_below, stress):
+        report.expect(f"{name}: stress on the axis at {depth * 1e6:g} um", abs(error), at_most=0.02)
+    book, stagger = momentum_errors(levels.history)
+    report.expect(f"{name}: momentum less impulses", book, at_most=1e-9)
+    report.note(f"{name}: momentum from the extrapolation at borders: {stagger:.2g} of sqrt(2 E m)", True)
+    report.expect(f"{name}: work against energy", energy_error(levels.history), at_most=0.01)
+    report.expect(f"{name}: points lost", levels.summary["points_lost"], near=0, tolerance=0)
+    report.expect(f"{name}: mass", abs(levels.summary["mass_error"]), at_most=1e-12)
+    cost = levels.summary["seconds_per_point_step"] / uniform.summary["seconds_per_point_step"]
+    report.note(f"{name}: seconds per point-step over those of one level: {cost:.2f}", True)
+
+
+def test_wedge(report):
+    """Cells of 1 um, 500 and 250 nm against 250 nm throughout, where the cells are small enough for the stress waves."""
+    uniform = run({"cell_size": 250e-9, "frames": 1}, file="wedge_125nm.opts", ranks=2)
+    for coupling in ("nodes", "points"):
+        levels = run({"cell_size": 1e-6, "frames": 1, "level_coupling": coupling}, file="wedge_3level.opts", ranks=2)
+        compare(report, f"three levels, {coupling}", levels, uniform, AXIS_DEPTHS[:3])
+
+
+def test_tension(report):
+    """The tension case with a finer level in its middle against the same on one level."""
+    levels, uniform = (run({"frames": 1}, file=name, ranks=2) for name in ("tension_2level.opts", "tension.opts"))
+    ends = [r.frame()["position"][:, 0].max() for r in (levels, uniform)]
+    report.expect("tension on two levels: place of the end over the displacement on one level",
+                  abs(ends[0] - ends[1]) / abs(ends[1] - 60e-6), at_most=0.01)
+
+
+def verify_wedge(report):
+    """Cells of 500, 250 and 125 nm against 125 nm throughout."""
+    uniform = run({"frames": 1}, file="wedge_125nm.opts", ranks=2)
+    for coupling in ("nodes", "points"):
+        levels = run({"frames": 1, "level_coupling": coupling}, file="wedge_3level.opts", ranks=2)
+        compare(report, f"three levels, 125 nm, {coupling}", levels, uniform, AXIS_DEPTHS)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws pictures that compare several result folders: load against depth, or fields side by side."""
+"""Draws pictures that compare several result folders: load against depth, fields side by side, or cells saved by levels."""
 
 import argparse
 import re
@@ -67,6 +67,36 @@ def fields(options):
     plot.plot_fields(panels, options.component, options.picture, options.window)
 
 
+def cell_percentage(levels):
+    """Returns, for the first 1, 2, ... of the levels of summary.json, the cells they have in percent of those that the
+    whole domain would have at the finest of them; cells under a finer level do not count. (The paper's Fig. 6b.)"""
+    areas = [np.prod(np.subtract(level["upper"], level["lower"])) for level in levels]
+    sizes = [level["cell_size"] for level in levels]
+    percentage = []
+    for last in range(1, len(levels) + 1):
+        covered = areas[1:last] + [0]
+        cells = sum((area - hole) / size**2 for area, hole, size in zip(areas, covered, sizes))
+        percentage.append(100 * cells / (areas[0] / sizes[last - 1] ** 2))
+    return percentage
+
+
+def cells(options):
+    """Draws the number of cells in percent of those of one fine level against the number of levels."""
+    figure, axes = plt.subplots(figsize=(6.4, 4.6))
+    for directory, label in options.runs:
+        levels = results.read_summary(directory).get("levels")
+        if not levels:
+            raise results.ResultError(directory, "there is no summary.json with levels")
+        percentage = cell_percentage(levels)
+        axes.plot(range(1, len(percentage) + 1), percentage, marker="o", label=label)
+    count = np.arange(1, 8)
+    quarter = (3 * count + 1) / 4**count  # each level covers a quarter of the next coarser one
+    axes.plot(count, 100 * quarter, ":", color="black", label="each level a quarter of the coarser one")
+    plot.line_axes(axes, "number of levels", "cells, % of one fine level")
+    axes.legend()
+    plot.save(figure, options.picture)
+
+
 def main(arguments=None):
     """Draws the picture that the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -83,6 +113,10 @@ def main(arguments=None):
     stresses.add_argument("--component", choices=plot.STRESS_COLUMN, default="yy")
     plot.add_window_option(stresses)
     stresses.set_defaults(draw=fields)
+    savings = commands.add_parser("cells", help=cells.__doc__)
+    savings.add_argument("picture", metavar="OUT.png")
+    savings.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")
+    savings.set_defaults(draw=cells)
     options = parser.parse_args(arguments)
     options.draw(options)
 

@@ -59,6 +59,9 @@ inline constexpr int kSegmentsPerFace = 4;
 /// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.
 inline constexpr double kContactRange = 2.5;
 
+/// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
+inline constexpr double kPointRange = kContactRange + 1.5;
+
 /// The segments of all outer faces of a point; returns their number.
 int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSides * kSegmentsPerFace]);
 

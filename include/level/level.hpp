@@ -88,6 +88,11 @@ public:
   /// Steps between calls of Migrate that keep the drift of points within the halo, from the largest speed now.
   void PlanMigration(double largest_speed, double dt);
 
+  /// Least distance of this rank's surface points from the indenter at a time, m; infinite where there is none.
+  PetscErrorCode IndenterDistance(double time, double *distance);
+  /// While the indenter is out of reach, contact is left out of the steps.
+  void WatchContact(bool within_reach) { contact_awake_ = within_reach; }
+
   PetscErrorCode Tally(PointTally *tally);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
   PetscErrorCode LargestSpeeds(double *wave, double *point);
@@ -134,6 +139,7 @@ private:
   ContactTotals contact_totals_;
   LevelFailure failure_;
   double time_ = 0;
+  bool contact_awake_ = true;
   long steps_ = 0;
   int migration_interval_ = 1, sort_interval_ = 50;
 };

@@ -48,6 +48,7 @@ struct Books {
 struct Pulse {
   double wave_speed = 0, point_speed = 0; ///< of c + |v| and |v|, m/s
   bool failed = false;
+  std::vector<double> indenter_distance; ///< of each level's nearest surface point, m
 };
 
 class Hierarchy
@@ -60,14 +61,15 @@ public:
   /// One step of level 0, with all steps of the finer levels within it.
   PetscErrorCode Advance(double time, double dt);
 
-  PetscErrorCode MeasurePulse(Pulse *pulse);
+  PetscErrorCode MeasurePulse(double time, Pulse *pulse);
   /// The coarse forces that border b of levels b and b + 1 keeps from one step to the next, [interface nodes][2], the
   /// same on every rank; empty before the first step. Collective.
   PetscErrorCode GatherBorderForces(int b, std::vector<double> *forces) { return borders_[b]->GatherForces(forces); }
   /// Connects the levels as their layouts are now, with forces from GatherBorderForces. Collective.
   PetscErrorCode RestoreBorderForces(int b, const std::vector<double> &forces);
-  /// Migrates with intervals that suit the speeds, and re-cuts ownership where points have become uneven.
-  PetscErrorCode Adapt(const Pulse &pulse, double dt);
+  /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
+  /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
+  PetscErrorCode Adapt(const Pulse &pulse, double time, double dt, int steps);
   PetscErrorCode ReduceBooks(Books *books);
   /// Puts totals of an earlier run on the first rank, so that they go on from there.
   PetscErrorCode RestoreBooks(const Books &books);

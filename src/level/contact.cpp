@@ -27,7 +27,7 @@ int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSid
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
 {
   const double *x = points.position + 2 * p, h = view.grid.Geometry().spacing;
-  return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > (kContactRange + 1.5) * h;
+  return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > kPointRange * h;
 }
 
 std::vector<std::string> ContactMethods() { return {"pressure", "point_pressure", "multimesh"}; }

@@ -91,7 +91,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
+  if (contact_ && contact_awake_) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -117,7 +117,8 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  if (contact_) PetscCall(ApplyContact(time, dt));
+  if (contact_ && contact_awake_) PetscCall(ApplyContact(time, dt));
+  if (!contact_awake_) contact_totals_.last = {};
   if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -354,6 +355,22 @@ PetscErrorCode Level::Tally(PointTally *tally)
     }
   }
   tally->count = points.count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::IndenterDistance(double time, double *distance)
+{
+  const std::vector<int> *surface = nullptr;
+  PointArrays points;
+  PetscFunctionBeginUser;
+  *distance = HUGE_VAL;
+  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(points_.Arrays(&points));
+  PetscCall(points_.SurfacePoints(&surface));
+  for (int p : *surface) {
+    const double *x = points.position + 2 * p;
+    *distance = std::min(*distance, model_.indenter->Gap({x[0], x[1]}, time).distance);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

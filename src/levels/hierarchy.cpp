@@ -268,27 +268,35 @@ PetscErrorCode Hierarchy::CorrectMomentum()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::MeasurePulse(Pulse *pulse)
+PetscErrorCode Hierarchy::MeasurePulse(double time, Pulse *pulse)
 {
-  double values[3] = {};
+  std::vector<double> values(3 + Levels(), 0.0); // largest of all ranks
   PetscFunctionBeginUser;
-  for (auto &level : levels_) {
-    double wave = 0, point = 0;
-    PetscCall(level->LargestSpeeds(&wave, &point));
+  for (int l = 0; l < Levels(); ++l) {
+    double wave = 0, point = 0, distance = 0;
+    PetscCall(levels_[l]->LargestSpeeds(&wave, &point));
+    PetscCall(levels_[l]->IndenterDistance(time, &distance));
     values[0] = std::max(values[0], wave);
     values[1] = std::max(values[1], point);
-    if (level->Failure().kind != LevelFailure::kNone) values[2] = 1;
+    if (levels_[l]->Failure().kind != LevelFailure::kNone) values[2] = 1;
+    values[3 + l] = -distance;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 3, MPI_DOUBLE, MPI_MAX, comm_));
-  *pulse = {values[0], values[1], values[2] > 0};
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_));
+  *pulse = {values[0], values[1], values[2] > 0, {}};
+  for (int l = 0; l < Levels(); ++l) pulse->indenter_distance.push_back(-values[3 + l]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double dt)
+PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int steps)
 {
+  constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
+  const double travel = model_->indenter ? Norm(model_->indenter->Tip(time + steps * dt) - model_->indenter->Tip(time)) : 0;
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     double total = 0, largest = 0;
+    const double h = settings_.levels[l].grid.spacing;
+    const double drift = steps * std::max(kSafety * pulse.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
+    levels_[l]->WatchContact(pulse.indenter_distance[l] < kPointRange * h + travel + drift);
     PetscCall(PointsOn(l, &total, &largest));
     if (largest * levels_[l]->Mesh().Layout().Blocks() > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
     levels_[l]->PlanMigration(pulse.point_speed, dt / std::pow(settings_.ratio, l));

@@ -178,7 +178,7 @@ PetscErrorCode Simulation::ControlStep()
 {
   Pulse pulse;
   PetscFunctionBeginUser;
-  PetscCall(hierarchy_.MeasurePulse(&pulse));
+  PetscCall(hierarchy_.MeasurePulse(state_.time, &pulse));
   if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
   const double limit = kLargestCfl * case_.cell_size / pulse.wave_speed;
   if (case_.time.time_step > limit) {
@@ -190,7 +190,7 @@ PetscErrorCode Simulation::ControlStep()
   // A restart goes on with the wave speed that its run last looked at, so that its steps are the same.
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = pulse.wave_speed;
   state_.time_step = StepLength(state_.wave_speed);
-  PetscCall(hierarchy_.Adapt(pulse, state_.time_step));
+  PetscCall(hierarchy_.Adapt(pulse, state_.time, state_.time_step, 2 * kControlInterval));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,11 +1,14 @@
 // Shape functions: the weights and slopes of a block of material points on the nodes around them (paper's Eq. 6).
 //
 // A point is served by the three nodes per direction around its nearest node. This is the only file that loops over
-// axes; it returns flat stencils (node offset, S, grad S), and all transfer kernels loop over those.
+// axes: it gathers sums from a point's nodes and scatters a point's share to them for the transfer kernels.
 #pragma once
+
+#include "base/pack.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace mlgimp
 {
@@ -21,13 +24,12 @@ template <int dim> struct Lattice {
   int stride[dim];        ///< distance of neighbouring nodes in the ghosted array, nodes
 };
 
-/// Weights of a block of points: `node + offset[k]` is the k-th node of a point in the ghosted array.
-template <int dim> struct Stencil {
-  static constexpr int kNodes = dim == 2 ? 9 : 27;
-  int offset[kNodes];
-  int node[kBlock];              ///< nearest node
-  double S[kNodes][kBlock];      ///< weights
-  double dS[dim][kNodes][kBlock]; ///< gradients, 1/m
+/// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
+/// derivative of that along an axis has the slope g in the place of that axis' weight. Index k is the node below, at
+/// and above the nearest one.
+template <int dim> struct AxisStencils {
+  int node[kBlock];                                   ///< nearest node, place in the ghosted array
+  double w[dim][3][kBlock], g[dim][3][kBlock];        ///< -, 1/m
 };
 
 /// Weights and slopes (per cell) of the nodes below, at and above the nearest one, along one axis.
@@ -57,7 +59,7 @@ struct UniformGimp {
   static inline AxisWeights Evaluate(double d, double l)
   {
     const double a0 = std::min(d - l, 0.0), b0 = std::min(d + l, 0.0); // the part below the nearest node
-    const double a1 = std::max(d - l, 0.0), b1 = std::max(d + l, 0.0); // the part above it
+    const double a1 = (d - l) - a0, b1 = (d + l) - b0;                 // the part above it
     const double q = 0.5 / l;
     return Complete(0.5 * q * (a0 - b0) * (a0 + b0), 0.5 * q * (b1 - a1) * (b1 + a1), q * (a0 - b0), q * (b1 - a1));
   }
@@ -71,73 +73,151 @@ struct ContiguousGimp : UniformGimp {
 /// Half sizes outside this range, in cells, are clamped: Evaluate divides by l, and three nodes reach no further.
 inline constexpr double kMinHalfSize = 1e-3, kMaxHalfSize = 0.5;
 
-/// Half sizes of points in cells along an axis, within the clamps; returns the number that had to be clamped.
-template <class Shape, int dim>
-int ComputeHalfSizes(int axis, double inverse_h, int count, const double *half_size, const double *F, double *l)
+/// Half size of one point along an axis, m.
+template <class Shape, int dim> inline double HalfSize(int axis, const double *half_size, const double *F)
 {
-  int clamped = 0;
-#pragma omp simd reduction(+ : clamped)
-  for (int p = 0; p < count; ++p) {
-    double size = half_size[dim * p + axis];
-    if constexpr (Shape::kUsesDeformation) {
-      double square = 0;
+  if constexpr (!Shape::kUsesDeformation) return half_size[axis];
+  double square = 0;
 #pragma GCC unroll 3
-      for (int b = 0; b < dim; ++b) {
-        const double edge = F[dim * dim * p + dim * axis + b] * half_size[dim * p + b];
-        square += edge * edge;
-      }
-      size = std::sqrt(square);
-    }
-    size *= inverse_h;
-    l[p] = std::min(std::max(size, kMinHalfSize), kMaxHalfSize);
-    clamped += std::abs(size - l[p]) > 1e-9 ? 1 : 0;
+  for (int b = 0; b < dim; ++b) {
+    const double edge = F[dim * axis + b] * half_size[b];
+    square += edge * edge;
   }
-  return clamped;
+  return std::sqrt(square);
 }
 
 /// Weights of `count` <= kBlock points.
 /// x [count][dim] positions, m; half_size [count][dim] initial half sizes, m; F [count][dim*dim] deformation gradient.
 /// Returns the number of half sizes that had to be clamped.
 template <class Shape, int dim>
+int ComputeAxisStencils(const Lattice<dim> &grid, int count, const double *x, const double *half_size, const double *F,
+                        AxisStencils<dim> &stencils)
+{
+  const double inverse_h = grid.inverse_spacing;
+  double origin[dim], first[dim], stride[dim], node[kBlock], clamped = 0; // no integers: they would halve the vectors
+  for (int axis = 0; axis < dim; ++axis)
+    origin[axis] = grid.origin[axis], first[axis] = grid.first[axis], stride[axis] = grid.stride[axis];
+#pragma omp simd reduction(+ : clamped)
+  for (int p = 0; p < count; ++p) {
+    node[p] = 0;
+#pragma GCC unroll 3
+    for (int axis = 0; axis < dim; ++axis) {
+      const double size = HalfSize<Shape, dim>(axis, half_size + dim * p, F + dim * dim * p) * inverse_h;
+      const double l = std::min(std::max(size, kMinHalfSize), kMaxHalfSize);
+      clamped += std::abs(size - l) > 1e-9 ? 1.0 : 0.0;
+      const double a = (x[dim * p + axis] - origin[axis]) * inverse_h, nearest = std::floor(a + 0.5);
+      const AxisWeights at = Shape::Evaluate(a - nearest, l);
+      node[p] += (nearest - first[axis]) * stride[axis];
+#pragma GCC unroll 3
+      for (int k = 0; k < 3; ++k) stencils.w[axis][k][p] = at.w[k], stencils.g[axis][k][p] = at.g[k] * inverse_h;
+    }
+  }
+  std::copy_n(node, count, stencils.node);
+  return static_cast<int>(clamped);
+}
+
+/// The flat stencil of a block of points, for code outside the sweeps: `node + offset[k]` is the k-th node of a point.
+template <int dim> struct Stencil {
+  static constexpr int kNodes = dim == 2 ? 9 : 27;
+  int offset[kNodes];
+  int node[kBlock];               ///< nearest node
+  double S[kNodes][kBlock];       ///< weights
+  double dS[dim][kNodes][kBlock]; ///< gradients, 1/m
+};
+
+/// Arguments and result as ComputeAxisStencils.
+template <class Shape, int dim>
 int ComputeStencil(const Lattice<dim> &grid, int count, const double *x, const double *half_size, const double *F,
                    Stencil<dim> &stencil)
 {
-  double w[dim][3][kBlock], g[dim][3][kBlock], l[kBlock];
-  const double inverse_h = grid.inverse_spacing;
-  int clamped = 0;
-  std::fill_n(stencil.node, count, 0);
-  for (int axis = 0; axis < dim; ++axis) {
-    const double origin = grid.origin[axis];
-    const int first = grid.first[axis], stride = grid.stride[axis];
-    double *const wa[3] = {w[axis][0], w[axis][1], w[axis][2]}, *const ga[3] = {g[axis][0], g[axis][1], g[axis][2]};
-    clamped += ComputeHalfSizes<Shape, dim>(axis, inverse_h, count, half_size, F, l);
-#pragma omp simd
-    for (int p = 0; p < count; ++p) {
-      const double a = (x[dim * p + axis] - origin) * inverse_h, nearest = std::floor(a + 0.5);
-      const AxisWeights at = Shape::Evaluate(a - nearest, l[p]);
-      wa[0][p] = at.w[0], wa[1][p] = at.w[1], wa[2][p] = at.w[2];
-      ga[0][p] = at.g[0] * inverse_h, ga[1][p] = at.g[1] * inverse_h, ga[2][p] = at.g[2] * inverse_h;
-      stencil.node[p] += (static_cast<int>(nearest) - first) * stride;
-    }
-  }
+  AxisStencils<dim> axes;
+  const int clamped = ComputeAxisStencils<Shape>(grid, count, x, half_size, F, axes);
+  std::copy_n(axes.node, count, stencil.node);
   for (int k = 0; k < Stencil<dim>::kNodes; ++k) {
     stencil.offset[k] = 0;
     for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3) stencil.offset[k] += (rest % 3 - 1) * grid.stride[axis];
-    for (int slope = -1; slope < dim; ++slope) { // S, then its derivative along each axis
-      const double *factor[dim];
-      for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3)
-        factor[axis] = axis == slope ? g[axis][rest % 3] : w[axis][rest % 3];
-      double *product = slope < 0 ? stencil.S[k] : stencil.dS[slope][k];
-#pragma omp simd
+    for (int slope = -1; slope < dim; ++slope) // S, then its derivative along each axis
       for (int p = 0; p < count; ++p) {
-        double value = factor[0][p];
-#pragma GCC unroll 3
-        for (int axis = 1; axis < dim; ++axis) value *= factor[axis][p];
-        product[p] = value;
+        double value = 1;
+        for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3)
+          value *= (axis == slope ? axes.g : axes.w)[axis][rest % 3][p];
+        (slope < 0 ? stencil.S : stencil.dS[slope])[k][p] = value;
       }
-    }
   }
   return clamped;
+}
+
+/// One point's stencil in registers, for a nodal array with so many components.
+template <int dim> struct PointStencil {
+  double w[dim][3], g[dim][3];
+  std::ptrdiff_t nearest;     ///< place of the nearest node in the array, doubles
+  std::ptrdiff_t stride[dim]; ///< of neighbouring nodes, doubles
+
+  PointStencil(const AxisStencils<dim> &block, int p, const Lattice<dim> &grid, int components)
+  {
+    nearest = static_cast<std::ptrdiff_t>(block.node[p]) * components;
+    for (int axis = 0; axis < dim; ++axis) {
+      stride[axis] = static_cast<std::ptrdiff_t>(grid.stride[axis]) * components;
+      for (int k = 0; k < 3; ++k) w[axis][k] = block.w[axis][k][p], g[axis][k] = block.g[axis][k][p];
+    }
+  }
+};
+
+/// Sums of nodal values times weights, and times the slopes along each axis.
+template <int axes> struct Gathered {
+  Pack value{}, slope[axes]{};
+};
+
+/// Sums the four doubles at the nodes around `node`: rows along x first, then over the rows, so that products of
+/// weights are never formed.
+template <int axes, int dim> inline Gathered<axes> Gather(const PointStencil<dim> &at, const double *node)
+{
+  constexpr int axis = axes - 1;
+  Gathered<axes> sum;
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) {
+    const double *row = node + (k - 1) * at.stride[axis];
+    Pack value;
+    if constexpr (axis == 0) {
+      value = LoadPack(row);
+    } else {
+      const Gathered<axis> inner = Gather<axis>(at, row);
+      value = inner.value;
+#pragma GCC unroll 3
+      for (int a = 0; a < axis; ++a) sum.slope[a] += at.w[axis][k] * inner.slope[a];
+    }
+    sum.value += at.w[axis][k] * value;
+    sum.slope[axis] += at.g[axis][k] * value;
+  }
+  return sum;
+}
+
+/// What a point adds to the eight doubles of each of its nodes: S first, S second + grad S . flux.
+template <int axes> struct Share {
+  Pack first, second, flux[axes];
+};
+
+/// Adds a point's share to the nodes around `node`, products by rows as in Gather. Without `with_flux`, flux is zero.
+template <int axes, bool with_flux, int dim>
+inline void Scatter(const PointStencil<dim> &at, const Share<axes> &share, double *node)
+{
+  constexpr int axis = axes - 1;
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) {
+    double *row = node + (k - 1) * at.stride[axis];
+    const Pack first = at.w[axis][k] * share.first;
+    Pack second = at.w[axis][k] * share.second;
+    if constexpr (with_flux) second += at.g[axis][k] * share.flux[axis];
+    if constexpr (axis == 0) {
+      AddPack(row, first);
+      AddPack(row + 4, second);
+    } else {
+      Share<axis> inner = {first, second, {}};
+#pragma GCC unroll 3
+      for (int a = 0; with_flux && a < axis; ++a) inner.flux[a] = at.w[axis][k] * share.flux[a];
+      Scatter<axis, with_flux>(at, inner, row);
+    }
+  }
 }
 
 } // namespace mlgimp

@@ -14,11 +14,21 @@ namespace
 
 constexpr double kLargestStrainIncrement = 0.5; ///< of one step; AdvanceDeformation is exact below it
 
-/// The points of a block as a PointArrays of their own.
-PointArrays Slice(const PointArrays &all, int start)
+/// Consecutive points of one material, as arrays of their own.
+struct Block : PointArrays {
+  int start;
+  const Material &material;
+};
+
+/// The block that begins at point `start`: at most kBlock points.
+Block CutBlock(const SweepView &view, int start)
 {
-  PointArrays b = all;
-  b.count = std::min(kBlock, all.count - start);
+  const PointArrays &all = view.points;
+  const Material *material = view.bodies.material[all.body[start]];
+  int end = start + 1;
+  while (end < std::min(start + kBlock, all.count) && view.bodies.material[all.body[end]] == material) ++end;
+  Block b = {all, start, *material};
+  b.count = end - start;
   b.id += start;
   b.position += 2 * start;
   b.velocity += 2 * start;
@@ -33,24 +43,23 @@ PointArrays Slice(const PointArrays &all, int start)
   return b;
 }
 
-/// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
-void Volumes(const PointArrays &b, const BodyTable &bodies, double *volume)
+/// Calls `work(block)` for all points, block by block.
+template <class Work> void ForEachBlock(const SweepView &view, Work work)
 {
-  double inverse_density[kBlock];
-  for (int p = 0; p < b.count; ++p) inverse_density[p] = 1 / bodies.material[b.body[p]]->Density();
-#pragma omp simd
-  for (int p = 0; p < b.count; ++p)
-    volume[p] = (b.F[4 * p] * b.F[4 * p + 3] - b.F[4 * p + 1] * b.F[4 * p + 2]) * b.mass[p] * inverse_density[p];
+  for (int start = 0; start < view.points.count;) {
+    const Block block = CutBlock(view, start);
+    work(block);
+    start += block.count;
+  }
 }
 
-/// Calls `work(first, count, material)` for each run of points of one material.
-template <class Work> void ForEachMaterial(const PointArrays &b, const BodyTable &bodies, Work work)
+/// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
+void Volumes(const Block &b, double *volume)
 {
-  for (int first = 0, end; first < b.count; first = end) {
-    const Material *material = bodies.material[b.body[first]];
-    for (end = first + 1; end < b.count && bodies.material[b.body[end]] == material;) ++end;
-    work(first, end - first, *material);
-  }
+  const double inverse_density = 1 / b.material.Density();
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p)
+    volume[p] = (b.F[4 * p] * b.F[4 * p + 3] - b.F[4 * p + 1] * b.F[4 * p + 2]) * b.mass[p] * inverse_density;
 }
 
 void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b, int p)
@@ -59,12 +68,13 @@ void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b
 }
 
 /// Advances F, stress and internal variables of a block. L [4][kBlock] in 1/s.
-void AdvanceStress(const PointArrays &b, const BodyTable &bodies, double dt, const double (*L)[kBlock],
+void AdvanceStress(const Block &b, double dt, const double (*L)[kBlock],
                    SweepTotals &totals, PointFailure &failure)
 {
   double increment[4][kBlock], plastic[kBlock] = {};
   const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
   double sum = 0; // finite only if all of F is
+#pragma omp simd reduction(+ : sum)
   for (int k = 0; k < 4 * b.count; ++k) sum += b.F[k];
   if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) {
     for (int p = 0; p < b.count; ++p) {
@@ -76,79 +86,64 @@ void AdvanceStress(const PointArrays &b, const BodyTable &bodies, double dt, con
         Record(failure, PointFailure::kDeformedTooFast, b, p);
     }
   }
-  ForEachMaterial(b, bodies, [&](int first, int count, const Material &material) {
-    MaterialBatch batch{count, dt, {}, {}, b.F + 4 * first, b.stress + 4 * first, nullptr, b.history_components};
-    for (int k = 0; k < 4; ++k) batch.L[k] = L[k] + first, batch.increment[k] = increment[k] + first;
-    if (b.history) batch.history = b.history + b.history_components * first;
-    material.UpdateStress(batch, plastic + first);
-    if (material.HistorySize())
-      for (int p = first; p < first + count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / material.Density();
-  });
+  const MaterialBatch batch = {b.count, dt, {L[0], L[1], L[2], L[3]}, {increment[0], increment[1], increment[2], increment[3]},
+                               b.F, b.stress, b.history, b.history_components};
+  b.material.UpdateStress(batch, plastic);
+  if (b.material.HistorySize())
+    for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.
 void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_velocity, PointFailure &failure)
 {
+  const double h = grid.Geometry().spacing;
+  double lower[2], upper[2];
   for (int axis = 0; axis < 2; ++axis) {
-    const double h = grid.Geometry().spacing, lower = grid.Coordinate(axis, grid.GhostLower(axis)) + 0.5 * h;
-    const double upper = lower + (grid.GhostSize(axis) - 2) * h;
-    double target[kBlock];
-    int lost = 0;
-#pragma omp simd reduction(+ : lost)
-    for (int p = 0; p < b.count; ++p) {
-      const double old = b.position[2 * p + axis];
-      target[p] = old + dt * grid_velocity[2 * p + axis];
-      const bool inside = target[p] >= lower && target[p] < upper; // false for a NaN
-      lost += !inside;
-      b.position[2 * p + axis] = inside ? target[p] : old;
-    }
-    for (int p = 0; lost && p < b.count; ++p)
-      if (!(target[p] >= lower && target[p] < upper))
-        Record(failure, std::isfinite(target[p]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, p);
+    lower[axis] = grid.Coordinate(axis, grid.GhostLower(axis)) + 0.5 * h;
+    upper[axis] = lower[axis] + (grid.GhostSize(axis) - 2) * h;
   }
+  const auto inside = [&](double x, int axis) { return x >= lower[axis] && x < upper[axis]; }; // false for a NaN
+  double target[2 * kBlock], lost = 0;
+#pragma omp simd reduction(+ : lost)
+  for (int p = 0; p < b.count; ++p)
+#pragma GCC unroll 2
+    for (int axis = 0; axis < 2; ++axis) {
+      const int k = 2 * p + axis;
+      target[k] = b.position[k] + dt * grid_velocity[k];
+      const bool stays = inside(target[k], axis);
+      lost += stays ? 0.0 : 1.0;
+      b.position[k] = stays ? target[k] : b.position[k];
+    }
+  for (int k = 0; lost > 0 && k < 2 * b.count; ++k)
+    if (!inside(target[k], k % 2))
+      Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / 2);
 }
 
 template <class Shape> class ShapeTransfer : public Transfer
 {
-  using Weights = Stencil<2>;
+  using Weights = AxisStencils<2>;
 
 public:
   void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
                     SweepTotals &totals) const override
   {
     Weights w;
-    double volume[kBlock], body_force[2 * kBlock] = {}, values[kBlock][12];
+    double volume[kBlock], body_force[2 * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
-    for (int start = 0; start < view.points.count; start += kBlock) {
-      const PointArrays b = Slice(view.points, start);
-      totals.clamped_sizes += ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      Volumes(b, view.bodies, volume);
+    ForEachBlock(view, [&](const Block &b) {
+      totals.clamped_sizes += ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+      Volumes(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
-#pragma omp simd
       for (int p = 0; p < b.count; ++p) {
-        const double m = b.mass[p], V = volume[p];
-        const double xx = b.stress[4 * p] + b.short_wave_stress[3 * p];
-        const double yy = b.stress[4 * p + 1] + b.short_wave_stress[3 * p + 1];
-        const double xy = b.stress[4 * p + 3] + b.short_wave_stress[3 * p + 2];
-        double *value = values[p];
-        value[0] = m, value[1] = m * b.velocity[2 * p], value[2] = m * b.velocity[2 * p + 1], value[3] = counts * m;
-        value[4] = m * body_force[2 * p], value[5] = m * body_force[2 * p + 1];
-        value[6] = counts * value[4], value[7] = counts * value[5];
-        value[8] = -V * xx, value[9] = -V * xy, value[10] = -V * yy, value[11] = 0;
+        const double m = b.mass[p], *v = b.velocity + 2 * p, *a = body_force + 2 * p, *s = b.short_wave_stress + 3 * p;
+        const Pack force = -volume[p] * (LoadPack(b.stress + 4 * p) + Pack{s[0], s[1], 0, s[2]}); // xx, yy, zz, xy
+        const Share<2> share = {m * Pack{1, v[0], v[1], counts},
+                                m * Pack{a[0], a[1], counts * a[0], counts * a[1]},
+                                {Pack{force[0], force[3], 0, 0}, Pack{force[3], force[1], 0, 0}}};
+        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kSums);
+        Scatter<2, true>(at, share, view.grid.Arrays().sums + at.nearest);
       }
-      for (int p = 0; p < b.count; ++p) {
-        const double *value = values[p];
-        const Pack with_S = Load(value), force_S = Load(value + 4);
-        const Pack with_dx = {value[8], value[9], 0, 0}, with_dy = {value[9], value[10], 0, 0};
-        double *center = view.grid.Arrays().sums + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kSums;
-        for (int k = 0; k < Weights::kNodes; ++k) {
-          double *node = center + w.offset[k] * NodeArrays::kSums;
-          const double S = w.S[k][p];
-          Store(node, Load(node) + S * with_S);
-          Store(node + 4, Load(node + 4) + S * force_S + w.dS[0][k][p] * with_dx + w.dS[1][k][p] * with_dy);
-        }
-      }
-    }
+    });
   }
 
   void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
@@ -156,10 +151,9 @@ public:
   {
     Weights w;
     double value[kBlock][4], slope_x[kBlock][4], slope_y[kBlock][4], L[4][kBlock];
-    for (int start = 0; start < view.points.count; start += kBlock) {
-      const PointArrays b = Slice(view.points, start);
-      double *grid_velocity = view.grid_velocity + 2 * start;
-      ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+    ForEachBlock(view, [&](const Block &b) {
+      double *grid_velocity = view.grid_velocity + 2 * b.start;
+      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
       GatherVelocity(view.grid, w, b.count, value, slope_x, slope_y);
 #pragma omp simd
       for (int p = 0; p < b.count; ++p) {
@@ -169,11 +163,11 @@ public:
         b.velocity[2 * p + 1] += value[p][3];
         L[0][p] = slope_x[p][0], L[1][p] = slope_y[p][0], L[2][p] = slope_x[p][1], L[3][p] = slope_y[p][1];
       }
-      if (plan.strain_rate) KeepStrainRate(b, view.bodies, plan.dt, slope_x, slope_y, totals);
+      if (plan.strain_rate) KeepStrainRate(b, plan.dt, slope_x, slope_y, totals);
       if (plan.scatter) ScatterRates(view.grid, w, b, grid_velocity);
-      if (plan.strain) AdvanceStress(b, view.bodies, plan.dt, L, totals, failure);
+      if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.move) Move(b, view.grid, plan.dt, grid_velocity, failure);
-    }
+    });
   }
 
   void VelocityAt(const SweepView &view, int point, double change[2], double gradient[4]) const override
@@ -189,29 +183,24 @@ public:
   void ScatterTensors(const SweepView &view) const override
   {
     Weights w;
-    for (int start = 0; start < view.points.count; start += kBlock) {
-      const PointArrays b = Slice(view.points, start);
-      ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+    ForEachBlock(view, [&](const Block &b) {
+      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
       for (int p = 0; p < b.count; ++p) {
-        const Pack F = Load(b.F + 4 * p), stress = Load(b.stress + 4 * p);
-        double *center = view.grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kRates;
-        for (int k = 0; k < Weights::kNodes; ++k) {
-          double *node = center + w.offset[k] * NodeArrays::kRates;
-          Store(node, Load(node) + (b.mass[p] * w.S[k][p]) * F);
-          Store(node + 4, Load(node + 4) + (b.mass[p] * w.S[k][p]) * stress);
-        }
+        const Share<2> share = {b.mass[p] * LoadPack(b.F + 4 * p), b.mass[p] * LoadPack(b.stress + 4 * p), {}};
+        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kRates);
+        Scatter<2, false>(at, share, view.grid.Arrays().rates + at.nearest);
       }
-    }
+    });
   }
 
   void TensorsAt(const SweepView &view, int point, double tensors[8]) const override
   {
     Weights w;
     StencilOf(view, point, w);
-    std::fill_n(tensors, 8, 0.0);
-    const double *center = view.grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[0]) * NodeArrays::kRates;
-    for (int k = 0; k < Weights::kNodes; ++k)
-      for (int c = 0; c < 8; ++c) tensors[c] += w.S[k][0] * center[w.offset[k] * NodeArrays::kRates + c];
+    const PointStencil<2> at(w, 0, view.grid.IndexSpace(), NodeArrays::kRates);
+    const double *nearest = view.grid.Arrays().rates + at.nearest;
+    StorePack(tensors, Gather<2>(at, nearest).value);
+    StorePack(tensors + 4, Gather<2>(at, nearest + 4).value);
   }
 
   void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
@@ -219,22 +208,22 @@ public:
   {
     Weights w;
     double L[4][kBlock], projected[2][kBlock], smooth[3][kBlock];
-    for (int start = 0; start < view.points.count; start += kBlock) {
-      const PointArrays b = Slice(view.points, start);
-      ComputeStencil<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+    ForEachBlock(view, [&](const Block &b) {
+      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
       GatherRates(view.grid, w, b.count, L, projected, smooth);
-      if (plan.strain) AdvanceStress(b, view.bodies, plan.dt, L, totals, failure);
-      if (plan.short_wave.On()) ShortWaveStress(b, view, plan.short_wave, smooth);
+      if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
+      if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
-      if (plan.move) Move(b, view.grid, plan.dt, view.grid_velocity + 2 * start, failure);
-    }
+      if (plan.move) Move(b, view.grid, plan.dt, view.grid_velocity + 2 * b.start, failure);
+    });
   }
 
 private:
   static void StencilOf(const SweepView &view, int point, Weights &w)
   {
     const PointArrays &all = view.points;
-    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+    ComputeAxisStencils<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point,
+                               all.F + 4 * point, w);
   }
 
   /// value, slopes [count][4]: velocity and its change at the points, and their gradients.
@@ -242,17 +231,11 @@ private:
                              double (*slope_y)[4])
   {
     for (int p = 0; p < count; ++p) {
-      const double *center = grid.Arrays().velocity + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kVelocity;
-      Pack v{}, dx{}, dy{};
-      for (int k = 0; k < Weights::kNodes; ++k) {
-        const Pack node = Load(center + w.offset[k] * NodeArrays::kVelocity);
-        v += w.S[k][p] * node;
-        dx += w.dS[0][k][p] * node;
-        dy += w.dS[1][k][p] * node;
-      }
-      Store(value[p], v);
-      Store(slope_x[p], dx);
-      Store(slope_y[p], dy);
+      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kVelocity);
+      const Gathered<2> sum = Gather<2>(at, grid.Arrays().velocity + at.nearest);
+      StorePack(value[p], sum.value);
+      StorePack(slope_x[p], sum.slope[0]);
+      StorePack(slope_y[p], sum.slope[1]);
     }
   }
 
@@ -261,16 +244,10 @@ private:
                           double (*smooth)[kBlock])
   {
     for (int p = 0; p < count; ++p) {
-      const double *center = grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kRates;
-      Pack v{}, dx{}, dy{}, rate{};
-      for (int k = 0; k < Weights::kNodes; ++k) {
-        const double *node = center + w.offset[k] * NodeArrays::kRates;
-        const Pack velocity = Load(node);
-        v += w.S[k][p] * velocity;
-        dx += w.dS[0][k][p] * velocity;
-        dy += w.dS[1][k][p] * velocity;
-        rate += w.S[k][p] * Load(node + 4);
-      }
+      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
+      const double *nearest = grid.Arrays().rates + at.nearest;
+      const Gathered<2> velocity = Gather<2>(at, nearest);
+      const Pack v = velocity.value, dx = velocity.slope[0], dy = velocity.slope[1], rate = Gather<2>(at, nearest + 4).value;
       L[0][p] = dx[0], L[1][p] = dy[0], L[2][p] = dx[1], L[3][p] = dy[1];
       projected[0][p] = v[2], projected[1][p] = v[3];
       for (int k = 0; k < 3; ++k) smooth[k][p] = rate[k];
@@ -279,11 +256,11 @@ private:
 
   /// Books the work of the short-wave stress that acted in this step and puts the strain rate in its place.
   /// The work is that with the mean velocity of the step. Slopes [count][4]: of the new velocity and of its change.
-  static void KeepStrainRate(const PointArrays &b, const BodyTable &bodies, double dt, const double (*slope_x)[4],
-                             const double (*slope_y)[4], SweepTotals &totals)
+  static void KeepStrainRate(const Block &b, double dt, const double (*slope_x)[4], const double (*slope_y)[4],
+                             SweepTotals &totals)
   {
     double volume[kBlock], work = 0;
-    Volumes(b, bodies, volume);
+    Volumes(b, volume);
 #pragma omp simd reduction(+ : work)
     for (int p = 0; p < b.count; ++p) {
       double *s = b.short_wave_stress + 3 * p;
@@ -298,40 +275,31 @@ private:
   static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const double *grid_velocity)
   {
     for (int p = 0; p < b.count; ++p) {
-      const double m = b.mass[p], *rate = b.short_wave_stress + 3 * p;
-      const Pack momentum = {m * b.velocity[2 * p], m * b.velocity[2 * p + 1], m * grid_velocity[2 * p],
-                             m * grid_velocity[2 * p + 1]};
-      const Pack strain_rate = {m * rate[0], m * rate[1], m * rate[2], 0};
-      double *center = grid.Arrays().rates + static_cast<std::ptrdiff_t>(w.node[p]) * NodeArrays::kRates;
-      for (int k = 0; k < Weights::kNodes; ++k) {
-        double *node = center + w.offset[k] * NodeArrays::kRates;
-        Store(node, Load(node) + w.S[k][p] * momentum);
-        Store(node + 4, Load(node + 4) + w.S[k][p] * strain_rate);
-      }
+      const double m = b.mass[p], *v = b.velocity + 2 * p, *u = grid_velocity + 2 * p, *rate = b.short_wave_stress + 3 * p;
+      const Share<2> share = {m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}, {}};
+      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
+      Scatter<2, false>(at, share, grid.Arrays().rates + at.nearest);
     }
   }
 
   /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2), E = (F^T F - I)/2.
-  static void ShortWaveStress(const PointArrays &b, const SweepView &view, const ShortWaveViscosity &viscosity,
+  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
                               const double (*smooth)[kBlock])
   {
-    ForEachMaterial(b, view.bodies, [&](int first, int count, const Material &material) {
-      const double time = view.grid.Geometry().spacing / material.SpeedOfSound();
-      const double lambda = time * material.Lambda(), mu2 = 2 * time * material.Mu();
+    const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
+    const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
 #pragma omp simd
-      for (int p = first; p < first + count; ++p) {
-        const double *F = b.F + 4 * p;
-        double *s = b.short_wave_stress + 3 * p;
-        const double Exx = 0.5 * (F[0] * F[0] + F[2] * F[2] - 1), Eyy = 0.5 * (F[1] * F[1] + F[3] * F[3] - 1);
-        const double Exy = 0.5 * (F[0] * F[1] + F[2] * F[3]);
-        const double strength =
-            std::min(0.3, viscosity.a + viscosity.b * (Exx * Exx + Eyy * Eyy + 2 * Exy * Exy));
-        const double xx = s[0] - smooth[0][p], yy = s[1] - smooth[1][p], xy = s[2] - smooth[2][p];
-        s[0] = strength * (lambda * (xx + yy) + mu2 * xx);
-        s[1] = strength * (lambda * (xx + yy) + mu2 * yy);
-        s[2] = strength * mu2 * xy;
-      }
-    });
+    for (int p = 0; p < b.count; ++p) {
+      const double *F = b.F + 4 * p;
+      double *s = b.short_wave_stress + 3 * p;
+      const double Exx = 0.5 * (F[0] * F[0] + F[2] * F[2] - 1), Eyy = 0.5 * (F[1] * F[1] + F[3] * F[3] - 1);
+      const double Exy = 0.5 * (F[0] * F[1] + F[2] * F[3]);
+      const double strength = std::min(0.3, viscosity.a + viscosity.b * (Exx * Exx + Eyy * Eyy + 2 * Exy * Exy));
+      const double xx = s[0] - smooth[0][p], yy = s[1] - smooth[1][p], xy = s[2] - smooth[2][p];
+      s[0] = strength * (lambda * (xx + yy) + mu2 * xx);
+      s[1] = strength * (lambda * (xx + yy) + mu2 * yy);
+      s[2] = strength * mu2 * xy;
+    }
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost.

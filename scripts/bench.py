@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""Speed of mlgimp on this machine, in units of what the machine can do.
+
+usage: scripts/bench.py        after `make bench` has built bin/mlgimp and bin/bench_machine
+
+The yardstick is the memory floor: the time in which the points' fields stream through memory twice, for two sweeps a
+step. Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each figure is a median,
+with least and greatest. Results go to a temporary folder.
+"""
+import json
+import os
+import pathlib
+import re
+import resource
+import subprocess
+import tempfile
+import time
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+POINT_BYTES = 272  # fields that a sweep streams
+REPETITIONS = 5
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                   OMPI_MCA_rmaps_base_oversubscribe="1")
+
+DEFAULT = {}
+USL = {"stress_update": "usl", "short_wave_viscosity": "0,0"}
+XPIC = {"short_wave_viscosity": "0,0", "xpic_fraction": 0.02}
+
+
+def machine():
+    """Triad bandwidth in GB/s and multiply-add rate in Gflop/s of one core, now."""
+    done = subprocess.run([str(ROOT / "bin/bench_machine")], capture_output=True, text=True, check=True)
+    return tuple(float(word) for word in done.stdout.split())
+
+
+def block(cells, steps, **other):
+    """Options of a block of cells x cells under gravity, four points a cell, moving and straining; then others."""
+    edge = cells + 10
+    values = {"domain_lower": "0,0", "domain_upper": f"{edge},{edge}", "cell_size": 1, "materials": "m",
+              "m_youngs_modulus": 1e7, "m_poissons_ratio": 0.3, "m_density": 1000, "bodies": "b", "b_lower": "5,5",
+              "b_upper": f"{cells + 5},{cells + 5}", "b_velocity": "0.3,0.2", "gravity": "0,-5", "max_steps": steps,
+              "frames": 0, "history_interval": 1000000, "monitor": "false", **other}
+    return [word for name, value in values.items() for word in (f"-{name}", str(value))]
+
+
+class Run:
+    """One run: its summary, wall time, times of the log events in s, and largest resident size in bytes."""
+
+    def __init__(self, options, ranks=1):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [str(ROOT / "bin/mlgimp"), *options, "-output_dir", f"{folder}/run", "-log_view", f":{folder}/log"]
+            if ranks > 1:
+                command = ["mpiexec", "-n", str(ranks), *command]
+            begin = time.perf_counter()
+            subprocess.run(command, stdout=subprocess.DEVNULL, env=ENVIRONMENT, check=True)
+            self.wall = time.perf_counter() - begin
+            self.summary = json.loads(pathlib.Path(folder, "run/summary.json").read_text())
+            log = pathlib.Path(folder, "log").read_text()
+        self.events = {name: float(seconds) for name, seconds in re.findall(r"^(\w+) +\d+ [\d.]+ ([\d.e+-]+)", log, re.M)}
+        self.nanoseconds = 1e9 * self.summary["seconds_per_point_step"]
+
+
+class Spread:
+    """Median, least and greatest of repeated figures."""
+
+    def __init__(self, values):
+        self.values = list(values)
+        self.median = float(np.median(self.values))
+
+    def __str__(self):
+        return f"{self.median:.3g} ({min(self.values):.3g} .. {max(self.values):.3g})"
+
+
+def row(name, figure, unit, goal=None, ratio=None):
+    """Prints a row; the ratio is that of figure to goal, so that 1 and less is reached."""
+    if goal is not None and ratio is None:
+        ratio = figure.median / goal if isinstance(figure, Spread) else figure / goal
+    text = str(figure) if isinstance(figure, Spread) else f"{figure:.3g}"
+    print(f"{name:40s} {text:28s} {unit:18s} {'' if goal is None else f'{goal:.3g}':8s} "
+          f"{'' if ratio is None else f'{ratio:.2f}':6s}".rstrip(), flush=True)
+
+
+def alternate(cases, repetitions=REPETITIONS):
+    """Runs machine and cases {name: options} in turn; the machine's figures and the runs by name, as lists."""
+    limits, runs = [], {name: [] for name in cases}
+    for _ in range(repetitions):
+        limits.append(machine())
+        for name, options in cases.items():
+            runs[name].append(Run(options))
+    return limits, runs
+
+
+def sweep_rows():
+    """Time a point and step of each variant over the memory floor measured beside it."""
+    goals = {"USL, 250k points": 3.0, "default, 250k points": 4.5, "XPIC(2), 250k points": 4.5}
+    variants = dict(zip(goals, (USL, DEFAULT, XPIC)))
+    limits, runs = alternate({name: block(250, 60, **variant) for name, variant in variants.items()})
+    row("triad, one core", Spread(bandwidth for bandwidth, _ in limits), "GB/s")
+    row("multiply-add, one core", Spread(rate for _, rate in limits), "Gflop/s")
+    floors = [2 * POINT_BYTES / bandwidth for bandwidth, _ in limits]
+    row("memory floor, two sweeps", Spread(floors), "ns/point-step")
+    for name, goal in goals.items():
+        row(name, Spread(run.nanoseconds for run in runs[name]), "ns/point-step")
+        row("", Spread(run.nanoseconds / floor for run, floor in zip(runs[name], floors)), "memory floors", goal)
+    return runs["default, 250k points"]
+
+
+def size_rows():
+    """The same time at other sizes, and the memory a point takes."""
+    cases = {"16k": block(64, 300), "250k": block(250, 30), "1M": block(500, 10)}
+    _, runs = alternate(cases, 3)
+    for name in ("16k", "1M"):
+        ratios = Spread(run.nanoseconds / reference.nanoseconds for run, reference in zip(runs[name], runs["250k"]))
+        row(f"{name} against 250k points", ratios, "times", 1.3)
+    peak = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss  # of the largest run so far, which is this one
+    row("memory of the process, 1M points", peak / 1e6, "bytes/point", 300)
+
+
+def parallel_rows():
+    """Speed-up on two ranks."""
+    pairs = [[Run(block(250, 60), ranks).summary["wall_seconds"] for ranks in (1, 2)] for _ in range(3)]
+    row("two ranks, 250k points", Spread(one / two for one, two in pairs), "speed-up")
+
+
+def empty_step_rows():
+    """A level step with one cell of points on 16 x 16 cells, from the wall time of many steps less that of few."""
+    few, many = 200, 5200
+    for ranks in (1, 2):
+        quiet = {"domain_upper": "16,16", "b_points_per_cell": 1, "gravity": "0,0", "b_velocity": "0,0", "time_step": 1e-4}
+        options = {steps: block(1, steps, **quiet) for steps in (few, many)}
+        times = [1e6 * (Run(options[many], ranks).wall - Run(options[few], ranks).wall) / (many - few) for _ in range(3)]
+        row(f"empty level step, {ranks} rank{'s' * (ranks > 1)}", Spread(times), "us")
+
+
+def share_rows(runs):
+    """Shares of the stepping time of what is no sweep."""
+    for event in ("Sort", "Halo", "GridUpdate", "Output"):
+        row(f"share of {event}", Spread(100 * run.events.get(event, 0) / run.summary["wall_seconds"] for run in runs), "%")
+
+
+def main():
+    print(f"{'':40s} {'median (least .. greatest)':28s} {'unit':18s} {'goal':8s} ratio")
+    runs = sweep_rows()
+    share_rows(runs)
+    size_rows()
+    parallel_rows()
+    empty_step_rows()
+
+
+if __name__ == "__main__":
+    main()

@@ -13,9 +13,9 @@ struct LogEvents {
 PetscErrorCode RegisterLogEvents(LogEvents *events);
 
 /// Floating-point operations per point, counted in the sweeps' source (2D, nine nodes).
-inline constexpr double kStencilFlops = 2 * 26 + 9 * 5, kPointsToGridFlops = kStencilFlops + 25 + 9 * 24,
-                        kGridToPointsFlops = kStencilFlops + 9 * 24 + 12, kScatterRatesFlops = 7 + 9 * 16,
-                        kGatherRatesFlops = kStencilFlops + 9 * 32, kStressFlops = 90, kShortWaveFlops = 35,
+inline constexpr double kStencilFlops = 2 * 26, kPointsToGridFlops = kStencilFlops + 25 + 3 * (20 + 3 * 20),
+                        kGridToPointsFlops = kStencilFlops + 9 * 24 + 12, kScatterRatesFlops = 7 + 3 * (8 + 3 * 16),
+                        kGatherRatesFlops = kStencilFlops + 9 * 24 + 3 * (24 + 8), kStressFlops = 90, kShortWaveFlops = 35,
                         kNodeFlops = 20;
 
 } // namespace mlgimp

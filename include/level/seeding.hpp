@@ -38,6 +38,7 @@ public:
   std::int64_t EndId() const;
 
 private:
+  void MakePoint(const Seed &seed, const PointArrays &arrays, int p) const;
   int FaceBits(const Seed &seed) const;
   bool Occupied(Vec2 x) const;
 

@@ -86,12 +86,31 @@ int Seeding::FaceBits(const Seed &seed) const
   return bits;
 }
 
+void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
+{
+  const Body &body = model_.bodies[seed.body];
+  const Material &material = *model_.materials[body.material];
+  a.id[p] = seed.id;
+  a.body[p] = seed.body;
+  a.faces[p] = FaceBits(seed);
+  a.mass[p] = 4 * seed.tile.half_size[0] * seed.tile.half_size[1] * model_.thickness * material.Density();
+  for (int d = 0; d < 2; ++d) {
+    a.position[2 * p + d] = seed.tile.center[d];
+    a.velocity[2 * p + d] = body.velocity[d];
+    a.half_size[2 * p + d] = seed.tile.half_size[d];
+  }
+  for (int c = 0; c < 4; ++c) a.F[4 * p + c] = c == 0 || c == 3 ? 1 : 0, a.stress[4 * p + c] = 0;
+  for (int c = 0; c < 3; ++c) a.short_wave_stress[3 * p + c] = 0;
+  if (!a.history) return;
+  std::fill_n(a.history + a.history_components * p, a.history_components, 0.0);
+  material.InitialHistory(a.history + a.history_components * p);
+}
+
 PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
 {
-  PointArrays a;
-  std::vector<Seed> seeds;
+  PointArrays arrays;
   PetscMPIInt rank;
-  int lower[2], upper[2];
+  int lower[2], upper[2], count = points.Count();
   PetscFunctionBeginUser;
   if (!grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
@@ -99,34 +118,16 @@ PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
     lower[d] = grid.OwnedLower(d) - 1;
     upper[d] = grid.OwnedUpper(d);
   }
+  const auto mine = [&](const Seed &seed) {
+    return grid.BlockOfNode(grid.Nearest(0, seed.tile.center[0]), grid.Nearest(1, seed.tile.center[1])) == rank;
+  };
+  int p = count;
+  ForEach(lower, upper, [&](const Seed &seed) { count += mine(seed); }); // counted first: a list would be most of the memory
+  PetscCall(points.Resize(count));
+  PetscCall(points.Arrays(&arrays));
   ForEach(lower, upper, [&](const Seed &seed) {
-    if (grid.BlockOfNode(grid.Nearest(0, seed.tile.center[0]), grid.Nearest(1, seed.tile.center[1])) == rank)
-      seeds.push_back(seed);
+    if (mine(seed)) MakePoint(seed, arrays, p++);
   });
-  const int before = points.Count();
-  PetscCall(points.Resize(before + static_cast<int>(seeds.size())));
-  PetscCall(points.Arrays(&a));
-  for (std::size_t k = 0; k < seeds.size(); ++k) {
-    const Seed &seed = seeds[k];
-    const Body &body = model_.bodies[seed.body];
-    const Material &material = *model_.materials[body.material];
-    const int p = before + static_cast<int>(k);
-    a.id[p] = seed.id;
-    a.body[p] = seed.body;
-    a.faces[p] = FaceBits(seed);
-    a.mass[p] = 4 * seed.tile.half_size[0] * seed.tile.half_size[1] * model_.thickness * material.Density();
-    for (int d = 0; d < 2; ++d) {
-      a.position[2 * p + d] = seed.tile.center[d];
-      a.velocity[2 * p + d] = body.velocity[d];
-      a.half_size[2 * p + d] = seed.tile.half_size[d];
-    }
-    for (int c = 0; c < 4; ++c) a.F[4 * p + c] = c == 0 || c == 3 ? 1 : 0, a.stress[4 * p + c] = 0;
-    for (int c = 0; c < 3; ++c) a.short_wave_stress[3 * p + c] = 0;
-    if (a.history) {
-      std::fill_n(a.history + a.history_components * p, a.history_components, 0.0);
-      material.InitialHistory(a.history + a.history_components * p);
-    }
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -69,7 +69,10 @@ public:
 
   /// Owned nodes, as places in the ghosted arrays, whose velocity is the same in the second extrapolation.
   void SetHeldNodes(std::vector<int> nodes) { held_nodes_ = std::move(nodes); }
-  /// The nodal velocity of the last step at some points: change in the step and gradient.
+  /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
+  /// on the level's ranks.
+  PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
+  /// The nodal velocity of the last step at some points: change in the step and gradient. Collective on the level's ranks.
   struct VelocitySample {
     Vec2 change;     ///< m/s
     double L[4];     ///< xx, xy, yx, yy, 1/s
@@ -111,6 +114,7 @@ public:
   ContactTotals &Contacts() { return contact_totals_; }
   long Steps() const { return steps_; }
   void SetSteps(long steps) { steps_ = steps; }
+  void SetXpicFraction(double fraction) { nodal_.xpic_fraction = fraction; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:

@@ -68,7 +68,8 @@ void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSetting
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. Owned nodes; at those in `held` both velocities are the new one.
+/// extrapolation it is the new velocity itself. Owned nodes; at those in `held` the
+/// second velocity is the new one too.
 void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<int> &held);
 
 } // namespace mlgimp

@@ -85,8 +85,9 @@ public:
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
                             PointFailure &failure) const = 0;
 
-  /// Change of the nodal velocity in the step, m/s, and gradient of the new one, xx, xy, yx, yy in 1/s, at one point.
-  virtual void VelocityAt(const SweepView &view, int point, double change[2], double gradient[4]) const = 0;
+  /// Change of the nodal velocity in the step, m/s, and gradient of the new one, xx, xy, yx, yy in 1/s, at one point, from
+  /// the nodes with more than a mass: a point that has just moved may reach nodes that no point had reached in the step.
+  virtual void VelocityAt(const SweepView &view, int point, double mass_cutoff, double change[2], double gradient[4]) const = 0;
 
   /// Adds F and stress, times mass, to `rates`.
   virtual void ScatterTensors(const SweepView &view) const = 0;

@@ -43,6 +43,10 @@ public:
   /// Brings the mean velocity and the whole change of the interface nodes to the coarse level. Collective on all.
   PetscErrorCode SendUp();
 
+  /// Adds to the coarse forces of the step before those of points that have changed levels, which are no change to
+  /// extrapolate: what is in `sums` of the coarse level, or of the fine level's slaves. Collective on all.
+  PetscErrorCode ShiftForces(bool from_fine);
+
   /// Owned nodes of this rank whose second velocity is the first: interface nodes on the coarse level, slaves on the fine.
   const std::vector<int> &HeldCoarse() const { return held_coarse_; }
   const std::vector<int> &HeldFine() const { return held_fine_; }

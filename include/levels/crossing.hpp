@@ -1,7 +1,7 @@
 // Points that change levels: which level a place belongs to, splitting on the way in, merging after the way out.
 #pragma once
 
-#include "level/level.hpp"
+#include "levels/border.hpp"
 
 #include <cstdint>
 
@@ -61,17 +61,19 @@ public:
   }
 
   /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^2,
-  /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s. Collective on all ranks.
-  PetscErrorCode Transfer(double dt);
+  /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s; border: the one that couples
+  /// the levels through nodes, or null. Collective on all ranks.
+  PetscErrorCode Transfer(double dt, Border *border);
   /// Splits the points of coarse size in the ring around the box; they stay where they are.
-  PetscErrorCode SplitRing();
+  PetscErrorCode SplitRing(); // collective on the coarser level's ranks
 
   const CrossingTotals &Totals() const { return totals_; }
   void SetTotals(const CrossingTotals &totals) { totals_ = totals; }
 
 private:
   PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
-  PetscErrorCode Split(std::vector<int> *points);
+  PetscErrorCode FindParents(const std::vector<int> &points, std::vector<int> *parents);
+  PetscErrorCode Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples, std::vector<int> *points);
   void MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const;
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 

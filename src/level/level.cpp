@@ -298,10 +298,32 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   PointArrays arrays;
   PetscFunctionBeginUser;
   samples->resize(points.size());
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // nodes without mass have no velocity
   PetscCall(points_.Arrays(&arrays));
   const SweepView view = {*grid_, arrays, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k)
-    transfer_->VelocityAt(view, points[k], (*samples)[k].change.data(), (*samples)[k].L);
+    transfer_->VelocityAt(view, points[k], nodal_.mass_cutoff, (*samples)[k].change.data(), (*samples)[k].L);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
+{
+  PointArrays all;
+  SweepTotals unbooked;
+  PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(points_.Arrays(&all));
+  std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  for (int p : points) {
+    double mass = sign * all.mass[p];
+    PointArrays one = all;
+    one.count = 1, one.mass = &mass;
+    one.id += p, one.position += 2 * p, one.velocity += 2 * p, one.F += 4 * p, one.stress += 4 * p;
+    one.short_wave_stress += 3 * p, one.half_size += 2 * p, one.body += p, one.faces += p;
+    transfer_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, unbooked);
+  }
+  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

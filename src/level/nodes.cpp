@@ -147,7 +147,7 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
   for (const int index : held)
     for (int axis = 0; axis < 2; ++axis) {
       double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-      rates[axis] = rates[2 + axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index) + axis];
+      rates[axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index) + axis];
     }
   BindRates(grid, sides);
 }

@@ -170,14 +170,32 @@ public:
     });
   }
 
-  void VelocityAt(const SweepView &view, int point, double change[2], double gradient[4]) const override
+  /// gradient = sum (v_i - v) grad S_ip with v the mean of the nodes' velocities by S.
+  void VelocityAt(const SweepView &view, int point, double mass_cutoff, double change[2], double gradient[4]) const override
   {
-    Weights w;
-    double value[1][4], slope_x[1][4], slope_y[1][4];
-    StencilOf(view, point, w);
-    GatherVelocity(view.grid, w, 1, value, slope_x, slope_y);
-    change[0] = value[0][2], change[1] = value[0][3];
-    gradient[0] = slope_x[0][0], gradient[1] = slope_y[0][0], gradient[2] = slope_x[0][1], gradient[3] = slope_y[0][1];
+    Stencil<2> w;
+    const PointArrays &all = view.points;
+    double mean[2] = {}, sum = 0;
+    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+    const auto for_each_node = [&](auto work) {
+      for (int k = 0; k < Stencil<2>::kNodes; ++k) {
+        const std::ptrdiff_t node = w.node[0] + w.offset[k];
+        if (view.grid.Arrays().sums[node * NodeArrays::kSums] > mass_cutoff)
+          work(k, view.grid.Arrays().velocity + node * NodeArrays::kVelocity);
+      }
+    };
+    std::fill_n(change, 2, 0.0);
+    std::fill_n(gradient, 4, 0.0);
+    for_each_node([&](int k, const double *v) {
+      sum += w.S[k][0];
+      for (int d = 0; d < 2; ++d) mean[d] += w.S[k][0] * v[d], change[d] += w.S[k][0] * v[2 + d];
+    });
+    if (sum == 0) return;
+    for (int d = 0; d < 2; ++d) mean[d] /= sum, change[d] /= sum;
+    for_each_node([&](int k, const double *v) {
+      for (int d = 0; d < 2; ++d)
+        for (int axis = 0; axis < 2; ++axis) gradient[2 * d + axis] += w.dS[axis][k][0] * (v[d] - mean[d]);
+    });
   }
 
   void ScatterTensors(const SweepView &view) const override

@@ -287,6 +287,26 @@ void Border::Prolong()
   }
 }
 
+PetscErrorCode Border::ShiftForces(bool from_fine)
+{
+  const Grid &coarse = coarse_->Mesh(), &fine = fine_->Mesh();
+  const MPI_Datatype unit = coarse.Unit(NodeArrays::kSums);
+  std::vector<double> shift(coarse_sums_.size(), 0.0);
+  PetscFunctionBeginUser;
+  if (!from_fine) {
+    PetscCall(PetscSFBcastBegin(transfer_, unit, coarse.Arrays().sums, shift.data(), MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(transfer_, unit, coarse.Arrays().sums, shift.data(), MPI_REPLACE));
+  } else if (fine.Participates()) {
+    Restrict();
+    PetscCall(PetscSFReduceBegin(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
+    PetscCall(PetscSFReduceEnd(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
+    std::copy_n(sums_.begin(), shift.size(), shift.begin());
+  }
+  for (std::size_t k = 0; k < shift.size(); k += NodeArrays::kSums)
+    for (int axis = 0; axis < 2; ++axis) coarse_sums_[k + 4 + axis] += shift[k + 4 + axis];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Border::SendUp()
 {
   const Grid &coarse = coarse_->Mesh();

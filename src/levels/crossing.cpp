@@ -75,7 +75,7 @@ static PetscErrorCode Sum(Points &points, const std::vector<int> &list, double s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Crossing::Transfer(double dt)
+PetscErrorCode Crossing::Transfer(double dt, Border *border)
 {
   const Box box = WidenedBox(fine_.Geometry(), rule_.margin * fine_.Geometry().grid.spacing);
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
@@ -89,10 +89,22 @@ PetscErrorCode Crossing::Transfer(double dt)
   totals_.entered += static_cast<double>(entering.size());
   totals_.left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
-    PetscCall(Split(&entering));
+    std::vector<int> parents;
+    std::vector<Level::VelocitySample> samples;
+    PetscCall(FindParents(entering, &parents));
+    PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
+    if (border) {
+      PetscCall(coarse_.GatherForcesOf(entering, -1));
+      PetscCall(border->ShiftForces(false));
+    }
+    PetscCall(Split(parents, samples, &entering));
     PetscCall(Send(coarse_, fine_, entering, dt, shift));
   }
   if (counts[1] > 0) {
+    if (border) {
+      PetscCall(fine_.GatherForcesOf(leaving, 1));
+      PetscCall(border->ShiftForces(true));
+    }
     PetscCall(Send(fine_, coarse_, leaving, fine_dt, -shift));
     if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &totals_));
   }
@@ -101,11 +113,14 @@ PetscErrorCode Crossing::Transfer(double dt)
 
 PetscErrorCode Crossing::SplitRing()
 {
-  std::vector<int> near;
+  std::vector<int> near, parents;
+  std::vector<Level::VelocitySample> samples;
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing), true, &near));
-  PetscCall(Split(&near));
+  PetscCall(FindParents(near, &parents));
+  PetscCall(coarse_.SampleVelocity(parents, &samples));
+  PetscCall(Split(parents, samples, &near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,35 +142,39 @@ PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &po
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Splits those of the given points of the coarser level that are of its size, and adds the children to the list.
-PetscErrorCode Crossing::Split(std::vector<int> *points)
+/// Those of some points of the coarser level that are of its size.
+PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector<int> *parents)
 {
-  const int children = ratio_ * ratio_;
   const double h = fine_.Geometry().grid.spacing;
-  std::vector<int> parents;
-  std::vector<Level::VelocitySample> samples;
-  double before[3], after[3];
   PointArrays a;
   PetscFunctionBeginUser;
   PetscCall(coarse_.PointStore().Arrays(&a));
-  for (int p : *points) {
+  for (int p : points) {
     const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
     const double size = std::max(a.half_size[2 * p], a.half_size[2 * p + 1]);
-    if (size > 0.75 * ratio_ * usual && numbers_.CanSplit(a.id[p])) parents.push_back(p);
+    if (size > 0.75 * ratio_ * usual && numbers_.CanSplit(a.id[p])) parents->push_back(p);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Splits the parents among some points of the coarser level, and adds the children to the points.
+PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples, std::vector<int> *points)
+{
+  const int children = ratio_ * ratio_;
+  double before[3], after[3];
+  PointArrays a;
+  PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Sum(coarse_.PointStore(), *points, before));
-  PetscCall(coarse_.SampleVelocity(parents, &samples));
-  int next = a.count;
-  PetscCall(coarse_.PointStore().Resize(a.count + static_cast<int>(parents.size()) * (children - 1)));
+  int next = coarse_.PointStore().Count();
+  PetscCall(coarse_.PointStore().Resize(next + static_cast<int>(parents.size()) * (children - 1)));
   PetscCall(coarse_.PointStore().Arrays(&a));
-  for (std::size_t k = 0; k < parents.size(); ++k) {
+  for (std::size_t k = 0; k < parents.size(); ++k)
     for (int child = children - 1; child >= 0; --child) { // the first takes the parent's place, last
       const int target = child ? next++ : parents[k];
       if (child) points->push_back(target);
       MakeChild(a, parents[k], target, child, samples[k].L);
     }
-  }
   PetscCall(Sum(coarse_.PointStore(), *points, after));
   totals_.mass_error += std::abs(after[0] - before[0]);
   totals_.momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);

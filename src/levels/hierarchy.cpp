@@ -58,7 +58,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (int l = 0; l < Levels(); ++l) HoldNodes(l);
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
-  for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1));
+  for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1, nullptr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,6 +93,7 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
+  levels_[l]->SetXpicFraction(model_->nodal.xpic_fraction / std::pow(settings_.ratio, l)); // the same share in the same time
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,7 +212,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   }
   PetscCall(level.FinishNodes(time, dt));
   PetscCall(level.AdvancePoints(dt));
-  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt); }));
+  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt, borders_[l].get()); }));
   PetscCall(level.KeepOrder());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -232,7 +233,7 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   if (has_finer) {
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, time + k * fine_dt, fine_dt));
     if (!settings_.repairs.owner_flags) PetscCall(Logged(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
-    PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt); }));
+    PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt, nullptr); }));
     PetscCall(Logged(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
   }
   PetscCall(PetscLogStagePop());

@@ -3,8 +3,10 @@
 
 #include "levels/hierarchy.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace mlgimp
 {
@@ -43,6 +45,85 @@ inline HierarchySettings OneLevel(const Model &model, const Box &box, double spa
   settings.levels = {geometry};
   return settings;
 }
+
+/// Nested levels, each with cells `ratio` times smaller than the one before; boxes: of levels 1, 2, ...
+inline HierarchySettings NestedLevels(const Model &model, const Box &domain, double spacing, int ratio, const std::vector<Box> &boxes)
+{
+  HierarchySettings settings = OneLevel(model, domain, spacing);
+  settings.ratio = ratio;
+  for (const Box &box : boxes) {
+    spacing /= ratio;
+    LevelGeometry geometry = OneLevel(model, box, spacing).levels[0];
+    geometry.grid.padding = kHaloWidth;
+    for (int s = 0; s < kSides; ++s) {
+      const double own = s % 2 ? box.upper[s / 2] : box.lower[s / 2], outer = s % 2 ? domain.upper[s / 2] : domain.lower[s / 2];
+      geometry.border[s] = std::abs(own - outer) > 1e-6 * spacing;
+      if (geometry.border[s]) geometry.sides.kind[s] = SideKind::kFree;
+    }
+    settings.levels.push_back(geometry);
+  }
+  return settings;
+}
+
+/// The variants of the step that are compared everywhere.
+struct Scheme {
+  const char *name;
+  StressUpdate update;
+  ShortWaveViscosity viscosity;
+  double xpic;
+};
+
+inline const Scheme kDefaultScheme = {"default", StressUpdate::kMusl, {0.001, 8}, 0};
+inline const Scheme kMusl = {"MUSL", StressUpdate::kMusl, {0, 0}, 0};
+inline const Scheme kUsl = {"USL", StressUpdate::kUsl, {0, 0}, 0};
+inline const Scheme kXpic2 = {"MUSL XPIC(2) 2 %", StressUpdate::kMusl, {0, 0}, 0.02};
+inline const Scheme kXpic10 = {"MUSL XPIC(2) 10 %", StressUpdate::kMusl, {0, 0}, 0.1};
+
+/// A run on several levels.
+struct LevelsRun {
+  Model model;
+  Hierarchy hierarchy;
+  double time = 0, dt = 0; ///< of level 0
+
+  void SetScheme(const Scheme &scheme)
+  {
+    model.stress_update = scheme.update;
+    model.short_wave = scheme.viscosity;
+    model.nodal.xpic_fraction = scheme.xpic;
+  }
+  PetscErrorCode Create(const HierarchySettings &settings)
+  {
+    LogEvents events;
+    PetscFunctionBeginUser;
+    PetscCall(RegisterLogEvents(&events));
+    PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, settings, events, true));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscErrorCode Advance()
+  {
+    PetscFunctionBeginUser;
+    PetscCall(hierarchy.Advance(time, dt));
+    time += dt;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  /// Calls work(arrays, p, l) for every point p of every level l.
+  template <class Work> PetscErrorCode ForEachPoint(Work work)
+  {
+    PetscFunctionBeginUser;
+    for (int l = 0; l < hierarchy.Levels(); ++l) {
+      PointArrays a;
+      PetscCall(hierarchy.At(l).PointStore().Arrays(&a));
+      for (int p = 0; p < a.count; ++p) work(a, p, l);
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  bool Failed()
+  {
+    for (int l = 0; l < hierarchy.Levels(); ++l)
+      if (hierarchy.At(l).Failure().kind != LevelFailure::kNone) return true;
+    return false;
+  }
+};
 
 /// A model with one material and one body.
 inline void AddBody(Model &model, std::unique_ptr<Region> region, const std::string &law, const MaterialConstants &constants,

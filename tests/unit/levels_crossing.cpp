@@ -1,0 +1,200 @@
+// A block that flies obliquely into, through and out of finer levels: points, mass and momentum; the energy of one that
+// vibrates as it flies. With "table": that energy for all levels and schemes.
+#include "check.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <set>
+
+using namespace mlgimp;
+
+namespace
+{
+
+const MaterialConstants kMaterial = {4e6, 0.3, 1000, NAN, NAN};
+constexpr double kSpeed = 0.1; // of the wave speed, along x
+const Box kDomain = {{0, 0}, {37, 28}}, kRagged = {{2.13, 2.71}, {8.4, 8.1}}, // m
+          kWhole = {{1, 2}, {9, 8}};                                           // cut into whole tiles
+
+struct Case {
+  const char *name;
+  std::vector<Box> boxes;
+  int ratio = 2;
+  bool merge = false;
+};
+
+const std::vector<Box> kBox = {{{13, 6}, {23, 20}}}, kBoxes = {{{11, 4}, {25, 22}}, {{16, 9}, {20, 17}}};
+
+struct Flight {
+  double stress = 0;         ///< largest, of Young's modulus
+  double mass = 0, arrived = 0; ///< error of the mass; share of the points beyond the finer levels
+  double split = 0, left = 0, merged = 0, transfer_error = 0;
+  double energy = 0, vibration = 0; ///< mean of the last tenth; that without the flight's own, of the start's
+  bool numbers = true;       ///< unique, and as many as the books say
+};
+
+double Vibration(const Books &b)
+{
+  return b.kinetic_energy + b.strain_energy - 0.5 * (b.momentum[0] * b.momentum[0] + b.momentum[1] * b.momentum[1]) / b.mass;
+}
+
+/// From the lower left corner to the upper right one; amplitude: of the vibration's strain.
+PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, Flight *f)
+{
+  LevelsRun run;
+  Books first, books;
+  PetscFunctionBeginUser;
+  run.SetScheme(scheme);
+  const double c = CreateMaterial("neo_hookean", kMaterial)->SpeedOfSound();
+  const Vec2 velocity = {kSpeed * c, 0.68 * kSpeed * c};
+  const double h = amplitude == 0 ? 1 : 0.5; // m; the vibration needs the finer one
+  const Box body = amplitude == 0 ? kRagged : kWhole;
+  AddBody(run.model, CreateBoxRegion(body), "neo_hookean", kMaterial, velocity);
+  HierarchySettings settings = NestedLevels(run.model, kDomain, h, levels.ratio, levels.boxes);
+  settings.merge_siblings = levels.merge;
+  PetscCall(run.Create(settings));
+  const Vec2 middle = 0.5 * (body.lower + body.upper), size = body.upper - body.lower;
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+    a.velocity[2 * p] += amplitude * c * std::sin(M_PI * (a.position[2 * p] - middle[0]) / size[0]);
+  }));
+  PetscCall(run.hierarchy.ReduceBooks(&first));
+  run.dt = 0.4 * h / (run.model.materials[0]->SpeedOfSound() * (1 + kSpeed));
+  const int steps = static_cast<int>(24.5 / (velocity[0] * run.dt));
+  *f = {};
+  int samples = 0;
+  for (int step = 0; step < steps && !run.Failed(); ++step) {
+    PetscCall(run.Advance());
+    if (amplitude == 0)
+      PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+        for (int k = 0; k < 4; ++k)
+          if (!(std::abs(a.stress[4 * p + k]) <= f->stress * kMaterial.youngs_modulus)) f->stress = std::abs(a.stress[4 * p + k]) / kMaterial.youngs_modulus;
+      }));
+    else if (step > 0.9 * steps) {
+      PetscCall(run.hierarchy.ReduceBooks(&books));
+      f->energy += books.kinetic_energy + books.strain_energy;
+      f->vibration += Vibration(books) / Vibration(first);
+      ++samples;
+    }
+  }
+  PetscCall(run.hierarchy.ReduceBooks(&books));
+  std::set<std::int64_t> ids;
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
+    ids.insert(a.id[p]);
+    f->arrived += (l == 0 && a.position[2 * p] > (levels.boxes.empty() ? 23 : levels.boxes[0].upper[0])) / books.points;
+  }));
+  const int children = levels.ratio * levels.ratio;
+  f->energy /= std::max(samples, 1), f->vibration /= std::max(samples, 1);
+  f->mass = std::abs(books.mass / first.mass - 1);
+  f->split = books.points_split, f->left = books.points_left, f->merged = books.points_merged;
+  f->transfer_error = books.transfer_mass_error / first.mass + books.transfer_momentum_error / (first.mass * Norm(velocity));
+  f->numbers = static_cast<double>(ids.size()) == books.points && !run.Failed() &&
+               books.points == first.points + (children - 1) * (books.points_split - books.points_merged);
+  if (run.Failed()) f->energy = f->stress = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TestFlight(const Case &levels, const Scheme &scheme)
+{
+  const std::string name = std::string("flight, ") + levels.name + ", " + scheme.name;
+  Flight f;
+  PetscFunctionBeginUser;
+  PetscCall(Fly(levels, scheme, 0, &f));
+  CheckAtMost(name + ": stress, of E", f.stress, 1e-10);
+  CheckAtMost(name + ": error of the mass", f.mass, 1e-14);
+  CheckAtMost(name + ": error of mass and momentum, booked by the transfer", f.transfer_error, 1e-12);
+  Check(name + ": all points arrive", f.arrived > 1 - 1e-9);
+  char detail[80];
+  std::snprintf(detail, sizeof detail, "%.0f split, %.0f left, %.0f merged", f.split, f.left, f.merged);
+  Check(name + ": numbers are unique and as many as the books say", f.numbers && f.split > 0 && f.left > 0, detail);
+  if (levels.merge) Check(name + ": points are merged", f.merged > 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Children get the velocity of their own place: v = V + G (x - V t) in a body that moves into the finer level.
+PetscErrorCode TestSplitVelocity(int ratio)
+{
+  LevelsRun run;
+  PetscFunctionBeginUser;
+  AddBody(run.model, CreateBoxRegion({{2, 1}, {20, 23}}), "neo_hookean", kMaterial);
+  PetscCall(run.Create(NestedLevels(run.model, {{0, 0}, {24, 24}}, 1, ratio, {{{11, 0}, {24, 24}}})));
+  const double c = run.model.materials[0]->SpeedOfSound(), g = 1e-4 * c;
+  const Vec2 V = {0.1 * c, 0};
+  const double G[4] = {0.5 * g, -g, g, 0.3 * g};
+  const auto exact = [&](Vec2 x) { return V + Multiply(G, x - run.time * V - Vec2{11, 12}); };
+  std::set<std::int64_t> known;
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+    const Vec2 v = exact({a.position[2 * p], a.position[2 * p + 1]});
+    std::copy(v.begin(), v.end(), a.velocity + 2 * p);
+    known.insert(a.id[p]);
+  }));
+  run.dt = 0.4 / (1.1 * c);
+  double error = 0;
+  int children = 0;
+  for (int step = 0; step < 14; ++step) {
+    PetscCall(run.Advance());
+    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+      const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
+      if (!known.insert(a.id[p]).second || std::abs(x[1] - 12) > 1.5) return; // near the free sides there are waves
+      error = std::max(error, Norm(Vec2{a.velocity[2 * p], a.velocity[2 * p + 1]} - exact(x)) / g);
+      ++children;
+    }));
+  }
+  const std::string name = "splitting, ratio " + std::to_string(ratio) + ": ";
+  Check(name + "there are children", children >= 6 * ratio * ratio);
+  CheckAtMost(name + "velocity of children in a linear field, of its change over a coarse cell", error, 0.15); // 0.24 without L dx
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+constexpr double kAmplitude = 0.005;
+
+PetscErrorCode Table()
+{
+  const Case cases[] = {{"two levels", kBox}, {"two levels, merging", kBox, 2, true}, {"three levels", kBoxes}, {"three levels, merging", kBoxes, 2, true},
+                        {"ratio 3", kBox, 3}, {"ratio 3, merging", kBox, 3, true}};
+  PetscFunctionBeginUser;
+  std::printf("| scheme | levels | energy after the flight, of one level's, -1 | vibration alone, of the start's | points split | merged | stress without vibration, of E |\n| --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const Scheme &scheme : {kMusl, kDefaultScheme, kUsl}) {
+    Flight one, other, still;
+    PetscCall(Fly({"one level", {}}, scheme, kAmplitude, &one));
+    std::printf("| %s | one level | | %.3f |\n", scheme.name, one.vibration);
+    for (const Case &levels : cases) {
+      PetscCall(Fly(levels, scheme, kAmplitude, &other));
+      PetscCall(Fly(levels, scheme, 0, &still));
+      std::printf("| %s | %s | %+.2e | %.3f | %.0f | %.0f | %.1e |\n", scheme.name, levels.name, other.energy / one.energy - 1, other.vibration, other.split, other.merged, still.stress);
+      std::fflush(stdout);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tests()
+{
+  PetscFunctionBeginUser;
+  PetscCall(TestFlight({"two levels", kBox}, kDefaultScheme));
+  PetscCall(TestFlight({"two levels, merging", kBox, 2, true}, kDefaultScheme));
+  PetscCall(TestFlight({"three levels", kBoxes}, kMusl));
+  PetscCall(TestFlight({"three levels, merging", kBoxes, 2, true}, kMusl));
+  PetscCall(TestFlight({"ratio 3", kBox, 3}, kUsl));
+  for (int ratio : {2, 3}) PetscCall(TestSplitVelocity(ratio));
+  Flight one, other;
+  PetscCall(Fly({"one level", {}}, kDefaultScheme, kAmplitude, &one));
+  for (bool merge : {false, true}) {
+    PetscCall(Fly({"two levels", kBox, 2, merge}, kDefaultScheme, kAmplitude, &other));
+    CheckAtMost(std::string("vibrating block in flight") + (merge ? ", merging" : "") + ": energy against one level", std::abs(other.energy / one.energy - 1), 1e-3);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  if (argc == 2 && std::strcmp(argv[1], "table") == 0)
+    PetscCall(Table());
+  else
+    PetscCall(Tests());
+  PetscCall(PetscFinalize());
+  return 0;
+}

@@ -1,0 +1,195 @@
+// The axis-aligned manufactured solution (see manufactured.cpp) across the borders of finer levels: order of convergence.
+//
+// Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells.
+#include "check.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+using namespace mlgimp;
+
+namespace
+{
+
+constexpr double kE = 1e7, kNu = 0.3, kRho = 1000, kA = 0.05, kPeriod = 0.02;
+const double kC = std::sqrt(kE / kRho);
+const Box kSquare = {{0, 0}, {1, 1}};
+
+/// Displacement and acceleration in reference coordinates along one axis; the other axis has the phase shifted by pi.
+double Displacement(double X, double phase) { return kA * std::sin(2 * M_PI * X) * std::sin(phase); }
+double Stretch(double X, double phase) { return 1 + 2 * M_PI * kA * std::cos(2 * M_PI * X) * std::sin(phase); }
+
+double BodyForce(double X, double phase, double own, double other, const Material &material)
+{
+  const double lambda = material.Lambda(), mu = material.Mu(), u = Displacement(X, phase);
+  return M_PI * M_PI * u * (4 * mu / kRho - kC * kC - 4 * (lambda * (std::log(own * other) - 1) - mu) / (kRho * own * own));
+}
+
+/// Rectangles of the undeformed square by the points' numbers; those of children are parts of their parent's.
+class Reference
+{
+public:
+  /// Takes the points as they are before the first step.
+  PetscErrorCode Take(LevelsRun &run, const HierarchySettings &settings)
+  {
+    std::int64_t seeds = 0;
+    PetscFunctionBeginUser;
+    for (const LevelGeometry &level : settings.levels) seeds = Seeding(run.model, level.grid, level.sides, {}, seeds).EndId();
+    numbers_ = PointNumbers(seeds, settings.ratio * settings.ratio);
+    ratio_ = settings.ratio;
+    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+      tiles_[a.id[p]] = {{a.position[2 * p], a.position[2 * p + 1]}, {a.half_size[2 * p], a.half_size[2 * p + 1]}};
+    }));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  const Tile &At(std::int64_t id)
+  {
+    const auto found = tiles_.find(id);
+    if (found != tiles_.end()) return found->second;
+    if (numbers_.Parent(id) < 0) return tiles_[id] = Whole(id);
+    Tile tile = At(numbers_.Parent(id));
+    const int place[2] = {numbers_.ChildIndex(id) % ratio_, numbers_.ChildIndex(id) / ratio_};
+    for (int d = 0; d < 2; ++d) {
+      tile.center[d] += ((2 * place[d] + 1.0) / ratio_ - 1) * tile.half_size[d];
+      tile.half_size[d] /= ratio_;
+    }
+    return tiles_[id] = tile;
+  }
+
+private:
+  /// A seed that was split before the first step and has been put together again.
+  Tile Whole(std::int64_t id)
+  {
+    const Tile &first = At(numbers_.Child(id, 0)), &last = At(numbers_.Child(id, ratio_ * ratio_ - 1));
+    return {0.5 * (first.center + last.center), static_cast<double>(ratio_) * first.half_size};
+  }
+  std::unordered_map<std::int64_t, Tile> tiles_;
+  PointNumbers numbers_{1, 4};
+  int ratio_ = 2;
+};
+
+struct Case {
+  const char *name;
+  std::vector<Box> boxes;
+  int ratio = 2;
+  bool merge = false;
+};
+
+const Case kOne = {"one level", {}}, kHalf = {"two, half", {{{0.5, 0}, {1, 1}}}}, kInside = {"two, centred", {{{0.25, 0.25}, {0.75, 0.75}}}},
+           kSmall = {"two, small box", {{{0.3125, 0.3125}, {0.625, 0.625}}}},
+           kThree = {"three, centred", {{{0.125, 0.125}, {0.875, 0.875}}, {{0.375, 0.375}, {0.625, 0.625}}}};
+
+struct Errors {
+  double largest = 0, rms = 0; ///< over points (by mass), the worst of all steps, in lengths of the square's side
+  double split = 0;
+};
+
+PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *errors)
+{
+  LevelsRun run;
+  Reference reference;
+  PetscFunctionBeginUser;
+  run.model.sides.fill(SideKind::kSymmetry);
+  run.SetScheme(scheme);
+  AddBody(run.model, CreateBoxRegion(kSquare), "neo_hookean", {kE, kNu, kRho, NAN, NAN});
+  const Material &material = *run.model.materials[0];
+  run.model.acceleration = [&](double time, int count, const std::int64_t *id, const double *, double *a) {
+    const double phase = kC * M_PI * time;
+    for (int p = 0; p < count; ++p) {
+      const Vec2 X = reference.At(id[p]).center;
+      const double Fxx = Stretch(X[0], phase), Fyy = Stretch(X[1], phase + M_PI);
+      a[2 * p] = BodyForce(X[0], phase, Fxx, Fyy, material);
+      a[2 * p + 1] = BodyForce(X[1], phase + M_PI, Fyy, Fxx, material);
+    }
+  };
+  HierarchySettings settings = NestedLevels(run.model, kSquare, 1.0 / n, levels.ratio, levels.boxes);
+  settings.merge_siblings = levels.merge;
+  PetscCall(run.Create(settings));
+  PetscCall(reference.Take(run, settings));
+  const int steps = static_cast<int>(std::ceil(kPeriod * n * material.SpeedOfSound() * 1.2 / 0.4));
+  run.dt = kPeriod / steps;
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
+    // The scheme's velocities belong to half steps of the level.
+    const double phase = -0.5 * kC * M_PI * run.dt / std::pow(levels.ratio, l);
+    a.velocity[2 * p] = kA * kC * M_PI * std::sin(2 * M_PI * a.position[2 * p]) * std::cos(phase);
+    a.velocity[2 * p + 1] = -kA * kC * M_PI * std::sin(2 * M_PI * a.position[2 * p + 1]) * std::cos(phase);
+  }));
+  *errors = {};
+  for (int step = 0; step < steps && !run.Failed(); ++step) {
+    PetscCall(run.Advance());
+    const double phase = kC * M_PI * run.time;
+    double sum = 0, mass = 0;
+    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+      const Vec2 X = reference.At(a.id[p]).center;
+      const Vec2 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase), a.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
+      errors->largest = std::max(errors->largest, Norm(error));
+      sum += a.mass[p] * Dot(error, error);
+      mass += a.mass[p];
+    }));
+    errors->rms = std::max(errors->rms, std::sqrt(sum / mass));
+  }
+  Books books;
+  PetscCall(run.hierarchy.ReduceBooks(&books));
+  errors->split = books.points_split;
+  if (run.Failed()) *errors = {NAN, NAN, 0};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Table(int largest_n)
+{
+  const Case cases[] = {kOne, kHalf, kInside, kThree, {"two, half", kHalf.boxes, 3}, {"two, centred", kInside.boxes, 3},
+                        {"two, half", kHalf.boxes, 4}, {"two, centred", kInside.boxes, 4}, {"two, centred, merging", kInside.boxes, 2, true}};
+  PetscFunctionBeginUser;
+  std::printf("| levels | ratio | scheme | n | max error | order | rms error | order | points split |\n");
+  std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const Case &levels : cases)
+    for (const Scheme &scheme : {kUsl, kXpic10, kDefaultScheme}) {
+      Errors previous;
+      for (int n = 16; n <= largest_n; n *= 2) {
+        Errors e;
+        PetscCall(Solve(n, levels, scheme, &e));
+        std::printf("| %s | %d | %s | %d | %.2e | %.2f | %.2e | %.2f | %.0f |\n", levels.name, levels.ratio, scheme.name, n, e.largest,
+                    n > 16 ? std::log2(previous.largest / e.largest) : NAN, e.rms, n > 16 ? std::log2(previous.rms / e.rms) : NAN, e.split);
+        std::fflush(stdout);
+        previous = e;
+      }
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TestOrder(const Case &levels, const Scheme &scheme)
+{
+  const std::string name = std::string("manufactured, ") + levels.name + ", " + scheme.name + ": order, n = 16..64, of the ";
+  Errors coarse, fine;
+  PetscFunctionBeginUser;
+  PetscCall(Solve(16, levels, scheme, &coarse));
+  PetscCall(Solve(64, levels, scheme, &fine));
+  CheckAtLeast(name + "max error", 0.5 * std::log2(coarse.largest / fine.largest), 1.6);
+  CheckAtLeast(name + "rms error", 0.5 * std::log2(coarse.rms / fine.rms), 1.6);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tests()
+{
+  PetscFunctionBeginUser;
+  PetscCall(TestOrder(kHalf, kDefaultScheme));
+  PetscCall(TestOrder(kSmall, kUsl));
+  PetscCall(TestOrder(kSmall, kXpic10));
+  PetscCall(TestOrder({"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}}, kDefaultScheme));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  if (argc == 3 && std::strcmp(argv[1], "table") == 0)
+    PetscCall(Table(std::atoi(argv[2])));
+  else
+    PetscCall(Tests());
+  PetscCall(PetscFinalize());
+  return 0;
+}

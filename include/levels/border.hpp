@@ -29,6 +29,9 @@ struct BorderTotals {
   Vec2 stagger_impulse{};  ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
 };
 
+/// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
+inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
+
 class Border
 {
 public:
@@ -83,7 +86,7 @@ private:
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2;
-  double blend_width_ = 2;
+  double blend_width_ = kBlendWidth;
   std::vector<InterfaceNode> interface_;   ///< all of them, in the same order on every rank
   std::vector<int> local_;                 ///< those known here: owned ones first, in order
   int owned_ = 0;

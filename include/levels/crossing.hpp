@@ -13,7 +13,8 @@ Box WidenedBox(const LevelGeometry &geometry, double distance);
 
 /// When points change levels, and what happens to them then.
 struct CrossingRule {
-  double margin;       ///< cells of the finer level outside its box in which it owns points
+  double enter, leave; ///< distances from the finer level's box, its cells: points nearer than `enter` go to it, points
+                       ///< farther than `leave` go from it; between them they stay, so that none goes to and fro
   int ring;            ///< cells outside the box in which the coarser level has points of the finer one's size; 0: none
   bool velocity_shift; ///< velocities move from one level's half step to the other's
   bool merge;          ///< points that leave become their parent again

@@ -22,7 +22,7 @@ struct HierarchySettings {
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
   int ratio = 2;               ///< of neighbouring levels' cells and steps
-  double blend_width = 2;      ///< of the band inside a border, cells of the coarser level
+  std::vector<double> blend_widths; ///< of the bands inside the borders, cells of the coarser level; kBlendWidth where none is given
   bool merge_siblings = false; ///< points that leave a level become their parent again
   int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
   LevelCoupling coupling = LevelCoupling::kNodes;

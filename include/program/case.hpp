@@ -36,7 +36,8 @@ struct Case {
   int levels = 1;
   int refinement_ratio = 2;
   std::vector<Box> boxes;   ///< of the levels; the first is the domain
-  double blend_width = 2;   ///< cells of the coarser level
+  std::vector<double> blend_widths; ///< of the levels' borders, from level 1 on, cells of the coarser level
+  double least_blend_width = kLeastBlendWidth; ///< what boxes must leave room for
   bool merge_siblings = false;
   LevelCoupling coupling = LevelCoupling::kNodes;
   GhostRepairs repairs;     ///< of the coupling by points

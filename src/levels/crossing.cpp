@@ -77,13 +77,13 @@ static PetscErrorCode Sum(Points &points, const std::vector<int> &list, double s
 
 PetscErrorCode Crossing::Transfer(double dt, Border *border)
 {
-  const Box box = WidenedBox(fine_.Geometry(), rule_.margin * fine_.Geometry().grid.spacing);
+  const double h = fine_.Geometry().grid.spacing;
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   std::vector<int> entering, leaving;
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
-  PetscCall(Select(coarse_, box, true, &entering));
-  PetscCall(Select(fine_, box, false, &leaving));
+  PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.enter * h), true, &entering));
+  PetscCall(Select(fine_, WidenedBox(fine_.Geometry(), rule_.leave * h), false, &leaving));
   int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));
   totals_.entered += static_cast<double>(entering.size());

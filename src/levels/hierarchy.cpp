@@ -64,11 +64,11 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 
 PetscErrorCode Hierarchy::CreateBorders(std::int64_t seeds)
 {
-  constexpr double kOwnedMargin = 0.999; // cells; not one, where points may lie at the start
+  constexpr double kEnter = 0.999, kLeave = 1.25; // cells; not one, where points may lie at the start
   const bool copies = settings_.coupling == LevelCoupling::kPoints;
   const GhostRepairs &repairs = settings_.repairs;
-  const CrossingRule by_nodes = {kOwnedMargin, 0, false, settings_.merge_siblings};
-  const CrossingRule by_points = {0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
+  const CrossingRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
+  const CrossingRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
   const PointNumbers numbers(seeds, settings_.ratio * settings_.ratio);
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) {
@@ -148,7 +148,8 @@ PetscErrorCode Hierarchy::RenewBorder(int b)
   auto border = std::make_unique<Border>();
   PetscFunctionBeginUser;
   PetscCall(borders_[b]->GatherForces(&forces));
-  PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, settings_.blend_width));
+  const double width = settings_.blend_widths.empty() ? kBlendWidth : settings_.blend_widths[b];
+  PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, width));
   border->RestoreForces(forces);
   border->SetTotals(borders_[b]->Totals());
   borders_[b] = std::move(border);

@@ -153,7 +153,7 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
   PetscFunctionBeginUser;
   for (int k = 1; k < c.levels; ++k) {
     const Box &box = c.boxes[k];
-    const double margin = c.blend_width * c.CellSize(k - 1) + 3 * c.CellSize(k), just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
+    const double margin = c.least_blend_width * c.CellSize(k - 1) + 3 * c.CellSize(k), just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
     const auto open = [&](int side) { // a border of the level, not a side of the domain
       const double domain = side % 2 ? c.domain.upper[side / 2] : c.domain.lower[side / 2];
       return std::abs((side % 2 ? box.upper[side / 2] : box.lower[side / 2]) - domain) > 0.5 * c.CellSize(k);

@@ -9,6 +9,7 @@ namespace mlgimp
 namespace
 {
 
+constexpr double kBorderReach = 3; ///< cells of the coarser level outside a box that its border touches
 constexpr double kOnLine = 1e-6; ///< cells, within which a place counts as on a grid line
 
 /// The side of a box along an axis.
@@ -34,7 +35,7 @@ double NeededDepth(const Case &c, int k)
 {
   if (c.coupling == LevelCoupling::kPoints)
     return GhostWidths{}.inside * c.CellSize(k - 2) + (c.ghost_cells + 2) * c.CellSize(k);
-  return c.blend_width * c.CellSize(k - 2) + 3 * c.CellSize(k - 1);
+  return c.least_blend_width * c.CellSize(k - 2) + kBorderReach * c.CellSize(k - 1);
 }
 
 /// The box of level k must lie in that of level k - 1, as deep as the coupling needs where a side is not the domain's.
@@ -89,8 +90,13 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
                           {"nodes", "points"}, &coupling));
   c->coupling = coupling == "nodes" ? LevelCoupling::kNodes : LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) {
-    PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells", ""},
-                            Closed(0, 64), false, &c->blend_width));
+    bool given = false;
+    double width = kBlendWidth;
+    PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
+                             "where it is not given and boxes lie closer, less, down to 2", ""},
+                            Closed(0, 64), false, &width, &given));
+    c->blend_widths.assign(c->levels - 1, width);
+    if (given) c->least_blend_width = width;
     PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
   }
   if (coupling == "nodes" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -107,6 +113,18 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Narrows the band of each border to what the box of the next finer level leaves, but not below the least.
+void FitBlendWidths(Case *c)
+{
+  for (int k = 1; k + 1 < c->levels; ++k)
+    for (int s = 0; s < kSides; ++s) {
+      const double depth = (s % 2 ? -1 : 1) * (SideOf(c->boxes[k + 1], s) - SideOf(c->boxes[k], s));
+      const bool at_domain = std::abs(SideOf(c->boxes[k], s) - SideOf(c->domain, s)) < kOnLine * c->CellSize(k);
+      const double room = (depth - kBorderReach * c->CellSize(k)) / c->CellSize(k - 1);
+      if (!at_domain) c->blend_widths[k - 1] = std::max(c->least_blend_width, std::min(c->blend_widths[k - 1], room));
+    }
+}
+
 } // namespace
 
 PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
@@ -119,6 +137,7 @@ PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;
   for (int k = 1; k <= last; ++k) PetscCall(ReadBox(reader, c, k));
+  if (!reader.Help()) FitBlendWidths(c);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -16,9 +16,9 @@ static constexpr int kControlInterval = 10; ///< steps between looks at the wave
 
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
-  const HierarchySettings settings{MakeLevels(case_),    case_.sort_interval,  case_.rebalance_threshold, case_.refinement_ratio,
-                                   case_.blend_width,    case_.merge_siblings, case_.points_per_rank,      case_.coupling,
-                                   case_.repairs,        case_.ghost_cells};
+  const HierarchySettings settings{MakeLevels(case_),       case_.sort_interval,  case_.rebalance_threshold, case_.refinement_ratio,
+                                   case_.blend_widths,      case_.merge_siblings, case_.points_per_rank,     case_.coupling,
+                                   case_.repairs,           case_.ghost_cells};
   const bool restart = !case_.output.restart.empty();
   PetscFunctionBeginUser;
   comm_ = comm;

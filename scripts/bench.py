@@ -5,12 +5,12 @@ usage: scripts/bench.py        after `make bench` has built bin/mlgimp and bin/b
 
 The yardstick is the memory floor: the time in which the points' fields stream through memory twice, for two sweeps a
 step. Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each figure is a median,
-with least and greatest. Results go to a temporary folder.
+with least and greatest. Figures of two ranks mean little unless the row of the cores' worth says nearly 2. Results go to
+a temporary folder.
 """
 import json
 import os
 import pathlib
-import re
 import resource
 import subprocess
 import tempfile
@@ -18,9 +18,13 @@ import time
 
 import numpy as np
 
+from log_view import LogView
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 POINT_BYTES = 272  # fields that a sweep streams
 REPETITIONS = 5
+FIVE_LEVEL_STEPS = 1260  # of level 0 in the whole run of multiscale_5level.opts
+FIVE_LEVEL_GROWTH = 1.1  # time of that run over the time of as many steps like its first: contact and transfer grow
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_rmaps_base_oversubscribe="1")
 
@@ -45,21 +49,37 @@ def block(cells, steps, **other):
     return [word for name, value in values.items() for word in (f"-{name}", str(value))]
 
 
+def case(name, **other):
+    """Options of a file of options/, as they stand there but for others."""
+    words = [word for option, value in other.items() for word in (f"-{option}", str(value))]
+    return ["-options_file", str(ROOT / "options" / f"{name}.opts"), "-monitor", "false", *words]
+
+
 class Run:
-    """One run: its summary, wall time, times of the log events in s, and largest resident size in bytes."""
+    """One run: its summary, wall time in s, and what PETSc counted."""
 
     def __init__(self, options, ranks=1):
         with tempfile.TemporaryDirectory() as folder:
-            command = [str(ROOT / "bin/mlgimp"), *options, "-output_dir", f"{folder}/run", "-log_view", f":{folder}/log"]
+            command = [str(ROOT / "bin/mlgimp"), *options, "-output_dir", f"{folder}/run", "-log_view", f":{folder}/log:ascii_csv"]
             if ranks > 1:
                 command = ["mpiexec", "-n", str(ranks), *command]
             begin = time.perf_counter()
             subprocess.run(command, stdout=subprocess.DEVNULL, env=ENVIRONMENT, check=True)
             self.wall = time.perf_counter() - begin
             self.summary = json.loads(pathlib.Path(folder, "run/summary.json").read_text())
-            log = pathlib.Path(folder, "log").read_text()
-        self.events = {name: float(seconds) for name, seconds in re.findall(r"^(\w+) +\d+ [\d.]+ ([\d.e+-]+)", log, re.M)}
+            self.log = LogView(f"{folder}/log")
         self.nanoseconds = 1e9 * self.summary["seconds_per_point_step"]
+
+    def percent(self, event):
+        """Share of the run's time that its ranks spend in an event on average."""
+        return 100 * self.log.total("seconds", event, stage="") / self.log.ranks / self.summary["wall_seconds"]
+
+    def point_steps(self):
+        return sum(level["points"] * level["steps"] for level in self.summary["levels"])
+
+    def imbalance(self):
+        """Largest over mean points of a rank, on the level where it is worst."""
+        return max(level["imbalance"] for level in self.summary["levels"])
 
 
 class Spread:
@@ -137,7 +157,62 @@ def empty_step_rows():
 def share_rows(runs):
     """Shares of the stepping time of what is no sweep."""
     for event in ("Sort", "Halo", "GridUpdate", "Output"):
-        row(f"share of {event}", Spread(100 * run.events.get(event, 0) / run.summary["wall_seconds"] for run in runs), "%")
+        row(f"share of {event}", Spread(run.percent(event) for run in runs), "%")
+
+
+def cores_row():
+    """What two programs at once get done, in units of one alone: nearly 2 where both cores are free."""
+    alone, command = machine()[1], [str(ROOT / "bin/bench_machine")]
+    pair = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    rates = [float(program.communicate()[0].split()[1]) for program in pair]
+    row("two programs at once", sum(rates) / alone, "cores' worth")
+
+
+def level_share_rows():
+    """Shares of the wedge on three levels with the history and frames of a usual run."""
+    run = Run(case("wedge_3level"))
+    coupling = 100 * (run.summary["coupling_share"] + run.summary["transfer_share"])
+    row("three levels: share of Contact", 100 * run.summary["contact_share"], "%", 10)
+    row("three levels: Coupling and Transfer", coupling, "%", 8)
+    row("three levels: share of Sort", run.percent("Sort"), "%", 3)
+    row("three levels: share of Output", run.percent("Output"), "%", 5)
+
+
+def level_cost_rows():
+    """Time a point and step on levels over that on one level of about as many points; one rank.
+
+    For five levels its inverse: the share of what a uniform grid's ratio of point-steps promises that is gained.
+    """
+    pairs = {"wedge_3level": case("wedge_3level", max_steps=120, frames=0), "one": block(105, 120),
+             "multiscale_5level": case("multiscale_5level", max_steps=8, frames=0), "same": block(190, 40)}
+    _, runs = alternate(pairs, 3)
+    cost = [1e9 * run.summary["wall_seconds"] / run.point_steps() / one.nanoseconds
+            for run, one in zip(runs["wedge_3level"], runs["one"])]
+    row("three levels: time of a point and step", Spread(cost), "times one level's", 1.2)
+    gained = Spread(100 * one.nanoseconds / run.nanoseconds for run, one in zip(runs["multiscale_5level"], runs["same"]))
+    row("five levels: share of the ideal gain", gained, "%", 60, 60 / gained.median)
+
+
+def level_wall_rows():
+    """Two ranks: the wedge on three levels; the five-level case, extrapolated from the start of its run."""
+    def seconds(name, ranks, steps):
+        run = Run(case(name, max_steps=steps, frames=0), ranks)
+        return run.summary["wall_seconds"] / run.summary["steps"]
+
+    cores_row()
+    row("three levels, wedge to 450 nm, 2 ranks", Run(case("wedge_3level"), 2).summary["wall_seconds"], "s", 8)
+    for name, steps in (("wedge_3level", 100), ("multiscale_5level", 15)):
+        times = [[seconds(name, ranks, steps) for ranks in (1, 2)] for _ in range(3)]
+        row(f"{name}, 2 ranks", Spread(one / two for one, two in times), "speed-up")
+    whole = FIVE_LEVEL_STEPS * FIVE_LEVEL_GROWTH
+    row("five levels, 2 ranks, extrapolated", Spread(whole * two for _, two in times), "s", 240)
+
+
+def level_balance_rows():
+    """Largest over mean points of a rank and level, eight ranks."""
+    for steps, goal in ((2, 1.05), (60, 1.15)):
+        run = Run(case("multiscale_5level", max_steps=steps, frames=0), 8)
+        row(f"five levels, 8 ranks, after {steps} steps", run.imbalance(), "largest/mean", goal)
 
 
 def main():
@@ -145,8 +220,13 @@ def main():
     runs = sweep_rows()
     share_rows(runs)
     size_rows()
+    cores_row()
     parallel_rows()
     empty_step_rows()
+    level_share_rows()
+    level_cost_rows()
+    level_wall_rows()
+    level_balance_rows()
 
 
 if __name__ == "__main__":

@@ -293,40 +293,6 @@ PetscErrorCode Level::Sort()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples)
-{
-  PointArrays arrays;
-  PetscFunctionBeginUser;
-  samples->resize(points.size());
-  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // nodes without mass have no velocity
-  PetscCall(points_.Arrays(&arrays));
-  const SweepView view = {*grid_, arrays, nullptr, bodies_};
-  for (std::size_t k = 0; k < points.size(); ++k)
-    transfer_->VelocityAt(view, points[k], nodal_.mass_cutoff, (*samples)[k].change.data(), (*samples)[k].L);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
-{
-  PointArrays all;
-  SweepTotals unbooked;
-  PetscFunctionBeginUser;
-  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.Arrays(&all));
-  std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
-  for (int p : points) {
-    double mass = sign * all.mass[p];
-    PointArrays one = all;
-    one.count = 1, one.mass = &mass;
-    one.id += p, one.position += 2 * p, one.velocity += 2 * p, one.F += 4 * p, one.stress += 4 * p;
-    one.short_wave_stress += 3 * p, one.half_size += 2 * p, one.body += p, one.faces += p;
-    transfer_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, unbooked);
-  }
-  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)
 {
   const std::size_t nodes = grid_->GhostedNodes();
@@ -352,67 +318,6 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   PetscCall(points_.Arrays(&arrays));
   for (std::size_t k = 0; k < points.size(); ++k)
     transfer_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::Tally(PointTally *tally)
-{
-  PointArrays points;
-  double energy[kBlock];
-  PetscFunctionBeginUser;
-  *tally = {};
-  PetscCall(points_.Arrays(&points));
-  for (int first = 0, end; first < points.count; first = end) {
-    const Material *material = bodies_.material[points.body[first]];
-    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
-    const double *history = points.history ? points.history + points.history_components * first : nullptr;
-    material->StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
-    for (int p = first; p < end; ++p) {
-      const double m = points.mass[p], *v = points.velocity + 2 * p;
-      tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
-      tally->strain_energy += energy[p - first] * m / material->Density();
-      tally->mass += m;
-      tally->momentum[0] += m * v[0];
-      tally->momentum[1] += m * v[1];
-    }
-  }
-  tally->count = points.count;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::IndenterDistance(double time, double *distance)
-{
-  const std::vector<int> *surface = nullptr;
-  PointArrays points;
-  PetscFunctionBeginUser;
-  *distance = HUGE_VAL;
-  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.Arrays(&points));
-  PetscCall(points_.SurfacePoints(&surface));
-  for (int p : *surface) {
-    const double *x = points.position + 2 * p;
-    *distance = std::min(*distance, model_.indenter->Gap({x[0], x[1]}, time).distance);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
-{
-  PointArrays points;
-  double speed2[kBlock];
-  PetscFunctionBeginUser;
-  *wave = *point = 0;
-  PetscCall(points_.Arrays(&points));
-  for (int first = 0, end; first < points.count; first = end) {
-    const Material *material = bodies_.material[points.body[first]];
-    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
-    material->WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
-    for (int p = first; p < end; ++p) {
-      const double v = std::hypot(points.velocity[2 * p], points.velocity[2 * p + 1]);
-      *point = std::max(*point, v);
-      *wave = std::max(*wave, v + std::sqrt(speed2[p - first]));
-    }
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

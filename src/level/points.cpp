@@ -89,9 +89,11 @@ PetscErrorCode Points::Arrays(PointArrays *arrays)
 PetscErrorCode Points::Resize(int count)
 {
   PetscFunctionBeginUser;
-  PetscCall(ReleaseFields());
-  if (count > capacity_) capacity_ = capacity_ == 0 ? count : count + count / 10;
-  PetscCall(DMSwarmSetLocalSizes(swarm_, count, capacity_ - count));
+  if (count > capacity_) { // the swarm has as many points as there is room for: setting its size clears the rest
+    PetscCall(ReleaseFields());
+    capacity_ = capacity_ == 0 ? count : count + count / 10;
+    PetscCall(DMSwarmSetLocalSizes(swarm_, capacity_, 0));
+  }
   count_ = count;
   surface_known_ = false;
   ++version_;

@@ -1,6 +1,7 @@
 // Options of the grid levels: boxes, ratio and coupling.
 #include "program/case_groups.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mlgimp
@@ -95,7 +96,7 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
     PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
                              "where it is not given and boxes lie closer, less, down to 2", ""},
                             Closed(0, 64), false, &width, &given));
-    c->blend_widths.assign(c->levels - 1, width);
+    std::fill(c->blend_widths.begin(), c->blend_widths.end(), width);
     if (given) c->least_blend_width = width;
     PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
   }
@@ -133,6 +134,7 @@ PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
   PetscCall(reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest", ""}, Closed(1, 16), &c->levels));
   PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
                            &c->refinement_ratio));
+  c->blend_widths.assign(c->levels - 1, kBlendWidth);
   if (c->levels > 1 || reader.Help()) PetscCall(ReadCoupling(reader, c));
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;

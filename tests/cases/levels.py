@@ -1,6 +1,6 @@
 """Three levels against one: load and stress of the wedge indentation, books, and the cost of levels."""
 import numpy
-from harness import run
+from harness import ROOT, read_csv, run
 from wedge import energy_error
 
 AXIS_DEPTHS = (1e-6, 2e-6, 5e-6, 10e-6)  # with cells of 125 nm
@@ -71,3 +71,22 @@ def verify_wedge(report):
     for coupling in ("nodes", "points"):
         levels = run({"frames": 1, "level_coupling": coupling}, file="wedge_3level.opts", ranks=2)
         compare(report, f"three levels, 125 nm, {coupling}", levels, uniform, AXIS_DEPTHS)
+
+
+def verify_five_levels(report):
+    """The paper's Fig. 17 to 9.8 um and back out; to 2 um with the law of the finite elements."""
+    result = run({"frames": 20}, file="multiscale_5level.opts", ranks=2)
+    history = result.history
+    report.expect("five levels: deepest, um", history["depth"].max() * 1e6, near=9.8, tolerance=0.05)
+    report.expect("five levels: depth at the end, um", abs(history["depth"][-1]) * 1e6, at_most=0.05)
+    report.expect("five levels: work against energy", energy_error(history), at_most=0.01)
+    report.expect("five levels: momentum less impulses", momentum_errors(history)[0], at_most=1e-9)
+    report.expect("five levels: points lost", result.summary["points_lost"], near=0, tolerance=0)
+    svk = run({"frames": 1, "aluminium_model": "st_venant_kirchhoff", "indenter_max_depth": 2e-6,
+               "indenter_unload_velocity": 150.0, "end_time": 2.34e-8}, file="multiscale_5level.opts", ranks=2).history
+    loading = svk["time"] < 2.333e-8
+    elements = read_csv(ROOT / "tests" / "reference" / "levels.csv")
+    depths, loads = numpy.array(elements["depth_m"]), numpy.array(elements["load_h350nm_N"])
+    expected = loads[numpy.isfinite(loads) & (depths > 1.9e-6)].max()
+    load = numpy.interp(2e-6, svk["depth"][loading], svk["load"][loading])
+    report.expect("five levels: load at 2 um against finite elements", abs(load / expected - 1), at_most=0.03)

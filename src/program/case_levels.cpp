@@ -91,6 +91,7 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
                           {"nodes", "points"}, &coupling));
   c->coupling = coupling == "nodes" ? LevelCoupling::kNodes : LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) {
+    c->merge_siblings = c->refinement_ratio > 2; // points much smaller than the cells make noise
     bool given = false;
     double width = kBlendWidth;
     PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "

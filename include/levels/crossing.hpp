@@ -47,9 +47,16 @@ private:
 struct CrossingTotals {
   double entered = 0, left = 0;         ///< points that went to the finer, to the coarser level
   double split = 0, merged = 0;         ///< parents split; parents put together again
-  double mass_error = 0;     ///< of splitting, summed over transfers: absolute values, kg
+  double mass_error = 0;     ///< of splitting and merging, summed over transfers: absolute values, kg
   double momentum_error = 0; ///< kg m/s
+  double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
 };
+
+/// Adds up mass and momentum (2) of some points.
+PetscErrorCode SumPoints(Points &points, const std::vector<int> &list, double sums[3]);
+
+/// Books by how much splitting or merging changed mass and momentum.
+void BookChange(const double before[3], const double after[3], CrossingTotals *totals);
 
 /// Moves points between two neighbouring levels.
 class Crossing

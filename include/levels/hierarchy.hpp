@@ -36,7 +36,8 @@ struct Books {
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
       damping_impulse[2], stagger_impulse[2];
-  double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error;
+  double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error,
+      points_adrift, mass_adrift, momentum_adrift[2];
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
   double Dissipated() const
   {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mlgimp
 {
@@ -61,8 +62,7 @@ PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds up mass and momentum of some points.
-static PetscErrorCode Sum(Points &points, const std::vector<int> &list, double sums[3])
+PetscErrorCode SumPoints(Points &points, const std::vector<int> &list, double sums[3])
 {
   PointArrays a;
   PetscFunctionBeginUser;
@@ -73,6 +73,12 @@ static PetscErrorCode Sum(Points &points, const std::vector<int> &list, double s
     for (int d = 0; d < 2; ++d) sums[1 + d] += a.mass[p] * a.velocity[2 * p + d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void BookChange(const double before[3], const double after[3], CrossingTotals *totals)
+{
+  totals->mass_error += std::abs(after[0] - before[0]);
+  totals->momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);
 }
 
 PetscErrorCode Crossing::Transfer(double dt, Border *border)
@@ -138,7 +144,16 @@ PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &po
     departures.ranks.push_back(mesh.OwnerOfNode(mesh.Nearest(0, a.position[2 * p]), mesh.Nearest(1, a.position[2 * p + 1])));
     for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
   }
+  double sent[3], received[3];
+  const int before = to.PointStore().Count();
+  PetscCall(SumPoints(from.PointStore(), points, sent));
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), departures));
+  std::vector<int> arrivals(to.PointStore().Count() - before); // at the end of the storage
+  std::iota(arrivals.begin(), arrivals.end(), before);
+  PetscCall(SumPoints(to.PointStore(), arrivals, received));
+  totals_.points_adrift += static_cast<double>(points.size()) - static_cast<double>(arrivals.size());
+  totals_.mass_adrift += sent[0] - received[0];
+  for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent[1 + d] - received[1 + d];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,7 +180,7 @@ PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vecto
   PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Sum(coarse_.PointStore(), *points, before));
+  PetscCall(SumPoints(coarse_.PointStore(), *points, before));
   int next = coarse_.PointStore().Count();
   PetscCall(coarse_.PointStore().Resize(next + static_cast<int>(parents.size()) * (children - 1)));
   PetscCall(coarse_.PointStore().Arrays(&a));
@@ -175,9 +190,8 @@ PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vecto
       if (child) points->push_back(target);
       MakeChild(a, parents[k], target, child, samples[k].L);
     }
-  PetscCall(Sum(coarse_.PointStore(), *points, after));
-  totals_.mass_error += std::abs(after[0] - before[0]);
-  totals_.momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);
+  PetscCall(SumPoints(coarse_.PointStore(), *points, after));
+  BookChange(before, after, &totals_);
   totals_.split += static_cast<double>(parents.size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -292,7 +292,9 @@ PetscErrorCode Hierarchy::MeasurePulse(double time, Pulse *pulse)
 PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int steps)
 {
   constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
-  const double travel = model_->indenter ? Norm(model_->indenter->Tip(time + steps * dt) - model_->indenter->Tip(time)) : 0;
+  double travel = 0; // the whole way of the indenter: it may turn
+  for (int k = 0; k < steps && model_->indenter; ++k)
+    travel += Norm(model_->indenter->Tip(time + (k + 1) * dt) - model_->indenter->Tip(time + k * dt));
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     double total = 0, largest = 0;

@@ -55,6 +55,9 @@ static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossi
   b->points_merged += crossing.merged;
   b->transfer_mass_error += crossing.mass_error;
   b->transfer_momentum_error += crossing.momentum_error;
+  b->points_adrift += crossing.points_adrift;
+  b->mass_adrift += crossing.mass_adrift;
+  for (int d = 0; d < 2; ++d) b->momentum_adrift[d] += crossing.momentum_adrift[d];
 }
 
 PetscErrorCode Hierarchy::ReduceBooks(Books *books)
@@ -91,7 +94,8 @@ PetscErrorCode Hierarchy::RestoreBooks(const Books &b)
   contact.fallbacks = b.contact_fallbacks;
   if (borders_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   borders_[0]->SetTotals({{}, {b.stagger_impulse[0], b.stagger_impulse[1]}});
-  crossings_[0]->SetTotals({b.points_entered, b.points_left, b.points_split, b.points_merged, b.transfer_mass_error, b.transfer_momentum_error});
+  crossings_[0]->SetTotals({b.points_entered, b.points_left, b.points_split, b.points_merged, b.transfer_mass_error, b.transfer_momentum_error,
+                           b.points_adrift, b.mass_adrift, {b.momentum_adrift[0], b.momentum_adrift[1]}});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

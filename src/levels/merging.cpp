@@ -113,8 +113,14 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   PetscCall(level.PointStore().Arrays(&a));
   std::vector<int> spent;
   for (const auto &[parent, family] : WholeFamilies(mine, numbers, children)) {
+    std::vector<int> points;
+    double before[3], after[3];
+    for (const Sibling &s : family) points.push_back(s.point);
+    PetscCall(SumPoints(level.PointStore(), points, before));
     MakeParent(a, family, parent, ratio);
-    for (std::size_t k = 1; k < family.size(); ++k) spent.push_back(family[k].point);
+    PetscCall(SumPoints(level.PointStore(), {points.front()}, after));
+    BookChange(before, after, totals);
+    spent.insert(spent.end(), points.begin() + 1, points.end());
     ++totals->merged;
   }
   std::sort(spent.begin(), spent.end());

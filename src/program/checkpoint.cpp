@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-static constexpr double kFormatVersion = 3;
+static constexpr double kFormatVersion = 4;
 
 static hid_t H5Type(FieldType type)
 {

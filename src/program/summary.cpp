@@ -109,7 +109,9 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
        << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered) << ", \"left\": " << FormatNumber(books.points_left)
        << ", \"split\": " << FormatNumber(books.points_split) << ", \"merged\": " << FormatNumber(books.points_merged)
        << ", \"mass_error\": " << FormatNumber(books.transfer_mass_error)
-       << ", \"momentum_error\": " << FormatNumber(books.transfer_momentum_error) << "}"
+       << ", \"momentum_error\": " << FormatNumber(books.transfer_momentum_error)
+       << ", \"points_adrift\": " << FormatNumber(books.points_adrift) << ", \"mass_adrift\": " << FormatNumber(books.mass_adrift)
+       << ", \"momentum_adrift\": " << Pair({books.momentum_adrift[0], books.momentum_adrift[1]}) << "}"
        << ",\n  \"contact_steps\": " << FormatNumber(books.contact_steps)
        << ",\n  \"contact_set_updates\": " << FormatNumber(books.contact_set_updates)
        << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)

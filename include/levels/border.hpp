@@ -31,6 +31,8 @@ struct BorderTotals {
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
 inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
+/// Cells beside the band that a border needs free of other borders and of contact.
+inline constexpr double kBorderCells = 3;
 
 class Border
 {

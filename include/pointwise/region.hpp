@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/tensor.hpp"
+#include "pointwise/point_fields.hpp"
 
 #include <memory>
 #include <string>
@@ -13,6 +14,8 @@ namespace mlgimp
 /// An axis-aligned box.
 struct Box {
   Vec2 lower{}, upper{};
+  /// Place of a side along its axis.
+  double At(Side side) const { return SignOf(side) < 0 ? lower[AxisOf(side)] : upper[AxisOf(side)]; }
   /// Half-open, so that boxes side by side share no point.
   bool Contains(Vec2 x) const
   {

@@ -34,32 +34,26 @@ struct Case {
   Box domain;
   double cell_size = 0; ///< of level 0, m
   int levels = 1;
-  int refinement_ratio = 2;
   std::vector<Box> boxes;   ///< of the levels; the first is the domain
-  std::vector<double> blend_widths; ///< of the levels' borders, from level 1 on, cells of the coarser level
-  double least_blend_width = kLeastBlendWidth; ///< what boxes must leave room for
-  bool merge_siblings = false;
-  LevelCoupling coupling = LevelCoupling::kNodes;
-  GhostRepairs repairs;     ///< of the coupling by points
-  int ghost_cells = 4;      ///< of the coupling by points
+  double least_blend_width = kLeastBlendWidth; ///< what boxes must leave room for, cells of the coarser level
+  HierarchySettings hierarchy;                 ///< where the levels lie, and how they are coupled and kept
   Model model;
   TimeSettings time;
   OutputSettings output;
-  int sort_interval = 50;
-  double rebalance_threshold = 1.1;
-  int points_per_rank = 1000;
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity; ///< options that a restart must share
 
-  double CellSize(int level) const { return cell_size / std::pow(refinement_ratio, level); }
+  double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
+  /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
+  bool IsBorder(int level, Side side) const
+  {
+    return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level);
+  }
   int Cells(int axis) const
   {
     return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size));
   }
 };
-
-/// Where the levels lie, and which of their sides are the domain's.
-std::vector<LevelGeometry> MakeLevels(const Case &settings);
 
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
 PetscErrorCode ReadCase(OptionReader &reader, Case *settings);

@@ -96,10 +96,10 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   out.monitor = isatty(STDOUT_FILENO);
   PetscCall(reader.Flag({"-monitor", "progress line (default: on a terminal)", ""}, &out.monitor));
   PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
-  PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->sort_interval));
+  PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},
-                          {1, HUGE_VAL, false, true}, false, &c->rebalance_threshold));
-  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""}, Closed(1, 2e9), &c->points_per_rank));
+                          {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold));
+  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""}, Closed(1, 2e9), &c->hierarchy.points_per_rank));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -153,18 +153,15 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
   PetscFunctionBeginUser;
   for (int k = 1; k < c.levels; ++k) {
     const Box &box = c.boxes[k];
-    const double margin = c.least_blend_width * c.CellSize(k - 1) + 3 * c.CellSize(k), just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
-    const auto open = [&](int side) { // a border of the level, not a side of the domain
-      const double domain = side % 2 ? c.domain.upper[side / 2] : c.domain.lower[side / 2];
-      return std::abs((side % 2 ? box.upper[side / 2] : box.lower[side / 2]) - domain) > 0.5 * c.CellSize(k);
-    };
+    const double margin = c.least_blend_width * c.CellSize(k - 1) + kBorderCells * c.CellSize(k);
+    const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
     if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin) continue;
     const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
-    if (open(kXLower) && x < box.lower[0] + margin)
+    if (c.IsBorder(k, kXLower) && x < box.lower[0] + margin)
       PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower), "at least " + FormatRounded(margin) + needed));
-    if (open(kXUpper) && x > box.upper[0] - margin)
+    if (c.IsBorder(k, kXUpper) && x > box.upper[0] - margin)
       PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper), "at least " + FormatRounded(margin) + needed));
-    if (open(kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
+    if (c.IsBorder(k, kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
       PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
                               "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
   }

@@ -10,11 +10,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kBorderReach = 3; ///< cells of the coarser level outside a box that its border touches
 constexpr double kOnLine = 1e-6; ///< cells, within which a place counts as on a grid line
-
-/// The side of a box along an axis.
-double SideOf(const Box &box, int side) { return side % 2 ? box.upper[side / 2] : box.lower[side / 2]; }
 
 const char *const kSideNames[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
 
@@ -34,24 +30,26 @@ PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string
 /// How far inside level k - 1 the coupling needs the borders of level k to lie.
 double NeededDepth(const Case &c, int k)
 {
-  if (c.coupling == LevelCoupling::kPoints)
-    return GhostWidths{}.inside * c.CellSize(k - 2) + (c.ghost_cells + 2) * c.CellSize(k);
-  return c.least_blend_width * c.CellSize(k - 2) + kBorderReach * c.CellSize(k - 1);
+  if (c.hierarchy.coupling == LevelCoupling::kPoints)
+    return GhostWidths{}.inside * c.CellSize(k - 2) + (c.hierarchy.ghost_cells + 2) * c.CellSize(k);
+  return c.least_blend_width * c.CellSize(k - 2) + kBorderCells * c.CellSize(k - 1);
 }
+
+/// How far inside level k - 1 a side of level k lies.
+double DepthInside(const Case &c, int k, Side side) { return -SignOf(side) * (c.boxes[k].At(side) - c.boxes[k - 1].At(side)); }
 
 /// The box of level k must lie in that of level k - 1, as deep as the coupling needs where a side is not the domain's.
 PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 {
-  const Box &box = c.boxes[k], &outer = c.boxes[k - 1];
-  const double cell = c.CellSize(k - 1);
+  const Box &box = c.boxes[k];
   PetscFunctionBeginUser;
   for (int s = 0; s < kSides; ++s) {
-    const double depth = (s % 2 ? -1 : 1) * (SideOf(box, s) - SideOf(outer, s));
-    const bool at_domain = std::abs(SideOf(outer, s) - SideOf(c.domain, s)) < kOnLine * cell;
-    const std::string option = "-level_" + std::to_string(k) + (s % 2 ? "_upper" : "_lower");
-    const Vec2 corner = s % 2 ? box.upper : box.lower;
-    const double needed = at_domain ? 0 : NeededDepth(c, k);
-    if (depth < needed - kOnLine * cell)
+    const Side side = static_cast<Side>(s);
+    const bool upper = SignOf(side) > 0;
+    const std::string option = "-level_" + std::to_string(k) + (upper ? "_upper" : "_lower");
+    const Vec2 corner = upper ? box.upper : box.lower;
+    const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
+    if (depth < needed - kOnLine * c.CellSize(k - 1))
       PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) +
                                                                 " at its side " + kSideNames[s] + "; it is " + FormatRounded(depth)));
   }
@@ -61,7 +59,7 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
 {
   const std::string name = "-level_" + std::to_string(k);
-  const double coarse = k > 0 ? c->CellSize(k - 1) : 0;
+  const double coarse = c->CellSize(k - 1);
   Box box;
   PetscFunctionBeginUser;
   PetscCall(reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower));
@@ -83,48 +81,81 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ReadNodeCoupling(OptionReader &reader, Case *c)
+{
+  HierarchySettings &settings = c->hierarchy;
+  bool given = false;
+  double width = kBlendWidth;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
+                           "where it is not given and boxes lie closer, less, down to 2", ""},
+                          Closed(0, 64), false, &width, &given));
+  settings.blend_widths.assign(c->levels - 1, width);
+  if (given) c->least_blend_width = width;
+  settings.merge_siblings = settings.ratio > 2; // points much smaller than the cells make noise
+  PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &settings.merge_siblings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadPointCoupling(OptionReader &reader, Case *c)
+{
+  HierarchySettings &settings = c->hierarchy;
+  GhostRepairs &repairs = settings.repairs;
+  std::string ownership = "flags";
+  PetscFunctionBeginUser;
+  settings.ghost_cells = 2 * settings.ratio;
+  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points", ""},
+                           Closed(settings.ratio, 64), &settings.ghost_cells));
+  PetscCall(reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
+                          {"flags", "place"}, &ownership));
+  repairs.owner_flags = ownership == "flags";
+  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""}, &repairs.velocity_shift));
+  PetscCall(reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
+                        &repairs.strain_smoothing));
+  PetscCall(reader.Flag({"-momentum_correction", "points: global momentum correction", ""}, &repairs.momentum_correction));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
 {
-  std::string coupling = "nodes", ownership = "flags";
+  std::string coupling = "nodes";
   PetscFunctionBeginUser;
   PetscCall(reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
                           {"nodes", "points"}, &coupling));
-  c->coupling = coupling == "nodes" ? LevelCoupling::kNodes : LevelCoupling::kPoints;
-  if (coupling == "nodes" || reader.Help()) {
-    c->merge_siblings = c->refinement_ratio > 2; // points much smaller than the cells make noise
-    bool given = false;
-    double width = kBlendWidth;
-    PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
-                             "where it is not given and boxes lie closer, less, down to 2", ""},
-                            Closed(0, 64), false, &width, &given));
-    std::fill(c->blend_widths.begin(), c->blend_widths.end(), width);
-    if (given) c->least_blend_width = width;
-    PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &c->merge_siblings));
-  }
-  if (coupling == "nodes" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-  c->ghost_cells = 2 * c->refinement_ratio;
-  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points", ""},
-                           Closed(c->refinement_ratio, 64), &c->ghost_cells));
-  PetscCall(reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
-                          {"flags", "place"}, &ownership));
-  c->repairs.owner_flags = ownership == "flags";
-  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""}, &c->repairs.velocity_shift));
-  PetscCall(reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
-                        &c->repairs.strain_smoothing));
-  PetscCall(reader.Flag({"-momentum_correction", "points: global momentum correction", ""}, &c->repairs.momentum_correction));
+  if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
+  if (coupling == "nodes" || reader.Help()) PetscCall(ReadNodeCoupling(reader, c));
+  if (coupling == "points" || reader.Help()) PetscCall(ReadPointCoupling(reader, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Narrows the band of each border to what the box of the next finer level leaves, but not below the least.
 void FitBlendWidths(Case *c)
 {
-  for (int k = 1; k + 1 < c->levels; ++k)
+  std::vector<double> &widths = c->hierarchy.blend_widths;
+  for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
     for (int s = 0; s < kSides; ++s) {
-      const double depth = (s % 2 ? -1 : 1) * (SideOf(c->boxes[k + 1], s) - SideOf(c->boxes[k], s));
-      const bool at_domain = std::abs(SideOf(c->boxes[k], s) - SideOf(c->domain, s)) < kOnLine * c->CellSize(k);
-      const double room = (depth - kBorderReach * c->CellSize(k)) / c->CellSize(k - 1);
-      if (!at_domain) c->blend_widths[k - 1] = std::max(c->least_blend_width, std::min(c->blend_widths[k - 1], room));
+      const Side side = static_cast<Side>(s);
+      const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
+      if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
     }
+}
+
+LevelGeometry MakeLevel(const Case &c, int k)
+{
+  const Box &box = c.boxes[k];
+  const double h = c.CellSize(k);
+  const int reach = c.hierarchy.coupling == LevelCoupling::kPoints ? c.hierarchy.ghost_cells + 2 : kHaloWidth;
+  LevelGeometry geometry;
+  geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1};
+  for (int axis = 0; axis < 2; ++axis)
+    geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
+  for (int s = 0; s < kSides; ++s) {
+    const Side side = static_cast<Side>(s);
+    geometry.border[s] = c.IsBorder(k, side);
+    geometry.sides.kind[s] = geometry.border[s] ? SideKind::kFree : c.model.sides[s];
+    geometry.sides.node[s] = SignOf(side) < 0 ? 0 : geometry.grid.cells[AxisOf(side)];
+  }
+  return geometry;
 }
 
 } // namespace
@@ -134,35 +165,15 @@ PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
   PetscFunctionBeginUser;
   PetscCall(reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest", ""}, Closed(1, 16), &c->levels));
   PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
-                           &c->refinement_ratio));
-  c->blend_widths.assign(c->levels - 1, kBlendWidth);
+                           &c->hierarchy.ratio));
   if (c->levels > 1 || reader.Help()) PetscCall(ReadCoupling(reader, c));
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;
   for (int k = 1; k <= last; ++k) PetscCall(ReadBox(reader, c, k));
-  if (!reader.Help()) FitBlendWidths(c);
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  FitBlendWidths(c);
+  for (int k = 0; k < c->levels; ++k) c->hierarchy.levels.push_back(MakeLevel(*c, k));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-std::vector<LevelGeometry> MakeLevels(const Case &c)
-{
-  std::vector<LevelGeometry> levels;
-  for (int k = 0; k < c.levels; ++k) {
-    const Box &box = c.boxes[k];
-    const double h = c.CellSize(k);
-    LevelGeometry geometry;
-    const int reach = c.coupling == LevelCoupling::kPoints ? c.ghost_cells + 2 : kHaloWidth;
-    geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1};
-    for (int axis = 0; axis < 2; ++axis)
-      geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
-    for (int s = 0; s < kSides; ++s) {
-      geometry.border[s] = std::abs(SideOf(box, s) - SideOf(c.domain, s)) > kOnLine * h;
-      geometry.sides.kind[s] = geometry.border[s] ? SideKind::kFree : c.model.sides[s];
-      geometry.sides.node[s] = s % 2 ? geometry.grid.cells[s / 2] : 0;
-    }
-    levels.push_back(geometry);
-  }
-  return levels;
 }
 
 } // namespace mlgimp

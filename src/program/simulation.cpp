@@ -16,14 +16,11 @@ static constexpr int kControlInterval = 10; ///< steps between looks at the wave
 
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
-  const HierarchySettings settings{MakeLevels(case_),       case_.sort_interval,  case_.rebalance_threshold, case_.refinement_ratio,
-                                   case_.blend_widths,      case_.merge_siblings, case_.points_per_rank,     case_.coupling,
-                                   case_.repairs,           case_.ghost_cells};
   const bool restart = !case_.output.restart.empty();
   PetscFunctionBeginUser;
   comm_ = comm;
   PetscCall(RegisterLogEvents(&events_));
-  PetscCall(hierarchy_.Create(comm, case_.model, settings, events_, !restart));
+  PetscCall(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
     PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_));
     PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
@@ -36,7 +33,7 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     PetscCall(hierarchy_.ReduceBooks(&books_));
     state_.initial_mass = books_.mass;
     state_.initial_points = books_.points;
-    state_.initial_created = books_.points_split * (std::pow(case_.refinement_ratio, 2) - 1);
+    state_.initial_created = books_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
   }
   PetscCall(CheckOutputFolder());
   PetscCall(ControlStep());
@@ -209,7 +206,7 @@ PetscErrorCode Simulation::Run()
     PetscCall(hierarchy_.Advance(state_.time, state_.time_step));
     level_seconds_ += MPI_Wtime() - begin;
     for (int l = 0; l < hierarchy_.Levels(); ++l)
-      point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.refinement_ratio, l);
+      point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
     state_.time += state_.time_step;
     ++state_.step;
     if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;

@@ -88,15 +88,15 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
   const double total = std::max(times[0], 1e-30);
   double mapped = 0, unmapped = 0;
   hierarchy.BytesBetweenLevels(&mapped, &unmapped);
-  const double children = in.settings.refinement_ratio * in.settings.refinement_ratio;
-  const double created = (books.points_split - books.points_merged) * (children - 1) - in.state.initial_created;
+  const int ratio = in.settings.hierarchy.ratio;
+  const double created = (books.points_split - books.points_merged) * (ratio * ratio - 1) - in.state.initial_created;
   std::ostringstream json;
   json << "{\n  \"status\": " << Quoted(in.status) << ",\n  \"case\": " << Quoted(in.settings.name) << ",\n  \"ranks\": " << ranks
        << ",\n  \"levels\": [";
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     double points = 0, largest = 0;
     PetscCall(hierarchy.PointsOn(l, &points, &largest));
-    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(in.settings.refinement_ratio, l));
+    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(ratio, l));
   }
   json << "\n  ],\n  \"steps\": " << in.state.step << ",\n  \"simulated_time\": " << FormatNumber(in.state.time)
        << ",\n  \"wall_seconds\": " << FormatNumber(in.wall_seconds)

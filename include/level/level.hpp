@@ -122,8 +122,9 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates();
-  /// Calls work(view) for the level's own points and for both stores of copies, where there are any.
-  template <class Work> PetscErrorCode ForEachStore(Work work);
+  /// Calls sweep(view, totals, failure) for the level's own points and for both stores of copies, where there are any;
+  /// what copies do is not booked. flops: of a point.
+  template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
   void NoteFailure(const PointFailure &failure, double time);
 
   const Model &model_;

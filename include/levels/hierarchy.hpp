@@ -89,6 +89,7 @@ public:
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
+  PetscErrorCode MeasureMomentum(Vec2 *left);
   PetscErrorCode CorrectMomentum();
   PetscErrorCode CreateBorders(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
@@ -109,7 +110,7 @@ private:
   std::vector<std::unique_ptr<Border>> borders_;      ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<Crossing>> crossings_;
   std::vector<std::unique_ptr<GhostBorder>> ghosts_;  ///< where the coupling is by points
-  bool copies_ready_ = false, momentum_known_ = false;
+  bool copies_ready_ = false;
   Vec2 momentum_left_{}; ///< momentum less the impulses since the start, that the coupling by points should keep
 };
 

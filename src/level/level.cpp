@@ -52,16 +52,21 @@ void Level::NoteFailure(const PointFailure &failure, double time)
     failure_ = {LevelFailure::kPoint, failure, time};
 }
 
-template <class Work> PetscErrorCode Level::ForEachStore(Work work)
+template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sweep)
 {
   Points *const stores[3] = {&points_, &copies_[0], &copies_[1]};
   PetscFunctionBeginUser;
   for (int k = 0; k < 3; ++k) {
+    const bool owned = k == 0;
     PointArrays points;
-    if (k > 0 && stores[k]->Count() == 0) continue;
+    PointFailure failure;
+    SweepTotals unbooked;
+    if (!owned && stores[k]->Count() == 0) continue;
     PetscCall(stores[k]->Arrays(&points));
     grid_velocity_[k].resize(2 * static_cast<std::size_t>(points.count));
-    work(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, k == 0});
+    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? sweep_totals_ : unbooked, failure);
+    if (owned) NoteFailure(failure, time_);
+    PetscCall(PetscLogFlops(flops * points.count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -71,10 +76,8 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
-  PetscCall(ForEachStore([&](const SweepView &view) {
-    SweepTotals unbooked;
-    transfer_->PointsToGrid(view, model_.acceleration, time, view.owned ? sweep_totals_ : unbooked);
-    PetscCallContinue(PetscLogFlops(kPointsToGridFlops * view.points.count));
+  PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &) {
+    transfer_->PointsToGrid(view, model_.acceleration, time, totals);
   }));
   PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time));
   for (Points &copies : copies_) PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.thickness, time));
@@ -150,8 +153,6 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
 
 PetscErrorCode Level::StrainBeforeForces(double dt)
 {
-  PointArrays points;
-  PointFailure failure;
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
@@ -160,11 +161,10 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  PetscCall(points_.Arrays(&points));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  transfer_->ApplyRates({*grid_, points, nullptr, bodies_}, plan, sweep_totals_, failure);
-  NoteFailure(failure, time_);
-  PetscCall(PetscLogFlops((kGatherRatesFlops + kStressFlops) * points.count));
+  PetscCall(ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
+    transfer_->ApplyRates(view, plan, totals, failure);
+  }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -193,23 +193,15 @@ PetscErrorCode Level::AdvancePoints(double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
-  PetscCall(ForEachStore([&](const SweepView &view) {
-    SweepTotals unbooked;
-    PointFailure failure;
-    transfer_->GridToPoints(view, first, view.owned ? sweep_totals_ : unbooked, failure);
-    if (view.owned) NoteFailure(failure, time_);
-    PetscCallContinue(PetscLogFlops(first_flops * view.points.count));
+  PetscCall(ForEachStore(first_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
+    transfer_->GridToPoints(view, first, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates());
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore([&](const SweepView &view) {
-    SweepTotals unbooked;
-    PointFailure failure;
-    transfer_->ApplyRates(view, second, view.owned ? sweep_totals_ : unbooked, failure);
-    if (view.owned) NoteFailure(failure, time_);
-    PetscCallContinue(PetscLogFlops(second_flops * view.points.count));
+  PetscCall(ForEachStore(second_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
+    transfer_->ApplyRates(view, second, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,7 +295,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   double *const rates = grid_->Arrays().rates, *const sums = grid_->Arrays().sums;
   std::fill_n(rates, NodeArrays::kRates * nodes, 0.0);
   std::fill_n(sums, NodeArrays::kSums * nodes, 0.0);
-  PetscCall(ForEachStore([&](const SweepView &view) {
+  PetscCall(ForEachStore(0, [&](const SweepView &view, SweepTotals &, PointFailure &) {
     SweepTotals unbooked;
     transfer_->ScatterTensors(view);
     transfer_->PointsToGrid(view, {}, 0, unbooked);

@@ -189,8 +189,11 @@ PetscErrorCode Hierarchy::Advance(double time, double dt)
     PetscCall(AdvanceLevel(0, time, dt, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (int b = 0; b + 1 < Levels() && !copies_ready_; ++b) PetscCall(ghosts_[b]->Exchange(dt / std::pow(settings_.ratio, b)));
-  copies_ready_ = true;
+  if (!copies_ready_) {
+    for (int b = 0; b + 1 < Levels(); ++b) PetscCall(ghosts_[b]->Exchange(dt / std::pow(settings_.ratio, b)));
+    PetscCall(MeasureMomentum(&momentum_left_));
+    copies_ready_ = true;
+  }
   PetscCall(AdvanceLevelWithCopies(0, time, dt));
   if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -241,32 +244,40 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Gives the momentum that copies have lost or won in this step to the points that have copies.
-PetscErrorCode Hierarchy::CorrectMomentum()
+/// Momentum of all points less the impulses since the start.
+PetscErrorCode Hierarchy::MeasureMomentum(Vec2 *left)
 {
-  double sums[3] = {}; // momentum less impulses, mass of the points with copies
+  *left = {};
   PetscFunctionBeginUser;
   for (auto &level : levels_) {
     const NodalTotals &nodal = level->Nodal();
     PointArrays a;
     PetscCall(level->PointStore().Arrays(&a));
     for (int d = 0; d < 2; ++d) {
-      for (int p = 0; p < a.count; ++p) sums[d] += a.mass[p] * a.velocity[2 * p + d];
-      sums[d] -= nodal.support_impulse[d] + nodal.gravity_impulse[d] + nodal.load_impulse[d] + nodal.damping_impulse[d] +
-                 level->Contacts().impulse[d];
+      for (int p = 0; p < a.count; ++p) (*left)[d] += a.mass[p] * a.velocity[2 * p + d];
+      (*left)[d] -= nodal.support_impulse[d] + nodal.gravity_impulse[d] + nodal.load_impulse[d] + nodal.damping_impulse[d] +
+                    level->Contacts().impulse[d];
     }
   }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 2, MPI_DOUBLE, MPI_SUM, comm_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Gives the momentum that copies have lost or won in this step to the points that have copies.
+PetscErrorCode Hierarchy::CorrectMomentum()
+{
+  Vec2 left;
+  double mass = 0;
+  PetscFunctionBeginUser;
+  PetscCall(MeasureMomentum(&left));
   for (auto &ghosts : ghosts_) {
-    double mass = 0;
-    PetscCall(ghosts->RingMass(&mass));
-    sums[2] += mass;
+    double ring = 0;
+    PetscCall(ghosts->RingMass(&ring));
+    mass += ring;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, comm_));
-  const Vec2 left = {sums[0], sums[1]};
-  if (!momentum_known_) momentum_left_ = left;
-  momentum_known_ = true;
-  if (sums[2] == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / sums[2]) * (momentum_left_ - left)));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm_));
+  if (mass == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / mass) * (momentum_left_ - left)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -65,6 +65,23 @@ def test_tension(report):
                   abs(ends[0] - ends[1]) / abs(ends[1] - 60e-6), at_most=0.01)
 
 
+def test_points_as_printed(report):
+    """A vibrating block across a border: the repairs of the coupling by points keep its points and momentum, the printed
+    form does not."""
+    block = {"domain_lower": "-1,-1", "domain_upper": "3,3", "cell_size": 0.125, "levels": 2, "level_1_lower": "1,-1",
+             "level_1_upper": "3,3", "level_coupling": "points", "materials": "soft", "soft_youngs_modulus": "1e7",
+             "soft_poissons_ratio": "0.3", "soft_density": "1000", "bodies": "left,right", "left_lower": "0,0",
+             "left_upper": "1,2", "left_velocity": "3,0", "right_lower": "1,0", "right_upper": "2,2", "right_velocity": "-2,1",
+             "end_time": "0.15", "frames": 1}
+    printed = {"ghost_ownership": "place", "velocity_shift": "false", "strain_smoothing": "false", "momentum_correction": "false"}
+    repaired = run(block)
+    report.expect("points repaired: points lost", repaired.summary["points_lost"], near=0, tolerance=0)
+    report.expect("points repaired: momentum less impulses", momentum_errors(repaired.history)[0], at_most=1e-9)
+    as_printed = run({**block, **printed}, must_succeed=False)
+    report.expect("points as printed: points lost or doubled", abs(as_printed.summary["points_lost"]), at_least=1)
+    report.expect("points as printed: momentum less impulses", momentum_errors(as_printed.history)[0], at_least=1e-4)
+
+
 def verify_wedge(report):
     """Cells of 500, 250 and 125 nm against 125 nm throughout."""
     uniform = run({"frames": 1}, file="wedge_125nm.opts", ranks=2)

@@ -130,6 +130,14 @@ def test_flight(report):
             expect_same(report, f"flight, merging {merging}, on {ranks} ranks", harness.run(case, ranks=ranks), reference)
 
 
+def test_mapping(report):
+    """METIS puts blocks that talk to each other on one rank: fewer bytes between ranks, the same result."""
+    for ranks in (2, 4, 8):
+        sent = harness.run({**LEVELS, "end_time": "1e-10", "frames": 0}, ranks=ranks).summary["bytes_between_levels"]
+        report.expect(f"mapping, {ranks} ranks: bytes between levels over those without it", sent["mapped"] / sent["unmapped"],
+                      at_most=0.9)
+
+
 def test_few_points(report):
     """Levels with few points use fewer ranks, to the same end."""
     reference = harness.run(LEVELS)

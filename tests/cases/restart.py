@@ -21,34 +21,29 @@ def expect_series(report, name, folder, frames):
     report.note(f"{name}: series", listed == wanted, "" if listed == wanted else f"{listed}")
 
 
-def test_ranks(report):
-    """Into new folders, on 1, 2 and 3 ranks from checkpoints of 1 and 3."""
+def expect_continued(report, name, case, rank_counts):
+    """From checkpoints that 1 and 3 ranks wrote, into new folders, on each number of ranks."""
     for wrote in (1, 3):
-        whole = harness.run(CASE, ranks=wrote)
+        whole = harness.run(case, ranks=wrote)
         steps = whole.history["step"]
         checkpoint = whole.folder / f"checkpoint_{2 * CHECKPOINT:06d}.h5"
-        for ranks in (1, 2, 3):
-            name = f"from {wrote} on {ranks} ranks"
-            result = harness.run({**CASE, "restart": checkpoint}, ranks=ranks)
+        for ranks in rank_counts:
+            here = f"{name}from {wrote} on {ranks} ranks"
+            result = harness.run({**case, "restart": checkpoint}, ranks=ranks)
             difference, column = largest_difference(result.history, whole.history)
-            report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
-            report.note(f"{name}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
-            report.note(f"{name}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
+            report.expect(f"{here}: history (worst column {column})", difference, at_most=SAME)
+            report.note(f"{here}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
+            report.note(f"{here}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
+
+
+def test_ranks(report):
+    expect_continued(report, "", CASE, (1, 2, 3))
 
 
 def test_levels(report):
-    """Three levels go on, on any number of ranks, also while points cross borders."""
+    """Three levels go on, also while points cross borders."""
     for kind, case in (("wedge", LEVELS), ("flight", FLIGHT)):
-        case = {**case, "checkpoint_interval": CHECKPOINT}
-        for wrote in (1, 3):
-            whole = harness.run(case, ranks=wrote)
-            checkpoint = whole.folder / f"checkpoint_{2 * CHECKPOINT:06d}.h5"
-            for ranks in (1, 2, 3):
-                name = f"levels, {kind}, from {wrote} on {ranks} ranks"
-                result = harness.run({**case, "restart": checkpoint}, ranks=ranks)
-                difference, column = largest_difference(result.history, whole.history)
-                report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
-                report.note(f"{name}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
+        expect_continued(report, f"levels, {kind}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 2, 3, 4, 8))
 
 
 def test_same_folder(report):

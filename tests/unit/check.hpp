@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -131,6 +132,24 @@ inline void AddBody(Model &model, std::unique_ptr<Region> region, const std::str
 {
   model.materials.push_back(CreateMaterial(law, constants));
   model.bodies.push_back({"body", std::move(region), static_cast<int>(model.materials.size()) - 1, velocity, points_per_cell});
+}
+
+/// The main function of a test program: runs the tests, or with the argument "table" the study behind them, which gets
+/// the number that follows (0 for none).
+template <class Tests, class Table> int RunProgram(int argc, char **argv, Tests tests, Table table)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  if (argc > 1 && std::string(argv[1]) == "table")
+    PetscCall(table(argc > 2 ? std::atoi(argv[2]) : 0));
+  else
+    PetscCall(tests());
+  PetscCall(PetscFinalize());
+  return 0;
+}
+template <class Tests> int RunProgram(int argc, char **argv, Tests tests)
+{
+  return RunProgram(argc, argv, tests, [&](int) { return tests(); });
 }
 
 } // namespace mlgimp

@@ -187,14 +187,4 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  if (argc == 2 && std::strcmp(argv[1], "table") == 0)
-    PetscCall(Table());
-  else
-    PetscCall(Tests());
-  PetscCall(PetscFinalize());
-  return 0;
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int) { return Table(); }); }

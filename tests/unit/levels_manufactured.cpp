@@ -182,14 +182,4 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  if (argc == 3 && std::strcmp(argv[1], "table") == 0)
-    PetscCall(Table(std::atoi(argv[2])));
-  else
-    PetscCall(Tests());
-  PetscCall(PetscFinalize());
-  return 0;
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, Table); }

@@ -97,10 +97,8 @@ void TestNumbers()
 
 int main(int argc, char **argv)
 {
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  PetscCall(TestRest());
-  TestNumbers();
-  PetscCall(PetscFinalize());
-  return 0;
+  return RunProgram(argc, argv, [] {
+    TestNumbers();
+    return TestRest();
+  });
 }

@@ -145,11 +145,4 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  PetscCall(Tests());
-  PetscCall(PetscFinalize());
-  return 0;
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv, Tests); }

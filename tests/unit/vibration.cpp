@@ -13,46 +13,7 @@ namespace
 
 const MaterialConstants kMaterial = {1e7, 0.3, 1000, NAN, NAN};
 
-struct Run {
-  Model model;
-  Hierarchy hierarchy;
-  LogEvents events{};
-  double time = 0, dt = 0;
-
-  PetscErrorCode Create(const Box &domain, double h)
-  {
-    PetscFunctionBeginUser;
-    PetscCall(RegisterLogEvents(&events));
-    PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, domain, h), events, true));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  /// Calls set(X, v) for every point.
-  template <class Set> PetscErrorCode SetVelocity(Set set)
-  {
-    PointArrays a;
-    PetscFunctionBeginUser;
-    PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
-    for (int p = 0; p < a.count; ++p) set(a.position + 2 * p, a.velocity + 2 * p);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscErrorCode Advance()
-  {
-    PetscFunctionBeginUser;
-    PetscCall(hierarchy.Advance(time, dt));
-    time += dt;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  bool Failed() { return hierarchy.At(0).Failure().kind != LevelFailure::kNone; }
-};
-
-struct Update {
-  const char *name;
-  StressUpdate update;
-  ShortWaveViscosity viscosity;
-  double xpic;
-};
-
-const Update kUpdates[] = {
+const Scheme kUpdates[] = {
     {"MUSL + short-wave viscosity (default)", StressUpdate::kMusl, {0.001, 8}, 0},
     {"MUSL", StressUpdate::kMusl, {0, 0}, 0},
     {"USL", StressUpdate::kUsl, {0, 0}, 0},
@@ -62,24 +23,19 @@ const Update kUpdates[] = {
     {"USL + short-wave viscosity", StressUpdate::kUsl, {0.001, 8}, 0},
 };
 
-void SetUpdate(Model &model, const Update &update)
-{
-  model.stress_update = update.update;
-  model.short_wave = update.viscosity;
-  model.nodal.xpic_fraction = update.xpic;
-}
-
 /// Energy after 20 periods over that at the start of a free block of side 1 on 24 x 24 cells, each the mean of a period.
-PetscErrorCode BlockEnergy(const Update &update, double strain, double spin, const std::string &law, double *ratio)
+PetscErrorCode BlockEnergy(const Scheme &update, double strain, double spin, const std::string &law, double *ratio)
 {
   constexpr int kPeriods = 20, kCells = 24;
-  Run run;
+  LevelsRun run;
   PetscFunctionBeginUser;
-  SetUpdate(run.model, update);
+  run.SetScheme(update);
   AddBody(run.model, CreateBoxRegion({{0, 0}, {1, 1}}), law, kMaterial);
   const double c = run.model.materials[0]->SpeedOfSound();
-  PetscCall(run.Create({{-0.5, -0.5}, {1.5, 1.5}}, 1.0 / kCells));
-  PetscCall(run.SetVelocity([&](const double *x, double *v) {
+  PetscCall(run.Create(OneLevel(run.model, {{-0.5, -0.5}, {1.5, 1.5}}, 1.0 / kCells)));
+  PetscCall(run.ForEachPoint([&](const PointArrays &points, int p, int) {
+    const double *x = points.position + 2 * p;
+    double *v = points.velocity + 2 * p;
     v[0] = strain * c * std::sin(M_PI * (x[0] - 0.5)) - spin * c * (x[1] - 0.5);
     v[1] = spin * c * (x[0] - 0.5);
   }));
@@ -102,17 +58,19 @@ PetscErrorCode VibratingBar()
 {
   constexpr double kLength = 1, kSpeed = 1e-5; // of the wave speed
   constexpr int kCells = 32;
-  Run run;
+  LevelsRun run;
   PointArrays a;
   PetscFunctionBeginUser;
   run.model.sides = {SideKind::kSymmetry, SideKind::kFree, SideKind::kSymmetry, SideKind::kSymmetry};
-  SetUpdate(run.model, kUpdates[0]);
+  run.SetScheme(kUpdates[0]);
   const double h = kLength / kCells;
   AddBody(run.model, CreateBoxRegion({{0, 0}, {kLength, 4 * h}}), "neo_hookean", kMaterial);
   const double c = run.model.materials[0]->SpeedOfSound(), w = M_PI * c / (2 * kLength), V = kSpeed * c;
   run.dt = 0.4 * h / c;
-  PetscCall(run.Create({{0, 0}, {kLength + 4 * h, 4 * h}}, h));
-  PetscCall(run.SetVelocity([&](const double *x, double *v) {
+  PetscCall(run.Create(OneLevel(run.model, {{0, 0}, {kLength + 4 * h, 4 * h}}, h)));
+  PetscCall(run.ForEachPoint([&](const PointArrays &points, int p, int) {
+    const double *x = points.position + 2 * p;
+    double *v = points.velocity + 2 * p;
     v[0] = V * std::sin(0.5 * M_PI * x[0] / kLength) * std::cos(0.5 * w * run.dt);
   }));
   PetscCall(run.hierarchy.At(0).PointStore().Arrays(&a));
@@ -142,7 +100,7 @@ PetscErrorCode Table()
 {
   PetscFunctionBeginUser;
   std::printf("| update | 0.5 %% | 5 %% | 5 %%, rotating |\n| --- | --- | --- | --- |\n");
-  for (const Update &update : kUpdates) {
+  for (const Scheme &update : kUpdates) {
     double small, large, turning;
     PetscCall(BlockEnergy(update, 0.005, 0, "neo_hookean", &small));
     PetscCall(BlockEnergy(update, 0.05, 0, "neo_hookean", &large));
@@ -169,14 +127,4 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  if (argc == 2 && std::strcmp(argv[1], "table") == 0)
-    PetscCall(Table());
-  else
-    PetscCall(Tests());
-  PetscCall(PetscFinalize());
-  return 0;
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int) { return Table(); }); }

@@ -244,8 +244,8 @@ public:
   int HistorySize() const override { return 5; }
   void InitialHistory(double *history) const override
   {
-    const double undeformed[5] = {1, 1, 1, 0, 0};
-    std::copy(undeformed, undeformed + 5, history);
+    // No array of constants here: GCC 12 for AVX-512 copies 1, 1, 1, 0 as 1, 1, 1, 1.
+    for (int k = 0; k < 5; ++k) history[k] = k < 3 ? 1 : 0;
   }
 
   void UpdateStress(const MaterialBatch &b, double *dissipated) const override

@@ -8,6 +8,7 @@
 #include "pointwise/material.hpp"
 #include "pointwise/region.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,6 +53,8 @@ struct Model {
   {
     BodyTable table;
     for (const Body &body : bodies) table.material.push_back(materials[body.material].get());
+    const auto &all = table.material;
+    if (std::all_of(all.begin(), all.end(), [&](auto *one) { return one == all[0]; })) table.only = all[0];
     return table;
   }
 };

@@ -19,6 +19,7 @@ namespace mlgimp
 /// Bodies as the sweeps see them: the material of each.
 struct BodyTable {
   std::vector<const Material *> material;
+  const Material *only = nullptr; ///< where all bodies have the same
 };
 
 /// h_p = min(0.3, a + b |E_p|^2), the strength of the short-wave viscosity; none where both are zero.

@@ -28,8 +28,8 @@ struct MaterialConstants {
 struct MaterialBatch {
   int count;                   ///< number of points, <= kBlock
   double dt;                   ///< s
-  const double *L[4];          ///< velocity gradient, components xx, xy, yx, yy of [count] each, 1/s
-  const double *increment[4];  ///< I + dt L, likewise
+  const double (*L)[4];         ///< [count] velocity gradient xx, xy, yx, yy, 1/s
+  const double (*increment)[4]; ///< [count] I + dt L
   const double *F;             ///< [count][4] new deformation gradient
   double *stress;              ///< [count][4] overwritten with the new stress, Pa
   double *history;             ///< [count][history_stride] internal variables, updated in place
@@ -74,9 +74,9 @@ bool ModelHasYield(const std::string &model);
 std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants);
 
 /// Advances F <- (I + dt L) F and leaves I + dt L in increment; returns the largest |dt L| met (row sums).
-/// L, increment [4][kBlock]: xx, xy, yx, yy; F [count][4]. As L is taken where the points are before they move, this is
+/// L, increment, F [count][4]: xx, xy, yx, yy. As L is taken where the points are before they move, this is
 /// the exact gradient of the step's motion x + dt v(x); exp(dt L) would be off by a first-order error.
 /// det F stays positive while |dt L| < 1/2.
-double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], double (*increment)[kBlock], double *F);
+double AdvanceDeformation(int count, double dt, const double (*L)[4], double (*increment)[4], double *F);
 
 } // namespace mlgimp

@@ -42,32 +42,37 @@ double OwnedShare(const double *sums) { return sums[0] > 0 ? sums[3] / sums[0] :
 
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
+  Vec2 gravity_impulse{}, damping_impulse{};
   ForEachOwned(grid, [&](int index) {
     double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    const double owned = dt * OwnedShare(sums);
     for (int axis = 0; axis < 2; ++axis) {
       const double gravity = sums[0] * settings.gravity[axis], damping = -settings.damping * sums[1 + axis];
       sums[4 + axis] += gravity + damping;
-      totals.gravity_impulse[axis] += dt * OwnedShare(sums) * gravity;
-      totals.damping_impulse[axis] += dt * OwnedShare(sums) * damping;
+      gravity_impulse[axis] += owned * gravity;
+      damping_impulse[axis] += owned * damping;
     }
   });
+  totals.gravity_impulse = totals.gravity_impulse + gravity_impulse;
+  totals.damping_impulse = totals.damping_impulse + damping_impulse;
 }
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
+  Vec2 load_impulse{};
   ForEachOwned(grid, [&](int index) {
     const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    const double mass = sums[0];
-    std::fill_n(velocity, NodeArrays::kVelocity, 0.0);
-    if (mass <= settings.mass_cutoff) return;
+    const bool empty = sums[0] <= settings.mass_cutoff;
+    const double inverse_mass = empty ? 0 : 1 / sums[0];
     for (int axis = 0; axis < 2; ++axis) {
-      velocity[2 + axis] = dt * sums[4 + axis] / mass;
-      velocity[axis] = sums[1 + axis] / mass + velocity[2 + axis];
-      totals.load_impulse[axis] += dt * sums[6 + axis];
+      velocity[2 + axis] = dt * sums[4 + axis] * inverse_mass;
+      velocity[axis] = sums[1 + axis] * inverse_mass + velocity[2 + axis];
+      load_impulse[axis] += empty ? 0 : dt * sums[6 + axis];
     }
   });
+  totals.load_impulse = totals.load_impulse + load_impulse;
 }
 
 void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &settings, NodalTotals &totals)
@@ -89,15 +94,18 @@ void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &setti
 void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
+  double work = 0, damped = 0;
   ForEachOwned(grid, [&](int index) {
     const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
     for (int axis = 0; axis < 2; ++axis) {
       const double mean = velocity[axis] - 0.5 * velocity[2 + axis], old = velocity[axis] - velocity[2 + axis];
-      totals.external_work += dt * mean * (sums[6 + axis] + sums[3] * settings.gravity[axis]);
-      totals.damping_dissipation += dt * settings.damping * sums[3] * old * mean;
+      work += mean * (sums[6 + axis] + sums[3] * settings.gravity[axis]);
+      damped += sums[3] * old * mean;
     }
   });
+  totals.external_work += dt * work;
+  totals.damping_dissipation += dt * settings.damping * damped;
 }
 
 /// Zero normal velocities of the second extrapolation at the sides.
@@ -135,7 +143,8 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
       std::fill_n(rates, NodeArrays::kRates, 0.0);
       return;
     }
-    for (int k = 0; k < NodeArrays::kRates; ++k) rates[k] /= mass;
+    const double inverse_mass = 1 / mass;
+    for (int k = 0; k < NodeArrays::kRates; ++k) rates[k] *= inverse_mass;
     for (int axis = 0; axis < 2; ++axis) {
       rates[2 + axis] = settings.xpic_order == 1 ? velocity[axis] : 2 * velocity[axis] - rates[2 + axis];
       if (settings.second_extrapolation)

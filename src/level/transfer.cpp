@@ -24,9 +24,10 @@ struct Block : PointArrays {
 Block CutBlock(const SweepView &view, int start)
 {
   const PointArrays &all = view.points;
-  const Material *material = view.bodies.material[all.body[start]];
-  int end = start + 1;
-  while (end < std::min(start + kBlock, all.count) && view.bodies.material[all.body[end]] == material) ++end;
+  const Material *material = view.bodies.only ? view.bodies.only : view.bodies.material[all.body[start]];
+  int end = std::min(start + kBlock, all.count);
+  if (!view.bodies.only)
+    end = static_cast<int>(std::find_if(all.body + start, all.body + end, [&](int body) { return view.bodies.material[body] != material; }) - all.body);
   Block b = {all, start, *material};
   b.count = end - start;
   b.id += start;
@@ -67,11 +68,11 @@ void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b
   if (failure.kind == PointFailure::kNone) failure = {kind, b.id[p], {b.position[2 * p], b.position[2 * p + 1]}};
 }
 
-/// Advances F, stress and internal variables of a block. L [4][kBlock] in 1/s.
-void AdvanceStress(const Block &b, double dt, const double (*L)[kBlock],
+/// Advances F, stress and internal variables of a block. L [kBlock][4] in 1/s.
+void AdvanceStress(const Block &b, double dt, const double (*L)[4],
                    SweepTotals &totals, PointFailure &failure)
 {
-  double increment[4][kBlock], plastic[kBlock] = {};
+  double increment[kBlock][4], plastic[kBlock] = {};
   const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
   double sum = 0; // finite only if all of F is
 #pragma omp simd reduction(+ : sum)
@@ -79,15 +80,14 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[kBlock],
   if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) {
     for (int p = 0; p < b.count; ++p) {
       double rate = 0;
-      for (int k = 0; k < 4; ++k) rate = std::max(rate, std::abs(dt * L[k][p]));
+      for (int k = 0; k < 4; ++k) rate = std::max(rate, std::abs(dt * L[p][k]));
       if (!std::isfinite(b.F[4 * p] + b.F[4 * p + 1] + b.F[4 * p + 2] + b.F[4 * p + 3]))
         Record(failure, PointFailure::kNotFinite, b, p);
       else if (rate > 0.5 * kLargestStrainIncrement)
         Record(failure, PointFailure::kDeformedTooFast, b, p);
     }
   }
-  const MaterialBatch batch = {b.count, dt, {L[0], L[1], L[2], L[3]}, {increment[0], increment[1], increment[2], increment[3]},
-                               b.F, b.stress, b.history, b.history_components};
+  const MaterialBatch batch = {b.count, dt, L, increment, b.F, b.stress, b.history, b.history_components};
   b.material.UpdateStress(batch, plastic);
   if (b.material.HistorySize())
     for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
@@ -97,25 +97,22 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[kBlock],
 void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_velocity, PointFailure &failure)
 {
   const double h = grid.Geometry().spacing;
-  double lower[2], upper[2];
+  double lower[2 * kBlock], upper[2 * kBlock];
   for (int axis = 0; axis < 2; ++axis) {
-    lower[axis] = grid.Coordinate(axis, grid.GhostLower(axis)) + 0.5 * h;
-    upper[axis] = lower[axis] + (grid.GhostSize(axis) - 2) * h;
+    const double first = grid.Coordinate(axis, grid.GhostLower(axis)) + 0.5 * h, last = first + (grid.GhostSize(axis) - 2) * h;
+    for (int p = 0; p < b.count; ++p) lower[2 * p + axis] = first, upper[2 * p + axis] = last;
   }
-  const auto inside = [&](double x, int axis) { return x >= lower[axis] && x < upper[axis]; }; // false for a NaN
+  const auto inside = [&](double x, int k) { return x >= lower[k] && x < upper[k]; }; // false for a NaN
   double target[2 * kBlock], lost = 0;
 #pragma omp simd reduction(+ : lost)
-  for (int p = 0; p < b.count; ++p)
-#pragma GCC unroll 2
-    for (int axis = 0; axis < 2; ++axis) {
-      const int k = 2 * p + axis;
-      target[k] = b.position[k] + dt * grid_velocity[k];
-      const bool stays = inside(target[k], axis);
-      lost += stays ? 0.0 : 1.0;
-      b.position[k] = stays ? target[k] : b.position[k];
-    }
+  for (int k = 0; k < 2 * b.count; ++k) {
+    target[k] = b.position[k] + dt * grid_velocity[k];
+    const bool stays = inside(target[k], k);
+    lost += stays ? 0.0 : 1.0;
+    b.position[k] = stays ? target[k] : b.position[k];
+  }
   for (int k = 0; lost > 0 && k < 2 * b.count; ++k)
-    if (!inside(target[k], k % 2))
+    if (!inside(target[k], k))
       Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / 2);
 }
 
@@ -150,21 +147,23 @@ public:
                     PointFailure &failure) const override
   {
     Weights w;
-    double value[kBlock][4], slope_x[kBlock][4], slope_y[kBlock][4], L[4][kBlock];
+    double L[kBlock][4], volume[kBlock];
     ForEachBlock(view, [&](const Block &b) {
       double *grid_velocity = view.grid_velocity + 2 * b.start;
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      GatherVelocity(view.grid, w, b.count, value, slope_x, slope_y);
-#pragma omp simd
+      if (plan.strain_rate) Volumes(b, volume);
       for (int p = 0; p < b.count; ++p) {
-        grid_velocity[2 * p] = value[p][0];
-        grid_velocity[2 * p + 1] = value[p][1];
-        b.velocity[2 * p] += value[p][2];
-        b.velocity[2 * p + 1] += value[p][3];
-        L[0][p] = slope_x[p][0], L[1][p] = slope_y[p][0], L[2][p] = slope_x[p][1], L[3][p] = slope_y[p][1];
+        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kVelocity);
+        const Gathered<2> sum = Gather<2>(at, view.grid.Arrays().velocity + at.nearest);
+        const Pack dx = sum.slope[0], dy = sum.slope[1];
+        for (int d = 0; d < 2; ++d) {
+          grid_velocity[2 * p + d] = sum.value[d];
+          b.velocity[2 * p + d] += sum.value[2 + d];
+        }
+        if (plan.strain) StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
+        if (plan.strain_rate) totals.short_wave_dissipation += plan.dt * volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
+        if (plan.scatter) ScatterRates(view.grid, w, b, p, sum.value);
       }
-      if (plan.strain_rate) KeepStrainRate(b, plan.dt, slope_x, slope_y, totals);
-      if (plan.scatter) ScatterRates(view.grid, w, b, grid_velocity);
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.move) Move(b, view.grid, plan.dt, grid_velocity, failure);
     });
@@ -225,13 +224,13 @@ public:
                   PointFailure &failure) const override
   {
     Weights w;
-    double L[4][kBlock], projected[2][kBlock], smooth[3][kBlock];
+    double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
     ForEachBlock(view, [&](const Block &b) {
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      GatherRates(view.grid, w, b.count, L, projected, smooth);
+      GatherRates(view.grid, w, b.count, L, velocity, smooth);
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
-      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
+      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, velocity, totals);
       if (plan.move) Move(b, view.grid, plan.dt, view.grid_velocity + 2 * b.start, failure);
     });
   }
@@ -244,65 +243,43 @@ private:
                                all.F + 4 * point, w);
   }
 
-  /// value, slopes [count][4]: velocity and its change at the points, and their gradients.
-  static void GatherVelocity(const Grid &grid, const Weights &w, int count, double (*value)[4], double (*slope_x)[4],
-                             double (*slope_y)[4])
-  {
-    for (int p = 0; p < count; ++p) {
-      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kVelocity);
-      const Gathered<2> sum = Gather<2>(at, grid.Arrays().velocity + at.nearest);
-      StorePack(value[p], sum.value);
-      StorePack(slope_x[p], sum.slope[0]);
-      StorePack(slope_y[p], sum.slope[1]);
-    }
-  }
-
-  /// L [4][kBlock]: gradient of the second velocity; projected [2][kBlock]; smooth [3][kBlock]: nodal strain rate.
-  static void GatherRates(const Grid &grid, const Weights &w, int count, double (*L)[kBlock], double (*projected)[kBlock],
-                          double (*smooth)[kBlock])
+  /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy.
+  static void GatherRates(const Grid &grid, const Weights &w, int count, double (*L)[4], double (*velocity)[4],
+                          double (*smooth)[4])
   {
     for (int p = 0; p < count; ++p) {
       const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
       const double *nearest = grid.Arrays().rates + at.nearest;
-      const Gathered<2> velocity = Gather<2>(at, nearest);
-      const Pack v = velocity.value, dx = velocity.slope[0], dy = velocity.slope[1], rate = Gather<2>(at, nearest + 4).value;
-      L[0][p] = dx[0], L[1][p] = dy[0], L[2][p] = dx[1], L[3][p] = dy[1];
-      projected[0][p] = v[2], projected[1][p] = v[3];
-      for (int k = 0; k < 3; ++k) smooth[k][p] = rate[k];
+      const Gathered<2> sum = Gather<2>(at, nearest);
+      const Pack dx = sum.slope[0], dy = sum.slope[1];
+      StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
+      StorePack(velocity[p], sum.value);
+      StorePack(smooth[p], Gather<2>(at, nearest + 4).value);
     }
   }
 
-  /// Books the work of the short-wave stress that acted in this step and puts the strain rate in its place.
-  /// The work is that with the mean velocity of the step. Slopes [count][4]: of the new velocity and of its change.
-  static void KeepStrainRate(const Block &b, double dt, const double (*slope_x)[4], const double (*slope_y)[4],
-                             SweepTotals &totals)
+  /// Puts the strain rate of a point in the place of its short-wave stress s; returns the power of that stress, W/m3, with
+  /// the mean velocity of the step. dx, dy: slopes of the new velocity and of its change.
+  static double KeepStrainRate(Pack dx, Pack dy, double *s)
   {
-    double volume[kBlock], work = 0;
-    Volumes(b, volume);
-#pragma omp simd reduction(+ : work)
-    for (int p = 0; p < b.count; ++p) {
-      double *s = b.short_wave_stress + 3 * p;
-      const double *x = slope_x[p], *y = slope_y[p], xx = x[0], yy = y[1], xy = 0.5 * (x[1] + y[0]);
-      work += volume[p] * (s[0] * (xx - 0.5 * x[2]) + s[1] * (yy - 0.5 * y[3]) + 2 * s[2] * (xy - 0.25 * (x[3] + y[2])));
-      s[0] = xx, s[1] = yy, s[2] = xy;
-    }
-    totals.short_wave_dissipation += dt * work;
+    const double xx = dx[0], yy = dy[1], xy = 0.5 * (dx[1] + dy[0]);
+    const double power = s[0] * (xx - 0.5 * dx[2]) + s[1] * (yy - 0.5 * dy[3]) + 2 * s[2] * (xy - 0.25 * (dx[3] + dy[2]));
+    s[0] = xx, s[1] = yy, s[2] = xy;
+    return power;
   }
 
-  /// Adds momentum, momentum of the grid's velocity, and mass times strain rate to `rates`.
-  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const double *grid_velocity)
+  /// Adds momentum, momentum of the grid's velocity u, and mass times strain rate of a point to `rates`.
+  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, int p, Pack u)
   {
-    for (int p = 0; p < b.count; ++p) {
-      const double m = b.mass[p], *v = b.velocity + 2 * p, *u = grid_velocity + 2 * p, *rate = b.short_wave_stress + 3 * p;
-      const Share<2> share = {m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}, {}};
-      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
-      Scatter<2, false>(at, share, grid.Arrays().rates + at.nearest);
-    }
+    const double m = b.mass[p], *v = b.velocity + 2 * p, *rate = b.short_wave_stress + 3 * p;
+    const Share<2> share = {m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}, {}};
+    const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
+    Scatter<2, false>(at, share, grid.Arrays().rates + at.nearest);
   }
 
   /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2), E = (F^T F - I)/2.
   static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
-                              const double (*smooth)[kBlock])
+                              const double (*smooth)[4])
   {
     const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
     const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
@@ -313,7 +290,7 @@ private:
       const double Exx = 0.5 * (F[0] * F[0] + F[2] * F[2] - 1), Eyy = 0.5 * (F[1] * F[1] + F[3] * F[3] - 1);
       const double Exy = 0.5 * (F[0] * F[1] + F[2] * F[3]);
       const double strength = std::min(0.3, viscosity.a + viscosity.b * (Exx * Exx + Eyy * Eyy + 2 * Exy * Exy));
-      const double xx = s[0] - smooth[0][p], yy = s[1] - smooth[1][p], xy = s[2] - smooth[2][p];
+      const double xx = s[0] - smooth[p][0], yy = s[1] - smooth[p][1], xy = s[2] - smooth[p][2];
       s[0] = strength * (lambda * (xx + yy) + mu2 * xx);
       s[1] = strength * (lambda * (xx + yy) + mu2 * yy);
       s[2] = strength * mu2 * xy;
@@ -321,7 +298,7 @@ private:
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost.
-  static void MixVelocity(const PointArrays &b, double fraction, const double (*projected)[kBlock],
+  static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4],
                           SweepTotals &totals)
   {
     double lost = 0;
@@ -329,7 +306,7 @@ private:
     for (int p = 0; p < b.count; ++p)
       for (int axis = 0; axis < 2; ++axis) {
         double &v = b.velocity[2 * p + axis];
-        const double mixed = v + fraction * (projected[axis][p] - v);
+        const double mixed = v + fraction * (velocity[p][2 + axis] - v);
         lost += 0.5 * b.mass[p] * (v - mixed) * (v + mixed);
         v = mixed;
       }

@@ -18,14 +18,14 @@ Material::Material(const MaterialConstants &c)
 
 double Material::SpeedOfSound() const { return std::sqrt((lambda_ + 2 * mu_) / density_); }
 
-double AdvanceDeformation(int count, double dt, const double (*L)[kBlock], double (*increment)[kBlock], double *F)
+double AdvanceDeformation(int count, double dt, const double (*L)[4], double (*increment)[4], double *F)
 {
   double largest = 0;
 #pragma omp simd reduction(max : largest)
   for (int p = 0; p < count; ++p) {
-    const double xx = dt * L[0][p], xy = dt * L[1][p], yx = dt * L[2][p], yy = dt * L[3][p];
+    const double xx = dt * L[p][0], xy = dt * L[p][1], yx = dt * L[p][2], yy = dt * L[p][3];
     const double gxx = 1 + xx, gxy = xy, gyx = yx, gyy = 1 + yy;
-    increment[0][p] = gxx, increment[1][p] = gxy, increment[2][p] = gyx, increment[3][p] = gyy;
+    increment[p][0] = gxx, increment[p][1] = gxy, increment[p][2] = gyx, increment[p][3] = gyy;
     const double Fxx = F[4 * p], Fxy = F[4 * p + 1], Fyx = F[4 * p + 2], Fyy = F[4 * p + 3];
     F[4 * p] = gxx * Fxx + gxy * Fyx;
     F[4 * p + 1] = gxx * Fxy + gxy * Fyy;
@@ -202,8 +202,8 @@ public:
   void UpdateStress(const MaterialBatch &b, double *) const override
   {
     for (int p = 0; p < b.count; ++p) {
-      const double xx = b.dt * b.L[0][p], yy = b.dt * b.L[3][p], xy = 0.5 * b.dt * (b.L[1][p] + b.L[2][p]);
-      const double w = 0.5 * b.dt * (b.L[2][p] - b.L[1][p]); // rotation from x to y within the step
+      const double xx = b.dt * b.L[p][0], yy = b.dt * b.L[p][3], xy = 0.5 * b.dt * (b.L[p][1] + b.L[p][2]);
+      const double w = 0.5 * b.dt * (b.L[p][2] - b.L[p][1]); // rotation from x to y within the step
       const double q = 0.25 * w * w, c = (1 - q) / (1 + q), s = w / (1 + q);
       double *sigma = b.stress + 4 * p;
       const double sxx = sigma[0], syy = sigma[1], sxy = sigma[3], sphere = lambda_ * (xx + yy);
@@ -252,7 +252,7 @@ public:
   {
     for (int p = 0; p < b.count; ++p) {
       double *be = b.history + b.history_stride * p, *sigma = b.stress + 4 * p;
-      const double gxx = b.increment[0][p], gxy = b.increment[1][p], gyx = b.increment[2][p], gyy = b.increment[3][p];
+      const double gxx = b.increment[p][0], gxy = b.increment[p][1], gyx = b.increment[p][2], gyy = b.increment[p][3];
       const double txx = gxx * gxx * be[0] + 2 * gxx * gxy * be[3] + gxy * gxy * be[1];
       const double tyy = gyx * gyx * be[0] + 2 * gyx * gyy * be[3] + gyy * gyy * be[1];
       const double txy = gxx * gyx * be[0] + (gxx * gyy + gxy * gyx) * be[3] + gxy * gyy * be[1];

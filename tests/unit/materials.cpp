@@ -28,12 +28,10 @@ struct Sample {
   /// Advances by I + `dt` L; L as xx, xy, yx, yy.
   void Advance(const std::array<double, 4> &L, double dt = 1)
   {
-    double rate[4][kBlock], increment[4][kBlock];
-    for (int k = 0; k < 4; ++k) rate[k][0] = L[k];
+    const double rate[1][4] = {{L[0], L[1], L[2], L[3]}};
+    double increment[1][4];
     AdvanceDeformation(1, dt, rate, increment, F);
-    MaterialBatch batch{1, dt, {}, {}, F, stress, history, material.HistorySize()};
-    for (int k = 0; k < 4; ++k) batch.L[k] = rate[k], batch.increment[k] = increment[k];
-    material.UpdateStress(batch, &dissipated);
+    material.UpdateStress({1, dt, rate, increment, F, stress, history, material.HistorySize()}, &dissipated);
   }
   double Energy() const
   {
@@ -184,19 +182,19 @@ void UniaxialYield()
 
 void Deformation()
 {
-  double L[4][kBlock], increment[4][kBlock], F[4 * kBlock], before[4 * kBlock], largest = 0, row = 0;
+  double L[kBlock][4], increment[kBlock][4], F[4 * kBlock], before[4 * kBlock], largest = 0, row = 0;
   constexpr double kDt = 0.02;
   for (int p = 0; p < kBlock; ++p)
-    for (int k = 0; k < 4; ++k) L[k][p] = Random(-3, 3), before[4 * p + k] = F[4 * p + k] = Random(-2, 2);
+    for (int k = 0; k < 4; ++k) L[p][k] = Random(-3, 3), before[4 * p + k] = F[4 * p + k] = Random(-2, 2);
   const double returned = AdvanceDeformation(kBlock, kDt, L, increment, F);
   for (int p = 0; p < kBlock; ++p)
     for (int i = 0; i < 2; ++i) {
-      row = std::max(row, kDt * (std::abs(L[2 * i][p]) + std::abs(L[2 * i + 1][p])));
+      row = std::max(row, kDt * (std::abs(L[p][2 * i]) + std::abs(L[p][2 * i + 1])));
       for (int j = 0; j < 2; ++j) {
         double product = before[4 * p + 2 * i + j];
-        for (int k = 0; k < 2; ++k) product += kDt * L[2 * i + k][p] * before[4 * p + 2 * k + j];
+        for (int k = 0; k < 2; ++k) product += kDt * L[p][2 * i + k] * before[4 * p + 2 * k + j];
         largest = std::max({largest, std::abs(F[4 * p + 2 * i + j] - product),
-                            std::abs(increment[2 * i + j][p] - (i == j) - kDt * L[2 * i + j][p])});
+                            std::abs(increment[p][2 * i + j] - (i == j) - kDt * L[p][2 * i + j])});
       }
     }
   CheckAtMost("F <- (I + dt L) F", largest, 1e-15);

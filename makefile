@@ -62,7 +62,7 @@ test: deps
 
 verify: deps
 	@$(MAKE) --no-print-directory -j2 bin/mlgimp $(TESTS)
-	@$(PYTHON) tests/verify.py
+	@$(PYTHON) tests/verify.py $(SELECT)
 
 bench: deps
 	@$(MAKE) --no-print-directory bin/mlgimp bin/bench_machine

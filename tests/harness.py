@@ -3,6 +3,7 @@ import csv
 import json
 import os
 import pathlib
+import shlex
 import shutil
 import subprocess
 import sys
@@ -68,14 +69,18 @@ def to_arguments(options):
     return arguments
 
 
+ran = []  # command lines of the program so far, without where their results went
+
+
 def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=1200):
     """Runs a case from an options file of the repository and/or a dict of options; returns a Result.
 
     The results go to `folder`, or to a temporary one that scratch() removes at the end.
     """
     folder = pathlib.Path(folder or tempfile.mkdtemp(dir=scratch()))
-    arguments = ["-options_file", ROOT / "options" / file] if file else []
-    arguments += to_arguments({"output_dir": folder, "overwrite": None, "monitor": "false", **options})
+    arguments = (["-options_file", f"options/{file}"] if file else []) + to_arguments(options)
+    ran.append(shlex.join(command(arguments, ranks)).replace(f"{ROOT}/", ""))
+    arguments += to_arguments({"output_dir": folder, "overwrite": None, "monitor": "false"})
     done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, cwd=ROOT,
                           timeout=timeout)
     result = Result(done.returncode, done.stdout, done.stderr, folder)

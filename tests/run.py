@@ -52,17 +52,22 @@ def selected(name, words):
     return not words or any(word in name for word in words)
 
 
-def main(words, prefix="test_"):
+def run_script_test(script, report):
+    """The tests of a script are those of unittest."""
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    report.note(script.stem, done.returncode == 0, (done.stderr.strip() or "nothing printed").splitlines()[-1])
+
+
+def main(words):
     report = harness.Report()
     try:
-        if prefix == "test_":
-            for program in sorted((harness.ROOT / "bin").glob("test_*")):
-                if selected(program.name, words):
-                    run_unit_test(program, report)
-            if selected("scripts", words):
-                done = subprocess.run([sys.executable, str(HERE / "python" / "test_scripts.py")], capture_output=True, text=True)
-                report.note("scripts", done.returncode == 0, done.stderr.strip().splitlines()[-1] if done.stderr else "")
-        for name, function in collect(prefix):
+        for program in sorted((harness.ROOT / "bin").glob("test_*")):
+            if selected(program.name, words):
+                run_unit_test(program, report)
+        for script in sorted((HERE / "python").glob("test_*.py")):
+            if selected(script.stem, words):
+                run_script_test(script, report)
+        for name, function in collect("test_"):
             if selected(name, words):
                 run_function(name, function, report)
     finally:

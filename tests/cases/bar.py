@@ -3,6 +3,7 @@ import numpy
 
 import analytic
 import harness
+import report as page
 import results
 
 E, NU, RHO = 100e9, 0.25, 2500
@@ -32,27 +33,42 @@ def frames(result):
         yield frame.time, {name: values[order] for name, values in points.items()}
 
 
+RISE_TIME, PULL = 50 * CELL / SPEED, 1e-5 * E  # of the traction in the study of waves
+
+
+def end_motion(ranks):
+    """(time, displacement of all points, their undeformed x, stress_xx, mask of the end's) of each frame, waves for two transits."""
+    X = None
+    for time, points in frames(harness.run(bar(PULL, RISE_TIME, 4 * LENGTH / SPEED, frames=PARTS), ranks=ranks)):
+        if X is None:  # the first frame is early: the end has moved by less than a hundredth of a cell
+            columns = CELL * 0.25 + 0.5 * CELL * numpy.arange(round(2 * LENGTH / CELL))
+            X = columns[numpy.argmin(numpy.abs(points["position"][:, :1] - columns), axis=1)]
+        yield time, points["position"][:, 0] - X, X, points["stress"][:, 0], X == columns[-1]
+
+
+def exact_bar():
+    return analytic.RampedBar(LENGTH, SPEED, MODULUS, -PULL, RISE_TIME)
+
+
 def test_waves(report):
     """Two transits of the wave there and back, against d'Alembert, at a strain of 1e-5 where linear theory is good to 1e-5."""
-    rise_time, pressure = 50 * CELL / SPEED, 1e-5 * E
-    exact = analytic.RampedBar(LENGTH, SPEED, MODULUS, -pressure, rise_time)
-    peak = 2 * pressure / MODULUS * LENGTH
+    exact, peak = exact_bar(), 2 * PULL / MODULUS * LENGTH
     for ranks in (1, 2):
-        result = harness.run(bar(pressure, rise_time, 4 * LENGTH / SPEED, frames=PARTS), ranks=ranks)
         error = stress_error = reached = 0
-        last = None
-        for time, points in frames(result):
-            if last is None:  # the first frame is early: the end has moved by less than a hundredth of a cell
-                columns = CELL * 0.25 + 0.5 * CELL * numpy.arange(round(2 * LENGTH / CELL))
-                X = columns[numpy.argmin(numpy.abs(points["position"][:, :1] - columns), axis=1)]
-                last = X == columns[-1]
-            u = points["position"][:, 0] - X
+        for time, u, X, stress, last in end_motion(ranks):
             error = max(error, numpy.max(numpy.abs(u - exact.displacement(X, time))[last]) / peak)
             reached = max(reached, numpy.max(numpy.abs(u[last])) / peak)
-            stress_error = max(stress_error, numpy.max(numpy.abs(points["stress"][last, 0] - exact.stress(X[last], time))) / pressure)
+            stress_error = max(stress_error, numpy.max(numpy.abs(stress[last] - exact.stress(X[last], time))) / PULL)
         report.expect(f"bar, {ranks} ranks: end displacement, of the peak", error, at_most=0.01)
         report.expect(f"bar, {ranks} ranks: the end has moved, of the peak", reached, at_least=0.5)
         report.expect(f"bar, {ranks} ranks: stress of the last points, of the traction", stress_error, at_most=0.02)
+
+
+def hold(pressure, law="neo_hookean", transits=20, **others):
+    """Points of a damped bar after it was held under a pressure for a time."""
+    options = bar(pressure, 4 * LENGTH / SPEED, transits * LENGTH / SPEED, frames=1, damping=numpy.pi * SPEED / LENGTH,
+                  glass_model=law, history_interval=100, **others)
+    return harness.run(options).frame()
 
 
 def test_static_stress(report):
@@ -60,9 +76,7 @@ def test_static_stress(report):
     for part, limit, law in ((1e-4, 1e-4, "neo_hookean"), (0.05, 0.01, "neo_hookean"), (-0.05, 0.01, "neo_hookean"),
                              (0.05, 0.01, "st_venant_kirchhoff")):
         pressure = part * E
-        options = bar(pressure, 4 * LENGTH / SPEED, 20 * LENGTH / SPEED, frames=1, damping=numpy.pi * SPEED / LENGTH,
-                      glass_model=law, history_interval=100)
-        points = harness.run(options).frame()
+        points = hold(pressure, law)
         last = points["position"][:, 0] > points["position"][:, 0].max() - 0.1 * CELL
         error = numpy.abs(points["stress"][:, 0] / -pressure - 1)
         name = f"static bar, {law}, p/E = {part:g}"
@@ -72,3 +86,33 @@ def test_static_stress(report):
         F, (lam, mu) = points["deformation_gradient"][last, 0], analytic.lame_constants(E, NU)
         law_stress = mu / F * (F**2 - 1) + lam * numpy.log(F) / F if law == "neo_hookean" else 0.5 * F * MODULUS * (F**2 - 1)
         report.expect(f"{name}: stretch of the last points", numpy.max(numpy.abs(law_stress / -pressure - 1)), at_most=limit)
+
+
+def verify_waves(report):
+    """Waves in a bar
+
+    A traction on its end rises over half of a transit to a strain of 1e-5; two transits there and back, against d'Alembert.
+    """
+    test_waves(report)
+    exact, static = exact_bar(), -PULL / MODULUS * LENGTH
+    motion = [(time, u[last].mean(), X[last].mean()) for time, u, X, _, last in end_motion(1)]
+    times, ends, places = map(numpy.array, zip(*motion))
+    shown = numpy.linspace(0, times[-1], 200)
+    transit = LENGTH / SPEED
+    report.plot("Displacement of the end", "time (transits of the wave)", "displacement / static displacement",
+                page.curve("exact", shown / transit, exact.displacement(places[0], shown) / static, "reference"),
+                page.curve("points", times / transit, ends / static, "dots"))
+
+
+def verify_static_stress(report):
+    """Stress of a bar at rest, and how long it stays
+
+    In equilibrium the Cauchy stress is the traction on the current face. The table has bars in tension, p/E = -0.05: noise
+    grows in them, the slower the larger a,b of the short-wave viscosity.
+    """
+    test_static_stress(report)
+    cells = []
+    for viscosity in ("0.001,4", "0.01,4", "0.001,8", "0.001,10", "0.001,16", "0.01,10"):
+        errors = [numpy.abs(hold(-0.05 * E, transits=n, short_wave_viscosity=viscosity)["stress"][:, 0] / (0.05 * E) - 1).max() for n in (20, 60)]
+        cells.append([viscosity, *(f"{100 * error:.2g} %" for error in errors)])
+    report.table("Largest stress error of a bar held at p/E = -0.05", ["a,b", "20 transits", "60 transits"], cells)

@@ -1,6 +1,7 @@
 """The paper's one-level cases against finite elements (CalculiX, tests/reference), with the same elastic law."""
 import numpy
 import harness
+import report as page
 from harness import run
 
 REFERENCE = harness.ROOT / "tests" / "reference"
@@ -27,7 +28,9 @@ def tension(peak, options=None):
 
 
 def compare_tension(report, peak, options=None):
+    """Notes the differences; returns curves of the stress along the middle."""
     result, start = tension(peak, options)
+    curves = []
     last = start["position"][:, 0] > start["position"][:, 0].max() - 1e-9
     scale = peak
     for number, time in ((1, 12.5e-9), (2, 25e-9)):
@@ -43,6 +46,10 @@ def compare_tension(report, peak, options=None):
         error = abs(frame["stress"][middle, 0] - expected).max() / scale
         report.expect(f"tension {peak / 1e9:g} GPa, {time * 1e9:g} ns: stress on the midline, error over peak", error,
                       at_most=0.03)
+        along = numpy.argsort(start["position"][middle, 0])
+        curves += [(f"{time * 1e9:g} ns", start["position"][middle, 0][along], frame["stress"][middle, 0][along], "line"),
+                   ("_" if number > 1 else "FEM", profile["x_m"], profile["stress_xx_Pa"], "reference")]
+    return curves
 
 
 def test_tension(report):
@@ -69,6 +76,8 @@ def pressure(peak, times, cell):
 
 
 def compare_pressure(report, peak, times, cell=1e-6):
+    """Notes the differences; returns curves of the stress along the axis."""
+    curves = []
     result, start = pressure(peak, times, cell)
     history = columns("pressure.csv", peak_Pa=peak)
     axis = start["position"][:, 0] < 0.3 * cell
@@ -86,6 +95,10 @@ def compare_pressure(report, peak, times, cell=1e-6):
         expected = numpy.interp(heights, profile["y_m"][order], profile["stress_yy_Pa"][order])
         error = abs(stress - expected).max() / abs(expected).max()
         report.expect(name + "stress_yy on the axis, error over peak", error, at_most=0.03)
+        along = numpy.argsort(heights)
+        curves += [(f"{time * 1e9:g} ns", heights[along], stress[along], "line"),
+                   ("_" if number > 1 else "FEM", profile["y_m"][order], profile["stress_yy_Pa"][order], "reference")]
+    return curves
 
 
 def test_pressure(report):
@@ -107,6 +120,59 @@ def compare_wedge(report, result, limits):
                       abs(load / wedge_reference(depth * 1e-9) - 1), at_most=limit)
 
 
+def plot_stress(report, title, xlabel, component, curves):
+    report.plot(title, xlabel, f"stress_{component} (GPa)",
+                *(page.curve(label, 1e6 * place, 1e-9 * stress, kind) for label, place, stress, kind in curves))
+
+
+def verify_tension(report):
+    """Tension against finite elements
+
+    Silicon pulled to 1 and 8 GPa (the paper's Fig. 9), St. Venant-Kirchhoff on both sides.
+    """
+    for peak in (1e9, 8e9):
+        plot_stress(report, f"Tension to {peak / 1e9:g} GPa: stress along the middle", "undeformed x (µm)", "xx", compare_tension(report, peak))
+    test_original_mpm_tears(report)
+
+
+def verify_pressure(report):
+    """Pressure on a block against finite elements
+
+    Silicon pressed on its middle (the paper's Figs. 10, 11), St. Venant-Kirchhoff on both sides; at 60 GPa the finite
+    elements stop after 18 ns, where the law loses its stiffness.
+    """
+    for peak, times in ((6e9, [10e-9, 20e-9, 30e-9, 40e-9]), (60e9, [5e-9, 10e-9])):
+        plot_stress(report, f"Pressure to {peak / 1e9:g} GPa: stress on the axis", "undeformed y (µm)", "yy", compare_pressure(report, peak, times))
+
+
 def verify_wedge(report):
-    result = run({"aluminium_model": "st_venant_kirchhoff", "history_interval": 2}, file="wedge_125nm.opts", ranks=2)
+    """Wedge indentation against finite elements
+
+    Aluminium, 450 nm deep at 20 m/s, cells of 125 nm, St. Venant-Kirchhoff on both sides. Until the first reflection is
+    back, at 190 nm, the problem is similar to itself: the load is the depth times 8.53 kN/m (tests/reference).
+    """
+    result = run({"aluminium_model": "st_venant_kirchhoff", "history_interval": 2, "frames": 5}, file="wedge_125nm.opts", ranks=2)
     compare_wedge(report, result, {100: 0.06, 200: 0.03, 250: 0.03, 300: 0.03, 350: 0.03, 400: 0.03, 450: 0.03})
+    history, depths = result.history, numpy.linspace(0, 450e-9, 100)
+    report.plot("Load against depth, cells of 125 nm", "depth (nm)", "load (mN)",
+                page.curve("points", 1e9 * history["depth"], 1e3 * history["load"]),
+                page.curve("FEM", 1e9 * depths, 1e3 * wedge_reference(depths), "reference"),
+                page.curve("8.53 kN/m, until the first reflection", [0, 190], [0, 8.53e3 * 190e-6], "guide"))
+    plot_wedge_axis(report, result)
+
+
+def plot_wedge_axis(report, result):
+    """Stress at places below the surface that move with the material, at five depths of the wedge."""
+    table = columns("wedge_axis.csv")
+    finest = table["mesh_m"] == table["mesh_m"][table["depth_m"] > 449e-9].min()
+    start = start_of({}, "wedge_125nm.opts")
+    axis = start["position"][:, 0] < 1.05 * start["half_size"][:, 0]
+    heights = start["position"][axis, 1]
+    along, places = numpy.argsort(heights), (1, 2, 5, 10)
+    curves = []
+    for place in places:
+        stress = [numpy.interp(40e-6 - place * 1e-6, heights[along], result.frame(number)["stress"][axis, 1][along]) for number in range(1, 6)]
+        curves.append(page.curve(f"{place} µm below the surface", [90, 180, 270, 360, 450], 1e-9 * numpy.array(stress), "points"))
+    for place in places:
+        curves.append(page.curve("FEM" if place == 1 else "_", 1e9 * table["depth_m"][finest], 1e-9 * table[f"syy_{place}um_Pa"][finest], "reference"))
+    report.plot("Stress on the axis", "depth (nm)", "stress_yy (GPa)", *curves)

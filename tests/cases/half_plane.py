@@ -3,6 +3,7 @@ import math
 
 import analytic
 import numpy
+import report as page
 from harness import run
 
 E, NU, RHO = 70e9, 0.33, 2700.0
@@ -29,17 +30,18 @@ def press(indenter, depth, cells, transits=6, **more):
 
 
 def measure(report, name, result, size, contact, limit):
-    """Peak pressure and axis stress against a HalfPlaneContact of the same load; half model, so half the load."""
-    history = result.history
+    """Stress on the axis against a HalfPlaneContact of the same load; returns places, stress and exact stress over a and P/a."""
     frame = result.frame()
     axis = frame["position"][:, 0] < 0.3 * H
-    depth = size - history["depth"][-1] - frame["position"][axis, 1]
+    depth = size - result.history["depth"][-1] - frame["position"][axis, 1]
     stress = frame["stress"][axis, 1]
     for reach in (0.5, 1.0, 2.0):
         y = reach * contact.half_width
         found = numpy.interp(y, depth[::-1], stress[::-1]) if depth[0] > depth[-1] else numpy.interp(y, depth, stress)
         exact = contact.axis_stress(numpy.array([-y]))[1][0]
         report.expect(f"{name}: stress_yy on the axis at {reach:g} a, relative error", abs(found / exact - 1), at_most=limit)
+    seen, scale = (depth > 0.1 * contact.half_width) & (depth < 4 * contact.half_width), contact.load / contact.half_width
+    return depth[seen] / contact.half_width, stress[seen] / scale, contact.axis_stress(-depth[seen])[1] / scale
 
 
 def cylinder(report, cells, limit, width=7):
@@ -51,11 +53,11 @@ def cylinder(report, cells, limit, width=7):
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.cylinder_contact(math.sqrt(4 * radius * load / (math.pi * E_STAR)), E_STAR, radius)
     print(f"      cylinder: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
-    report.expect("cylinder: load for the contact's width, relative error", abs(load / (math.pi * E_STAR * found**2 / (4 * radius)) - 1),
+    report.expect(f"cylinder, {cells} cells: load for the contact's width, relative error", abs(load / (math.pi * E_STAR * found**2 / (4 * radius)) - 1),
                   at_most=limit)
     peak = contact.pressure(numpy.array([0.0]))[0]
-    report.expect("cylinder: peak pressure, relative error", abs(history["peak_pressure"][-1] / peak - 1), at_most=limit)
-    measure(report, "cylinder", result, size, contact, limit)
+    report.expect(f"cylinder, {cells} cells: peak pressure, relative error", abs(history["peak_pressure"][-1] / peak - 1), at_most=limit)
+    return measure(report, f"cylinder, {cells} cells", result, size, contact, limit)
 
 
 def wedge(report, cells, limit, width=7):
@@ -67,8 +69,8 @@ def wedge(report, cells, limit, width=7):
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.wedge_contact(load / (E_STAR * slope), E_STAR, slope)
     print(f"      wedge: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
-    report.expect("wedge: load for the contact's width, relative error", abs(load / (E_STAR * found * slope) - 1), at_most=limit)
-    measure(report, "wedge", result, size, contact, limit)
+    report.expect(f"wedge, {cells} cells: load for the contact's width, relative error", abs(load / (E_STAR * found * slope) - 1), at_most=limit)
+    return measure(report, f"wedge, {cells} cells", result, size, contact, limit)
 
 
 def flat_punch(report, cells, limit, width=7):
@@ -77,8 +79,8 @@ def flat_punch(report, cells, limit, width=7):
     history = result.history
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.flat_punch_contact(a, load)
-    report.expect("flat punch: half width, relative error", abs(found / a - 1), at_most=limit)
-    measure(report, "flat punch", result, size, contact, limit)
+    report.expect(f"flat punch, {cells} cells: half width, relative error", abs(found / a - 1), at_most=limit)
+    return measure(report, f"flat punch, {cells} cells", result, size, contact, limit)
 
 
 def test_half_plane(report):
@@ -87,6 +89,17 @@ def test_half_plane(report):
 
 
 def verify_half_plane(report):
-    for shape in (cylinder, wedge, flat_punch):
-        shape(report, 200, 0.04)
-        shape(report, 300, 0.04, width=12)
+    """Contact with a half-plane
+
+    Indenters pressed into a large damped block and held, against the exact solutions for the measured load. Blocks of
+    100 cells (contact half width a/h about 7.5), 200 cells, and 300 cells with a/h about 12. A flat punch acts as if a
+    quarter of a cell wider.
+    """
+    for shape, title in ((cylinder, "Cylinder"), (wedge, "Wedge of 1 degree"), (flat_punch, "Flat punch")):
+        curves = []
+        for cells, width in ((100, 7), (200, 7), (300, 12)):
+            depth, stress, exact = shape(report, cells, 0.04, width=width)
+            along = numpy.argsort(depth)
+            curves.append(page.curve(f"{cells} cells", depth[along], stress[along]))
+        report.plot(f"{title}: stress on the axis", "depth / a", "stress_yy / (P/a)", *curves,
+                    page.curve("exact", depth[along], exact[along], "reference"))

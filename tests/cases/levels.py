@@ -1,7 +1,8 @@
 """Three levels against one: load and stress of the wedge indentation, books, and the cost of levels."""
 import numpy
+import report as page
 from harness import ROOT, read_csv, run
-from wedge import energy_error
+from wedge import energy_error, momentum_left, plot_budgets
 
 AXIS_DEPTHS = (1e-6, 2e-6, 5e-6, 10e-6)  # with cells of 125 nm
 SURFACE = 40e-6
@@ -23,13 +24,9 @@ def axis_stress(result, depths):
 def momentum_errors(history):
     """(conserved book, stagger) over sqrt(2 E m): momentum less all impulses; its part from the borders' extrapolation."""
     scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
-    book, stagger = 0, 0
-    for axis in "xy":
-        kinds = ("contact", "support", "load", "gravity", "damping", "stagger")
-        left = history[f"momentum_{axis}"] - sum(history[f"{kind}_impulse_{axis}"] for kind in kinds)
-        book = max(book, abs(left - left[0]).max() / scale)
-        stagger = max(stagger, abs(history[f"stagger_impulse_{axis}"]).max() / scale)
-    return book, stagger
+    book = max(abs(momentum_left(history, axis)).max() for axis in "xy")
+    stagger = max(abs(history[f"stagger_impulse_{axis}"]).max() for axis in "xy")
+    return book / scale, stagger / scale
 
 
 def compare(report, name, levels, uniform, depths_below):
@@ -41,12 +38,12 @@ def compare(report, name, levels, uniform, depths_below):
         report.expect(f"{name}: stress on the axis at {depth * 1e6:g} um", abs(error), at_most=0.02)
     book, stagger = momentum_errors(levels.history)
     report.expect(f"{name}: momentum less impulses", book, at_most=1e-9)
-    report.note(f"{name}: momentum from the extrapolation at borders: {stagger:.2g} of sqrt(2 E m)", True)
+    report.note(f"{name}: momentum from the extrapolation at borders, of sqrt(2 E m)", True, f"{stagger:.2g}")
     report.expect(f"{name}: work against energy", energy_error(levels.history), at_most=0.01)
     report.expect(f"{name}: points lost", levels.summary["points_lost"], near=0, tolerance=0)
     report.expect(f"{name}: mass", abs(levels.summary["mass_error"]), at_most=1e-12)
     cost = levels.summary["seconds_per_point_step"] / uniform.summary["seconds_per_point_step"]
-    report.note(f"{name}: seconds per point-step over those of one level: {cost:.2f}", True)
+    report.note(f"{name}: seconds per point-step over those of one level", True, f"{cost:.2f}")
 
 
 def test_wedge(report):
@@ -83,15 +80,29 @@ def test_points_as_printed(report):
 
 
 def verify_wedge(report):
-    """Cells of 500, 250 and 125 nm against 125 nm throughout."""
+    """Wedge on three levels against one level
+
+    Cells of 500, 250 and 125 nm against 125 nm throughout, for both couplings.
+    """
     uniform = run({"frames": 1}, file="wedge_125nm.opts", ranks=2)
-    for coupling in ("nodes", "points"):
-        levels = run({"frames": 1, "level_coupling": coupling}, file="wedge_3level.opts", ranks=2)
-        compare(report, f"three levels, 125 nm, {coupling}", levels, uniform, AXIS_DEPTHS)
+    levels = {coupling: run({"frames": 1, "level_coupling": coupling}, file="wedge_3level.opts", ranks=2) for coupling in ("nodes", "points")}
+    for coupling, result in levels.items():
+        compare(report, f"three levels, 125 nm, {coupling}", result, uniform, AXIS_DEPTHS)
+    all_runs = {"one level": uniform, **levels}
+    report.plot("Load against depth", "depth (nm)", "load (mN)",
+                *(page.curve(name, 1e9 * result.history["depth"], 1e3 * result.history["load"]) for name, result in all_runs.items()))
+    depths = numpy.linspace(1e-6, 20e-6, 200)
+    report.plot("Stress on the axis at 450 nm", "depth below the surface (µm)", "stress_yy (GPa)",
+                *(page.curve(name, 1e6 * depths, 1e-9 * axis_stress(result, depths)) for name, result in all_runs.items()),
+                caption="The borders of the levels lie 8 and 16 µm below the surface.")
+    plot_budgets(report, "three levels, nodes", levels["nodes"].history)
 
 
 def verify_five_levels(report):
-    """The paper's Fig. 17 to 9.8 um and back out; to 2 um with the law of the finite elements."""
+    """Indentation on five levels
+
+    The paper's Fig. 17: cells of 2 um to 125 nm, to 9.8 um and back out; to 2 um with the law of the finite elements.
+    """
     result = run({"frames": 20}, file="multiscale_5level.opts", ranks=2)
     history = result.history
     report.expect("five levels: deepest, um", history["depth"].max() * 1e6, near=9.8, tolerance=0.05)
@@ -99,6 +110,12 @@ def verify_five_levels(report):
     report.expect("five levels: work against energy", energy_error(history), at_most=0.01)
     report.expect("five levels: momentum less impulses", momentum_errors(history)[0], at_most=1e-9)
     report.expect("five levels: points lost", result.summary["points_lost"], near=0, tolerance=0)
+    report.plot("Load against depth", "depth (µm)", "load (mN)", page.curve("load", 1e6 * history["depth"], 1e3 * history["load"]))
+    plot_budgets(report, "five levels", history)
+    compare_with_elements(report)
+
+
+def compare_with_elements(report):
     svk = run({"frames": 1, "aluminium_model": "st_venant_kirchhoff", "indenter_max_depth": 2e-6,
                "indenter_unload_velocity": 150.0, "end_time": 2.34e-8}, file="multiscale_5level.opts", ranks=2).history
     loading = svk["time"] < 2.333e-8
@@ -107,3 +124,6 @@ def verify_five_levels(report):
     expected = loads[numpy.isfinite(loads) & (depths > 1.9e-6)].max()
     load = numpy.interp(2e-6, svk["depth"][loading], svk["load"][loading])
     report.expect("five levels: load at 2 um against finite elements", abs(load / expected - 1), at_most=0.03)
+    report.plot("St. Venant-Kirchhoff to 2 µm", "depth (µm)", "load (mN)",
+                page.curve("five levels", 1e6 * svk["depth"][loading], 1e3 * svk["load"][loading]),
+                page.curve("FEM, 350 nm", 1e6 * depths, 1e3 * loads, "reference"))

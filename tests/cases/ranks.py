@@ -156,3 +156,19 @@ def layouts(folder):
             cuts.add((tuple(level["columns"]), tuple(level["rows"])))
             counts.add(tuple(level["counts"]))
     return len(cuts), len(counts)
+
+
+def verify_ranks(report):
+    """The same run on any number of ranks
+
+    Histories on 2, 3, 4 and 8 ranks against one rank, the largest difference over each column's largest value: contact,
+    re-cuts of the grid, levels, and points that cross their borders. And what the mapping of blocks to ranks saves.
+    """
+    cases = {"wedge": (WEDGE, SAME), "collision": (COLLISION, SAME), "levels, nodes": (LEVELS, SAME),
+             "levels, points": ({**LEVELS, "level_coupling": "points"}, 1e-6), "flight": (FLIGHT, SAME)}
+    for name, (case, same) in cases.items():
+        reference = harness.run(case).history
+        for ranks in RANKS:
+            difference, _ = largest_difference(harness.run(case, ranks=ranks).history, reference)
+            report.expect(f"{name}, {ranks} ranks: history", difference, at_most=same)
+    test_mapping(report)

@@ -1,6 +1,8 @@
 """Quality of the contact in the wedge indentation: noise, first contact, penetration, work against energy."""
 import numpy
-from harness import run
+import report as page
+import results
+from harness import ROOT, read_csv, run
 
 CELL = 250e-9
 
@@ -68,5 +70,59 @@ def test_variants(report):
 
 
 def verify_wedge_quality(report):
-    for name, cell in (("wedge_500nm", 500e-9), ("wedge_125nm", 125e-9), ("wedge_62nm", 62.5e-9)):
-        quality(report, name, run({"frames": 1}, file=name + ".opts", ranks=2).history, cell)
+    """Wedge indentation on cells of 500 to 62.5 nm
+
+    Aluminium, 450 nm deep at 20 m/s (the paper's Figs. 12 to 16), neo-Hookean on both sides: quality of the contact, and
+    the load as the cells get smaller.
+    """
+    elements = read_csv(ROOT / "tests" / "reference" / "wedge_neohooke.csv")
+    expected = {int(depth): numpy.interp(depth * 1e-9, elements["depth_m"], elements["load_h62nm_N"]) for depth in range(50, 451, 50)}
+    curves, errors = [], []
+    for name, cell in (("wedge_500nm", 500e-9), ("wedge_250nm", 250e-9), ("wedge_125nm", 125e-9), ("wedge_62nm", 62.5e-9)):
+        history = run({"frames": 1}, file=name + ".opts", ranks=2, timeout=3600).history
+        quality(report, name, history, cell)
+        error = [numpy.interp(depth * 1e-9, history["depth"], history["load"]) / load - 1 for depth, load in expected.items()]
+        errors.append([f"{cell * 1e9:g} nm", *(f"{100 * each:+.1f} %" for each in error)])
+        curves.append(page.curve(f"{cell * 1e9:g} nm", 1e9 * history["depth"], 1e3 * history["load"]))
+        if cell == 125e-9:
+            plot_budgets(report, "cells of 125 nm", history)
+    report.table("Load against finite elements of 62 nm, by depth", ["cells", *(f"{depth} nm" for depth in expected)], errors)
+    report.plot("Load against depth", "depth (nm)", "load (mN)", *curves,
+                page.curve("FEM, 62 nm", 1e9 * numpy.array(elements["depth_m"]), 1e3 * numpy.array(elements["load_h62nm_N"]), "reference"))
+
+
+def verify_variants(report):
+    """Contact methods in the wedge indentation
+
+    Cells of 250 nm. Eq. 11 as printed, with a pressure for each point, comes late; multi-mesh contact comes a cell early.
+    """
+    curves, last = [], {}
+    for method in ("pressure", "point_pressure", "multimesh"):
+        history = indentation(contact=method).history
+        last[method] = history["load"][-20:].mean()
+        report.figure(f"{method}: depth at the first load, cells", first_contact(history) / CELL)
+        report.figure(f"{method}: noise of the load from step to step, rms", noise(history)[1])
+        report.figure(f"{method}: load at 450 nm over that of pressure", last[method] / last["pressure"])
+        curves.append(page.curve(method, 1e9 * history["depth"], 1e3 * history["load"]))
+    report.plot("Load against depth", "depth (nm)", "load (mN)", *curves)
+
+
+def plot_budgets(report, name, history):
+    """Energies over time, what they lack of the work done, and momentum less all impulses."""
+    time = 1e9 * history["time"]
+    parts = ("kinetic_energy", "strain_energy", "dissipated_energy", "indenter_work")
+    report.plot(f"Energy, {name}", "time (ns)", "energy (nJ)", *(page.curve(part.replace("_", " "), time, 1e9 * history[part]) for part in parts))
+    largest = numpy.abs(history["indenter_work"]).max()
+    report.plot(f"Energy that the books lack, {name}", "time (ns)", "residual / work (%)",
+                page.curve("residual", time, 100 * results.energy_residual(history) / largest))
+    scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
+    report.plot(f"Momentum along y, {name}", "time (ns)", "momentum / sqrt(2 E m)",
+                *(page.curve(kind.replace("_", " "), time, history[f"{kind}_y"] / scale) for kind in ("momentum", "contact_impulse", "support_impulse")),
+                page.curve("momentum less impulses", time, momentum_left(history, "y") / scale, "reference"))
+
+
+def momentum_left(history, axis):
+    """Momentum less all impulses and what was there at the start."""
+    kinds = ("contact", "support", "load", "gravity", "damping", "stagger")
+    left = history[f"momentum_{axis}"] - sum(history[f"{kind}_impulse_{axis}"] for kind in kinds)
+    return left - left[0]

@@ -1,0 +1,291 @@
+#!/usr/bin/env python3
+"""A convergence study of a case: runs it on cells of its own size, half of it, a quarter ..., and says what follows.
+
+usage: scripts/converge.py options/CASE.opts [-refine N] [-quantity NAME] [-depth D | -maximum] [-place X,Y] [-ranks N]
+                           [options of mlgimp, on all resolutions]
+
+    scripts/converge.py options/wedge_500nm.opts -refine 3 -quantity load -depth 200e-9 -ranks 2 -indenter_max_depth 250e-9
+
+Each resolution is in a folder of its own under output/converge_CASE/ (or -output_dir), which also gets convergence.csv and
+convergence.png. Boxes of levels stay where they are. -time_step is halved with the cells, and -max_steps and
+-history_interval are doubled, so that rows of the history lie at about the same times.
+
+Order, extrapolated value and error follow from three resolutions in a row with the values a, b, c (Richardson): order
+p = log2((a - b)/(b - c)), extrapolated value c + (c - b)/(2^q - 1) with q = p, but at most 2, the order of the method, and
+error its distance from c. They are left out where the differences do not shrink. Cells are those of level 0.
+"""
+import csv
+import math
+import re
+import shlex
+import subprocess
+import sys
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+
+import plot
+import results
+from bench import ENVIRONMENT, ROOT
+
+Study = namedtuple("Study", "file refine quantity depth maximum place ranks")
+Resolution = namedtuple("Resolution", "cell_size folder points steps value")
+METHOD_ORDER = 2
+NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
+COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
+
+
+def fail(message):
+    """Ends with one line, as the program does."""
+    sys.exit(f"error: {message}")
+
+
+def read_place(text):
+    """X,Y as an array of two numbers."""
+    x, y = text.split(",")
+    return np.array([float(x), float(y)])
+
+
+def whole_number_from(least):
+    """Converts whole numbers from `least` on."""
+    def convert(text):
+        if int(text) < least:
+            raise ValueError
+        return int(text)
+    return convert
+
+
+def take(options, name, convert, default, allowed):
+    """Takes one of the study's own options out of all of them."""
+    if name not in options:
+        return default
+    text = options.pop(name)
+    try:
+        if text is not None:
+            return convert(text)
+    except ValueError:
+        pass
+    fail(f"-{name} {text or '(nothing)'}: must be {allowed}")
+
+
+def parse(words):
+    """The study that the command line asks for, and the options that are passed on to the program."""
+    file, passed = Path(words[0]), options_of(words[1:])
+    if not file.is_file():
+        fail(f"{file}: there is no such options file")
+    own = Study(file, take(passed, "refine", whole_number_from(2), 3, "a whole number >= 2"), take(passed, "quantity", str, "load", "a name"),
+                take(passed, "depth", float, None, "a number"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y"),
+                take(passed, "ranks", whole_number_from(1), 1, "a whole number >= 1"))
+    if passed.pop("maximum", None) is not None:
+        fail("-maximum: must stand without a value")
+    check(own)
+    return own, passed
+
+
+def check(own):
+    """Refuses what does not fit together."""
+    is_stress = own.quantity.startswith("stress_")
+    if is_stress and own.quantity.removeprefix("stress_") not in plot.STRESS_COLUMN:
+        fail(f"-quantity {own.quantity}: must be stress_xx, stress_yy, stress_zz or stress_xy")
+    if is_stress and own.place is None:
+        fail(f"-quantity {own.quantity}: needs -place X,Y")
+    if not is_stress and own.place is not None:
+        fail(f"-quantity {own.quantity}: is not at a place; leave -place out")
+    if (own.depth is not None) + own.maximum + is_stress > 1:
+        fail("only one of -depth, -maximum and a stress, which is that at the end")
+
+
+def options_of(words):
+    """{name: value} of a list of words -name value; a flag has the value None."""
+    options, name = {}, None
+    for word in words:
+        if re.match(r"-[A-Za-z]", word):
+            name = word[1:]
+            options[name] = None
+        elif name is None or options[name] is not None:
+            fail(f"{word}: must follow an option")
+        else:
+            options[name] = word
+    return options
+
+
+def read_options(path):
+    """{name: value} of an options file."""
+    return options_of(shlex.split(path.read_text(), comments=True))
+
+
+def number_of(options, name, default):
+    """The value of an option as a number."""
+    try:
+        return float(options.get(name) or default)
+    except ValueError:
+        fail(f"-{name} {options[name]}: must be a number")
+
+
+def refined(case, factor):
+    """Options that differ from the case's where its cells are `factor` times smaller."""
+    changed = {"cell_size": repr(number_of(case, "cell_size", "nan") / factor),
+               "history_interval": round(number_of(case, "history_interval", 1) * factor)}
+    if number_of(case, "time_step", 0) > 0:
+        changed["time_step"] = repr(number_of(case, "time_step", 0) / factor)
+    if number_of(case, "max_steps", 0) > 0:
+        changed["max_steps"] = round(number_of(case, "max_steps", 0) * factor)
+    return changed
+
+
+def run(file, options, ranks):
+    """Runs the program; ends with its last line where it fails."""
+    words = [word for name, value in options.items() for word in (f"-{name}", str(value))[:1 if value is None else 2]]
+    start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    done = subprocess.run([*start, str(ROOT / "bin/mlgimp"), "-options_file", str(file), *words], env=ENVIRONMENT, capture_output=True, text=True)
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or [f"exit status {done.returncode}"]
+        fail(f"on cells of {options['cell_size']} m: {lines[0]}")
+
+
+def history_value(folder, own):
+    """The quantity of a history at its end, at a depth on the way in, or its largest."""
+    history = results.read_history(folder)
+    values = column(history, own.quantity)
+    if own.maximum:
+        return values.max()
+    if own.depth is None:
+        return values[-1]
+    way_in = slice(0, np.argmax(history["depth"]) + 1)
+    depths = history["depth"][way_in]
+    if not depths[0] <= own.depth <= depths[-1]:
+        fail(f"-depth {own.depth:g}: must be in [{depths[0]:g}, {depths[-1]:g}], as the run went")
+    return np.interp(own.depth, depths, values[way_in])
+
+
+def column(history, quantity):
+    """A column of a history; energy is what moves and what is stored."""
+    if quantity == "energy":
+        return history["kinetic_energy"] + history["strain_energy"]
+    if quantity not in history:
+        fail(f"-quantity {quantity}: must be energy, stress_xx .. stress_xy or one of {', '.join(history)}")
+    return history[quantity]
+
+
+def stress_at(folder, component, place):
+    """A component of the stress at a place at the end: that of a plane through the points next to it."""
+    points = results.all_points(results.read_frame(results.find_frame(folder)).levels)
+    away = points["position"] - place
+    distance = np.hypot(*away.T)
+    next_to = np.argsort(distance)[:NEIGHBOURS]
+    reach = 2 * points["half_size"][next_to].max()
+    if distance[next_to[0]] > reach:
+        fail(f"-place {place[0]:g},{place[1]:g}: must be inside a body at the end of the run")
+    planes = np.column_stack([np.ones(len(next_to)), away[next_to] / reach])
+    return np.linalg.lstsq(planes, plot.stress_of(points, component)[next_to], rcond=None)[0][0]
+
+
+def resolve(own, case, passed, folder, factor):
+    """Runs one resolution and reads what it found."""
+    into = folder / f"cells_{number_of(case, 'cell_size', 'nan') / factor:.4g}"
+    run(own.file, {"frames": 1, "monitor": "false", **passed, **refined(case, factor), "output_dir": into}, own.ranks)
+    summary = results.read_summary(into)
+    value = stress_at(into, own.quantity.removeprefix("stress_"), own.place) if own.place is not None else history_value(into, own)
+    points = sum(level["points"] for level in summary["levels"])
+    return Resolution(number_of(case, "cell_size", "nan") / factor, into, points, summary["steps"], value)
+
+
+def richardson(values):
+    """(difference, order, extrapolated value, its distance) of the last of the values; NaN for what does not follow."""
+    difference = values[-1] - values[-2] if len(values) > 1 else math.nan
+    before = values[-2] - values[-3] if len(values) > 2 else math.nan
+    if not abs(difference) < abs(before) or before * difference <= 0:
+        return difference, math.nan, math.nan, math.nan
+    order = math.log2(before / difference)
+    rest = difference / (2 ** min(order, METHOD_ORDER) - 1)
+    return difference, order, values[-1] + rest, abs(rest)
+
+
+def table_rows(resolutions):
+    """Rows of the table and of convergence.csv."""
+    values = [each.value for each in resolutions]
+    return [(each.cell_size, each.points, each.steps, each.value, *richardson(values[:count])) for count, each in enumerate(resolutions, start=1)]
+
+
+def print_row(row):
+    cell, points, steps, *figures = row
+    shown = ["-" if math.isnan(figure) else f"{figure:.6g}" for figure in figures]
+    print(f"{cell:10.4g} {points:9.0f} {steps:7.0f} " + " ".join(f"{figure:>13s}" for figure in shown), flush=True)
+
+
+def what(own):
+    """The quantity in words."""
+    if own.place is not None:
+        return f"{own.quantity} at ({own.place[0]:g}, {own.place[1]:g}) at the end"
+    return own.quantity + (", largest" if own.maximum else f" at depth {own.depth:g} m" if own.depth is not None else " at the end")
+
+
+def symbol(quantity):
+    """The unit of a quantity."""
+    units = {"N": "load", "J": "energy|.*_energy|.*_work", "m": "depth|penetration|.*_width", "s": "time", "Pa": ".*_pressure|stress_.*",
+             "N s": "momentum_.*|.*_impulse_.*", "kg": "mass"}
+    return next((unit for unit, names in units.items() if re.fullmatch(names, quantity)), "")
+
+
+def scaled(values, quantity):
+    """Values in a unit with a prefix, and the label of an axis."""
+    unit = plot.si_unit(values, symbol(quantity)) if symbol(quantity) else plot.Unit(1, "1")
+    return np.asarray(values) * unit.factor, f"{quantity.replace('_', ' ')} ({unit.name})"
+
+
+def draw(own, resolutions, rows, path):
+    """The history of the quantity (for a stress that of the load or the energy) on all resolutions, and its value against cell size."""
+    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(11.5, 4.6), layout="constrained")
+    draw_histories(left, own.quantity, resolutions)
+    sizes, size_label = scaled([each.cell_size for each in resolutions], "depth")
+    extrapolated, order = rows[-1][6], rows[-1][5]
+    values, value_label = scaled([each.value for each in resolutions] + [extrapolated] * (not math.isnan(extrapolated)), own.quantity)
+    right.plot(sizes, values[:len(sizes)], "o-")
+    if len(values) > len(sizes):
+        right.axhline(values[-1], color="black", linestyle=":", label=f"extrapolated, order {order:.2f}")
+        right.legend()
+    plot.line_axes(right, size_label.replace("depth", "cells"), value_label)
+    right.set_title(what(own))
+    right.set_xlim(left=0)
+    plot.save(figure, path)
+
+
+def draw_histories(axes, quantity, resolutions):
+    """A quantity against depth, or against time where there is no indenter, of all resolutions."""
+    histories = [results.read_history(each.folder) for each in resolutions]
+    over = "depth" if results.has_indenter(histories[0]) else "time"
+    if quantity.startswith("stress_"):
+        quantity = "load" if over == "depth" else "strain_energy"
+    lengths = np.cumsum([len(history["time"]) for history in histories])[:-1]
+    places, place_label = scaled(np.concatenate([history[over] for history in histories]), over)
+    values, value_label = scaled(np.concatenate([column(history, quantity) for history in histories]), quantity)
+    for each, x, y in zip(resolutions, np.split(places, lengths), np.split(values, lengths)):
+        axes.plot(x, y, label=plot.in_si_unit(each.cell_size, "m"))
+    plot.line_axes(axes, place_label, value_label)
+    axes.legend(title="cells")
+
+
+def main(words):
+    if not words or words[0] in ("-help", "--help", "-h"):
+        print(__doc__)
+        return
+    own, passed = parse(words)
+    case = {**read_options(own.file), **passed}
+    if not case.get("cell_size"):
+        fail(f"{own.file}: must give -cell_size")
+    folder = Path(passed.pop("output_dir", None) or f"output/converge_{own.file.stem}")
+    print(f"{own.file.stem}: {what(own)}\n" + f"{'cells (m)':>10s} {'points':>9s} {'steps':>7s} " + " ".join(f"{name:>13s}" for name in COLUMNS[3:]))
+    resolutions = []
+    for count in range(own.refine):
+        resolutions.append(resolve(own, case, passed, folder, 2**count))
+        print_row(table_rows(resolutions)[-1])
+    rows = table_rows(resolutions)
+    with open(folder / "convergence.csv", "w", newline="") as file:
+        csv.writer(file).writerows([COLUMNS, *rows])
+    print(folder / "convergence.csv")
+    draw(own, resolutions, rows, folder / "convergence.png")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

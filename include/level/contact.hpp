@@ -5,6 +5,8 @@
 #include "level/points.hpp"
 #include "pointwise/indenter.hpp"
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,10 +38,16 @@ struct ContactReport {
   bool solved = true;     ///< false: the linear solver did not converge
 };
 
+/// Pressures that were found, by the number of their unknown.
+using ContactPressures = std::map<std::int64_t, double>;
+
 class Contact
 {
 public:
   virtual ~Contact() = default;
+  /// What a step leaves to the next, the same on every rank of the level.
+  virtual ContactPressures Pressures() const { return {}; }
+  virtual void SetPressures(const ContactPressures &) {}
   /// Corrects the nodal velocities (v, dv), which must be known on ghosts too, on owned and ghost nodes. Collective.
   virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
 };

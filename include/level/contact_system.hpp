@@ -7,8 +7,6 @@
 #include "level/active_set.hpp"
 #include "level/contact.hpp"
 
-#include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -30,9 +28,6 @@ struct ContactEntry {
   Vec2 test, force;
 };
 
-/// Pressures that were found, by key.
-using ContactPressures = std::map<std::int64_t, double>;
-
 class ContactSystem
 {
 public:
@@ -44,8 +39,9 @@ public:
   PetscErrorCode Solve(const ContactView &view, const std::vector<ContactRow> &rows,
                        const std::vector<ContactEntry> &entries, double drop_below, ContactReport *report);
 
-  /// The pressures of the last solve, on every rank.
+  /// The pressures of the last solve, on every rank; the next one starts from them.
   const ContactPressures &Pressures() const { return pressures_; }
+  void SetPressures(const ContactPressures &pressures) { pressures_ = pressures; }
 
 private:
   struct Problem;

@@ -45,6 +45,13 @@ struct LevelFailure {
   double time = 0;
 };
 
+/// What a level carries from step to step beside points, totals and contact pressures.
+struct LevelPace {
+  long steps = 0;
+  int migration_interval = 1; ///< steps
+  bool contact_awake = true;
+};
+
 class Level
 {
 public:
@@ -94,7 +101,10 @@ public:
   /// Least distance of this rank's surface points from the indenter at a time, m; infinite where there is none.
   PetscErrorCode IndenterDistance(double time, double *distance);
   /// While the indenter is out of reach, contact is left out of the steps.
-  void WatchContact(bool within_reach) { contact_awake_ = within_reach; }
+  void WatchContact(bool within_reach) { pace_.contact_awake = within_reach; }
+  /// Contact pressures that the next step starts from, the same on every rank that holds a part of the grid.
+  ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
+  void SetPressures(const ContactPressures &pressures);
 
   PetscErrorCode Tally(PointTally *tally);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
@@ -112,8 +122,9 @@ public:
   NodalTotals &Nodal() { return nodal_totals_; }
   SweepTotals &Sweeps() { return sweep_totals_; }
   ContactTotals &Contacts() { return contact_totals_; }
-  long Steps() const { return steps_; }
-  void SetSteps(long steps) { steps_ = steps; }
+  long Steps() const { return pace_.steps; }
+  const LevelPace &Pace() const { return pace_; }
+  void SetPace(const LevelPace &pace) { pace_ = pace; }
   void SetXpicFraction(double fraction) { nodal_.xpic_fraction = fraction; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
@@ -144,9 +155,8 @@ private:
   ContactTotals contact_totals_;
   LevelFailure failure_;
   double time_ = 0;
-  bool contact_awake_ = true;
-  long steps_ = 0;
-  int migration_interval_ = 1, sort_interval_ = 50;
+  LevelPace pace_;
+  int sort_interval_ = 50;
 };
 
 } // namespace mlgimp

@@ -45,6 +45,12 @@ struct Books {
   }
 };
 
+/// What the coupling by points carries from step to step beside the copies.
+struct CopyState {
+  bool ready = false;   ///< there are copies
+  Vec2 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
+};
+
 /// Largest speeds over all points, and whether any level has failed.
 struct Pulse {
   double wave_speed = 0, point_speed = 0; ///< of c + |v| and |v|, m/s
@@ -72,14 +78,18 @@ public:
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const Pulse &pulse, double time, double dt, int steps);
   PetscErrorCode ReduceBooks(Books *books);
-  /// Puts totals of an earlier run on the first rank, so that they go on from there.
-  PetscErrorCode RestoreBooks(const Books &books);
+  /// This rank's parts of what the books count since the start, in a fixed order, and back. Their sums over ranks are
+  /// those of the books, to the last bit where each rank gets its own back.
+  std::vector<double> Totals();
+  void RestoreTotals(const std::vector<double> &totals);
   /// One line about the first failure, the same on every rank; empty where there is none.
   PetscErrorCode DescribeFailure(std::string *message);
 
   int Levels() const { return static_cast<int>(levels_.size()); }
   Level &At(int l) { return *levels_[l]; }
   MPI_Comm Comm() const { return comm_; }
+  const CopyState &Copies() const { return copies_; }
+  void SetCopies(const CopyState &copies) { copies_ = copies; }
   const std::vector<PetscLogStage> &Stages() const { return stages_; }
   /// Bytes that the coupling of levels sends between ranks in a step of level 0, with the ranks that METIS chose for the
   /// blocks and with the first ranks in order.
@@ -89,6 +99,7 @@ public:
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
+  template <class Visit> void ForEachTotal(Visit visit);
   PetscErrorCode MeasureMomentum(Vec2 *left);
   PetscErrorCode CorrectMomentum();
   PetscErrorCode CreateBorders(std::int64_t seeds);
@@ -110,8 +121,7 @@ private:
   std::vector<std::unique_ptr<Border>> borders_;      ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<Crossing>> crossings_;
   std::vector<std::unique_ptr<GhostBorder>> ghosts_;  ///< where the coupling is by points
-  bool copies_ready_ = false;
-  Vec2 momentum_left_{}; ///< momentum less the impulses since the start, that the coupling by points should keep
+  CopyState copies_;
 };
 
 } // namespace mlgimp

@@ -3,6 +3,7 @@
 
 #include "levels/hierarchy.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace mlgimp
 /// The state of a run beside its points.
 struct RunState {
   double time = 0, time_step = 0;
+  std::array<double, 3> step_settings{}; ///< what time_step follows from beside the wave speed: -end_time, -time_step, -cfl
   double wave_speed = 0;        ///< that the time step follows, m/s
   long step = 0;
   int frames = 0;               ///< written so far
@@ -21,13 +23,14 @@ struct RunState {
   double penetration = 0;       ///< deepest so far, m
 };
 
-/// Writes directory/checkpoint_SSSSSS.h5. Collective.
+/// Writes directory/checkpoint_SSSSSS.h5. problem: empty, or why that failed, the same on every rank. Collective.
 PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity,
-                               Hierarchy &hierarchy, const RunState &state);
+                               Hierarchy &hierarchy, const RunState &state, std::string *problem);
 
 /// Fills the empty levels of a hierarchy; ends the run with one line where the file is not whole, of another format or
-/// of another case. Collective.
+/// of another case. same_ranks: as many ranks wrote it, and each has got its own back, so that the run goes on to the
+/// last bit as if it had not been interrupted. Collective.
 PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::string> &identity, Hierarchy &hierarchy,
-                              RunState *state);
+                              RunState *state, bool *same_ranks);
 
 } // namespace mlgimp

@@ -15,9 +15,12 @@ public:
   FrameWriter(std::string directory, const Model &model) : directory_(std::move(directory)), model_(model) {}
 
   /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on; removes others.
-  PetscErrorCode Resume(MPI_Comm comm, int written);
+  /// problem: empty, or what could not be written; here and below.
+  PetscErrorCode Resume(MPI_Comm comm, int written, std::string *problem);
   /// Writes frame `number` (the first is 1) and the series with it. Collective.
-  PetscErrorCode Write(Hierarchy &hierarchy, int number, double time, long step);
+  PetscErrorCode Write(Hierarchy &hierarchy, int number, double time, long step, std::string *problem);
+  /// Number of the last frame that is there; 0 for none.
+  int Last() const { return frames_.empty() ? 0 : frames_.back().number; }
 
 private:
   struct Frame {
@@ -26,7 +29,7 @@ private:
     std::vector<unsigned long long> counts; ///< points of each level
   };
   std::string FileName(int number) const;
-  PetscErrorCode WriteSeries(MPI_Comm comm) const;
+  PetscErrorCode WriteSeries(MPI_Comm comm, std::string *problem) const;
 
   std::string directory_;
   const Model &model_;
@@ -35,8 +38,5 @@ private:
 
 /// This rank's rows among those of all ranks.
 PetscErrorCode MakeSlab(MPI_Comm comm, int count, struct Slab *slab);
-
-/// Writes a text file under another name and renames it when it is complete; false where that fails. One rank.
-bool ReplaceFile(const std::string &path, const std::string &text);
 
 } // namespace mlgimp

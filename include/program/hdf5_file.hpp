@@ -1,9 +1,11 @@
 // A parallel HDF5 file: groups, attributes, and datasets that each rank holds a slab of.
 //
 // Files are written under another name and renamed when they are complete, so that a file with its final name is whole.
+// Room on the disk is reserved before MPI writes: MPI libraries do not return from a full disk on every rank, and hide why.
 #pragma once
 
 #include "base/petsc.hpp"
+#include "program/files.hpp"
 
 #include <hdf5.h>
 
@@ -59,17 +61,23 @@ public:
   void Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
   /// Rows of `components` values; one component gives a dataset of rank 1.
   void Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
-  /// Closes and renames; a file that could not be written whole is removed and the run ends with one line.
-  PetscErrorCode Finish();
+  /// Closes, seals where `sealed`, and renames. problem: empty, or why there is no such file, the same on every rank.
+  PetscErrorCode Finish(bool sealed, std::string *problem);
 
 private:
   void Note(bool success) { good_ = good_ && success; }
+  void NoteSystem(bool success);
+  void Agree();
+  void Reserve(off_t size);
   void WriteAttribute(const std::string &object, const std::string &name, hid_t type, hid_t space, const void *data);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   H5Handle file_;
+  Descriptor part_;      ///< the same file on the first rank, by which room is reserved
+  off_t reserved_ = 0;   ///< bytes
   bool good_ = true;
+  int error_ = 0;        ///< errno of the first call of the system that failed
 };
 
 /// Reads one file; every function returns false where what it asks for is not there.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "levels/hierarchy.hpp"
+#include "program/files.hpp"
 
 #include <string>
 #include <vector>
@@ -19,17 +20,20 @@ struct HistoryRow {
 class History
 {
 public:
-  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. Collective.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, long resume_step);
-  PetscErrorCode Write(const HistoryRow &row);
-  ~History();
+  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. problem: empty, or why the
+  /// file cannot be written, the same on every rank. Collective.
+  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, long resume_step, std::string *problem);
+  PetscErrorCode Write(const HistoryRow &row, std::string *problem);
+  /// Step of the last row that is there; -1 for none.
+  long Last() const { return last_; }
 
 private:
-  bool Append(const std::string &text) const;
+  std::string Append(const std::string &text) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
-  int file_ = -1; ///< on the first rank
+  Descriptor file_; ///< on the first rank
+  long last_ = -1;
 };
 
 } // namespace mlgimp

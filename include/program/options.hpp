@@ -82,6 +82,9 @@ std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
 
+/// A message as one line that no terminal takes for orders: other characters become question marks.
+std::string OneLine(std::string text);
+
 /// Looks at the command line before PETSc does: options files that cannot be read or parsed, options given twice.
 /// Returns an empty string, or the message.
 std::string CheckCommandLine(int argc, char **argv);

@@ -34,8 +34,11 @@ private:
   PetscErrorCode WriteHistoryRow();
   PetscErrorCode WriteState();
   PetscErrorCode LargestContact(HistoryRow *row);
-  PetscErrorCode WriteSummary(const std::string &status);
+  PetscErrorCode WriteSummary(const std::string &status, std::string *problem);
   PetscErrorCode Fail(const std::string &message);
+  PetscErrorCode CheckWritten(const std::string &problem);
+  std::string Kept() const;
+  std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
   PetscErrorCode ShowProgress(bool last);
   PetscErrorCode SettleFailure();
   bool AtEnd() const;
@@ -51,7 +54,7 @@ private:
   History history_;
   FrameWriter frames_;
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
-  long start_step_ = 0;
+  long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0;
 };
 

@@ -23,7 +23,7 @@ struct SummaryInput {
   long steps;           ///< of level 0 in this run
 };
 
-/// Writes summary.json in the output folder. Collective.
-PetscErrorCode WriteSummary(const SummaryInput &input);
+/// Writes summary.json in the output folder. problem: empty, or why that failed, the same on every rank. Collective.
+PetscErrorCode WriteSummary(const SummaryInput &input, std::string *problem);
 
 } // namespace mlgimp

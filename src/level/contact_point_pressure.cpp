@@ -19,6 +19,9 @@ class PointPressureContact : public Contact
 public:
   PetscErrorCode Create(bool monitor) { return system_.Create(false, kDiagonalShift, monitor); }
 
+  ContactPressures Pressures() const override { return system_.Pressures(); }
+  void SetPressures(const ContactPressures &pressures) override { system_.SetPressures(pressures); }
+
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
   {
     const std::vector<int> *surface = nullptr;

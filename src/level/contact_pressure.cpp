@@ -21,6 +21,9 @@ class PressureContact : public Contact
 public:
   PetscErrorCode Create(bool monitor) { return system_.Create(true, 0, monitor); }
 
+  ContactPressures Pressures() const override { return system_.Pressures(); }
+  void SetPressures(const ContactPressures &pressures) override { system_.SetPressures(pressures); }
+
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
   {
     const double h = view.grid.Geometry().spacing;

@@ -46,6 +46,11 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void Level::SetPressures(const ContactPressures &pressures)
+{
+  if (contact_) contact_->SetPressures(pressures);
+}
+
 void Level::NoteFailure(const PointFailure &failure, double time)
 {
   if (failure.kind != PointFailure::kNone && failure_.kind == LevelFailure::kNone)
@@ -94,7 +99,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_ && contact_awake_) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
+  if (contact_ && pace_.contact_awake) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,8 +125,8 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  if (contact_ && contact_awake_) PetscCall(ApplyContact(time, dt));
-  if (!contact_awake_) contact_totals_.last = {};
+  if (contact_ && pace_.contact_awake) PetscCall(ApplyContact(time, dt));
+  if (!pace_.contact_awake) contact_totals_.last = {};
   if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -210,10 +215,10 @@ PetscErrorCode Level::AdvancePoints(double dt)
 PetscErrorCode Level::KeepOrder()
 {
   PetscFunctionBeginUser;
-  ++steps_;
+  ++pace_.steps;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (steps_ % migration_interval_ == 0) PetscCall(Migrate());
-  if (steps_ % sort_interval_ == 0) PetscCall(Sort());
+  if (pace_.steps % pace_.migration_interval == 0) PetscCall(Migrate());
+  if (pace_.steps % sort_interval_ == 0) PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,7 +227,7 @@ void Level::PlanMigration(double largest_speed, double dt)
   // Speeds may double before they are measured again, and a body at rest may be set in motion.
   constexpr double kDrift = 0.9, kSafety = 2, kSurprise = 0.02; // cells, -, cells a step
   const double cells_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
-  migration_interval_ = std::max(1, static_cast<int>(kDrift / cells_per_step));
+  pace_.migration_interval = std::max(1, static_cast<int>(kDrift / cells_per_step));
 }
 
 PetscErrorCode Level::Migrate(bool everywhere)

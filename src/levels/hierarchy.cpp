@@ -189,10 +189,10 @@ PetscErrorCode Hierarchy::Advance(double time, double dt)
     PetscCall(AdvanceLevel(0, time, dt, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!copies_ready_) {
+  if (!copies_.ready) {
     for (int b = 0; b + 1 < Levels(); ++b) PetscCall(ghosts_[b]->Exchange(dt / std::pow(settings_.ratio, b)));
-    PetscCall(MeasureMomentum(&momentum_left_));
-    copies_ready_ = true;
+    PetscCall(MeasureMomentum(&copies_.momentum_left));
+    copies_.ready = true;
   }
   PetscCall(AdvanceLevelWithCopies(0, time, dt));
   if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
@@ -277,7 +277,7 @@ PetscErrorCode Hierarchy::CorrectMomentum()
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm_));
   if (mass == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / mass) * (momentum_left_ - left)));
+  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / mass) * (copies_.momentum_left - left)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

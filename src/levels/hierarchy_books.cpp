@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <string>
+#include <type_traits>
 
 namespace mlgimp
 {
@@ -71,32 +72,42 @@ PetscErrorCode Hierarchy::ReduceBooks(Books *books)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::RestoreBooks(const Books &b)
+/// Calls visit(number) for each of this rank's running totals.
+template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  if (rank != 0) PetscFunctionReturn(PETSC_SUCCESS);
-  NodalTotals &nodal = levels_[0]->Nodal();
-  SweepTotals &sweeps = levels_[0]->Sweeps();
-  ContactTotals &contact = levels_[0]->Contacts();
-  sweeps = {b.short_wave_dissipation, b.plastic_dissipation, b.xpic_dissipation, static_cast<long>(b.clamped_sizes)};
-  nodal = {{b.support_impulse[0], b.support_impulse[1]},
-           {b.gravity_impulse[0], b.gravity_impulse[1]},
-           {b.load_impulse[0], b.load_impulse[1]},
-           {b.damping_impulse[0], b.damping_impulse[1]},
-           b.external_work,
-           b.damping_dissipation};
-  contact.impulse = {b.contact_impulse[0], b.contact_impulse[1]};
-  contact.indenter_work = b.indenter_work;
-  contact.steps = b.contact_steps;
-  contact.set_updates = b.contact_set_updates;
-  contact.fallbacks = b.contact_fallbacks;
-  if (borders_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  borders_[0]->SetTotals({{}, {b.stagger_impulse[0], b.stagger_impulse[1]}});
-  crossings_[0]->SetTotals({b.points_entered, b.points_left, b.points_split, b.points_merged, b.transfer_mass_error, b.transfer_momentum_error,
-                           b.points_adrift, b.mass_adrift, {b.momentum_adrift[0], b.momentum_adrift[1]}});
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const auto each = [&](auto &...numbers) { (visit(numbers), ...); };
+  for (auto &level : levels_) {
+    NodalTotals &n = level->Nodal();
+    SweepTotals &s = level->Sweeps();
+    ContactTotals &c = level->Contacts();
+    for (Vec2 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &c.impulse})
+      each((*impulse)[0], (*impulse)[1]);
+    each(n.external_work, n.damping_dissipation);
+    each(s.short_wave_dissipation, s.plastic_dissipation, s.xpic_dissipation, s.clamped_sizes);
+    each(c.indenter_work, c.steps, c.set_updates, c.fallbacks);
+  }
+  for (int b = 0; b + 1 < Levels(); ++b) {
+    BorderTotals border = borders_[b]->Totals();
+    CrossingTotals crossing = crossings_[b]->Totals();
+    for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
+    each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.mass_error, crossing.momentum_error);
+    each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);
+    borders_[b]->SetTotals(border);
+    crossings_[b]->SetTotals(crossing);
+  }
+}
+
+std::vector<double> Hierarchy::Totals()
+{
+  std::vector<double> totals;
+  ForEachTotal([&](const auto &number) { totals.push_back(static_cast<double>(number)); });
+  return totals;
+}
+
+void Hierarchy::RestoreTotals(const std::vector<double> &totals)
+{
+  auto next = totals.begin();
+  ForEachTotal([&](auto &number) { number = static_cast<std::decay_t<decltype(number)>>(*next++); });
 }
 
 static std::string Describe(const LevelFailure &failure, int l)

@@ -1,6 +1,7 @@
 // Point frames in HDF5 and their XDMF series.
 #include "program/frames.hpp"
 
+#include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
 #include <cmath>
@@ -25,17 +26,6 @@ PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-bool ReplaceFile(const std::string &path, const std::string &text)
-{
-  const std::string part = path + ".part";
-  std::ofstream file(part);
-  file << text;
-  file.close();
-  const bool good = file.good() && std::rename(part.c_str(), path.c_str()) == 0;
-  if (!good) std::remove(part.c_str());
-  return good;
-}
-
 std::string FrameWriter::FileName(int number) const
 {
   char name[32];
@@ -57,7 +47,7 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
   file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data());
 }
 
-PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
+PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step, std::string *problem)
 {
   H5Writer file;
   Frame frame{number, time, {}};
@@ -82,13 +72,14 @@ PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time,
     AddDerived(file, group, points, model_, slab);
     frame.counts.push_back(slab.total);
   }
-  PetscCall(file.Finish());
+  PetscCall(file.Finish(false, problem));
+  if (!problem->empty()) PetscFunctionReturn(PETSC_SUCCESS);
   frames_.push_back(frame);
-  PetscCall(WriteSeries(hierarchy.Comm()));
+  PetscCall(WriteSeries(hierarchy.Comm(), problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written)
+PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written, std::string *problem)
 {
   namespace fs = std::filesystem;
   PetscMPIInt rank;
@@ -105,8 +96,10 @@ PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written)
     }
     frames_.push_back(frame);
   }
-  if (rank == 0) {
+  if (!frames_.empty()) PetscCall(WriteSeries(comm, problem)); // before the frames go that it may name
+  if (rank == 0 && problem->empty()) {
     std::error_code error;
+    if (frames_.empty()) fs::remove(fs::path(directory_) / "points.xdmf", error);
     std::vector<fs::path> later;
     for (const auto &entry : fs::directory_iterator(directory_, error)) {
       const std::string name = entry.path().filename().string();
@@ -118,7 +111,7 @@ PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm) const
+PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) const
 {
   static const struct {
     const char *name, *kind, *number;
@@ -128,7 +121,6 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm) const
                     {"mass", "Scalar", "Float", 1},         {"half_size", "Matrix", "Float", 2},
                     {"body", "Scalar", "Int", 1},           {"id", "Scalar", "Int", 1}};
   PetscMPIInt rank;
-  int good = 1;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) {
@@ -158,10 +150,9 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm) const
       xml << "</Grid>\n";
     }
     xml << "</Grid>\n</Domain>\n</Xdmf>\n";
-    good = ReplaceFile(directory_ + "/points.xdmf", xml.str());
+    *problem = ReplaceFile(directory_ + "/points.xdmf", xml.str());
   }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm));
-  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "cannot write %s/points.xdmf: is the disk full, or the folder gone?", directory_.c_str());
+  PetscCall(ShareText(comm, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

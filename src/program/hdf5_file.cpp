@@ -1,8 +1,12 @@
 // Parallel HDF5 through its C interface.
 #include "program/hdf5_file.hpp"
 
+#include "program/seal.hpp"
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
 
 namespace mlgimp
@@ -37,15 +41,53 @@ static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
   return space;
 }
 
+/// What a call of the system on the first rank returned.
+void H5Writer::NoteSystem(bool success)
+{
+  if (!success && good_) error_ = errno;
+  Note(success);
+}
+
+/// A failure of one rank becomes that of all, so that none waits for the others in a collective call.
+void H5Writer::Agree()
+{
+  int good = good_;
+  MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm_);
+  good_ = good;
+}
+
+/// Makes sure of room for the first `size` bytes of the file, and for what the library adds to them.
+void H5Writer::Reserve(off_t size)
+{
+  constexpr off_t kOverhead = 1 << 16; // bytes for names, attributes and the seal
+  if (good_ && part_.Valid()) {
+    const off_t end = size + kOverhead;
+    const int error = end > reserved_ ? posix_fallocate(part_, reserved_, end - reserved_) : 0;
+    reserved_ = std::max(reserved_, end);
+    errno = error;
+    NoteSystem(error == 0);
+  }
+  Agree();
+}
+
 PetscErrorCode H5Writer::Open(MPI_Comm comm, const std::string &path)
 {
+  PetscMPIInt rank;
   PetscFunctionBeginUser;
   comm_ = comm;
   path_ = path;
-  good_ = true;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
+    part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
+    NoteSystem(part_.Valid());
+  }
+  Reserve(0);
+  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
   const H5Handle access = ParallelAccess(comm);
   file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   Note(file_.Valid());
+  reserved_ = 0; // the file was emptied
+  Reserve(0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,24 +132,29 @@ void H5Writer::Dataset(const std::string &name, hid_t type, int components, cons
   const H5Handle file_space = SlabSpace(components, slab, false), memory_space = SlabSpace(components, slab, true);
   const H5Handle set(H5Dcreate2(file_, name.c_str(), type, file_space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
   Note(set.Valid());
-  if (!good_ || slab.total == 0) return;
+  if (slab.total == 0) return;
+  Reserve(good_ ? static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set)) : 0);
+  if (!good_) return;
   Note(H5Dwrite(set, type, memory_space, file_space, CollectiveTransfer(), data) >= 0);
 }
 
-PetscErrorCode H5Writer::Finish()
+PetscErrorCode H5Writer::Finish(bool sealed, std::string *problem)
 {
   PetscMPIInt rank;
+  const std::string part = path_ + ".part";
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  if (file_.Valid()) Note(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0);
+  Agree();
+  if (!good_ && part_.Valid()) Note(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
+  PetscCallMPI(MPI_Barrier(comm_));
   Note(file_.Close());
-  int good = good_;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm_));
-  const std::string part = path_ + ".part";
-  if (rank == 0 && good) good = std::rename(part.c_str(), path_.c_str()) == 0;
-  if (rank == 0 && !good) std::remove(part.c_str());
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
-  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full, or the folder gone?", path_.c_str());
+  Agree();
+  if (rank == 0) {
+    if (good_) NoteSystem(part_.Close() && (!sealed || Seal(part)) && std::rename(part.c_str(), path_.c_str()) == 0);
+    if (!good_) unlink(part.c_str());
+    *problem = good_ ? "" : CannotWrite(path_, error_);
+  }
+  PetscCall(ShareText(comm_, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

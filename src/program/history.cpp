@@ -1,13 +1,11 @@
 // Writing of history.csv.
 #include "program/history.hpp"
 
-#include "program/frames.hpp"
-
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
-#include <unistd.h>
 
 namespace mlgimp
 {
@@ -51,14 +49,18 @@ const Column kColumns[] = {
     {"stagger_impulse_y", [](const HistoryRow &r) { return r.books.stagger_impulse[1]; }},
 };
 
-/// The header and the rows of an earlier part of the run up to a step.
-std::string RowsUpTo(const std::string &path, long step)
+/// The rows of an earlier part of the run up to a step, without one that a kill left incomplete.
+std::string RowsUpTo(const std::string &path, long step, long *last)
 {
   std::ifstream file(path);
   std::string text, line;
   std::getline(file, line);
-  while (std::getline(file, line))
-    if (!line.empty() && std::strtol(line.c_str(), nullptr, 10) <= step) text += line + "\n";
+  while (std::getline(file, line) && !file.eof()) { // the last line ends like the others, or not at all
+    const long row = std::strtol(line.c_str(), nullptr, 10);
+    if (row > step) continue;
+    text += line + "\n";
+    *last = row;
+  }
   return text;
 }
 
@@ -71,54 +73,50 @@ std::string Header()
 
 } // namespace
 
-PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long resume_step)
+PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long resume_step, std::string *problem)
 {
   PetscMPIInt rank;
-  int good = 1;
   PetscFunctionBeginUser;
   comm_ = comm;
   path_ = directory + "/history.csv";
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) {
-    good = ReplaceFile(path_, Header() + (resume_step >= 0 ? RowsUpTo(path_, resume_step) : ""));
-    if (good) file_ = open(path_.c_str(), O_WRONLY | O_APPEND);
-    good = good && file_ >= 0;
+    *problem = ReplaceFile(path_, Header() + (resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : ""));
+    if (problem->empty()) {
+      file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
+      if (!file_.Valid()) *problem = CannotWrite(path_, errno);
+    }
   }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm));
-  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full, or the folder gone?", path_.c_str());
+  PetscCall(ShareText(comm, problem));
+  PetscCallMPI(MPI_Bcast(&last_, 1, MPI_LONG, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds the whole text or nothing.
-bool History::Append(const std::string &text) const
+/// Adds the whole text or nothing; empty, or what CannotWrite says.
+std::string History::Append(const std::string &text) const
 {
   const off_t end = lseek(file_, 0, SEEK_END);
-  if (write(file_, text.data(), text.size()) == static_cast<ssize_t>(text.size())) return true;
+  if (WriteAll(file_, text)) return "";
+  const int error = errno;
   (void)!ftruncate(file_, end);
-  return false;
+  return CannotWrite(path_, error);
 }
 
-PetscErrorCode History::Write(const HistoryRow &row)
+PetscErrorCode History::Write(const HistoryRow &row, std::string *problem)
 {
-  int good = 1;
   PetscFunctionBeginUser;
-  if (file_ >= 0) {
+  if (file_.Valid()) {
     std::string text = std::to_string(row.step);
     for (const Column &column : kColumns) {
       char number[32];
       std::snprintf(number, sizeof number, ",%.15g", column.value(row));
       text += number;
     }
-    good = Append(text + "\n");
+    *problem = Append(text + "\n");
   }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
-  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "cannot write %s: is the disk full?", path_.c_str());
+  PetscCall(ShareText(comm_, problem));
+  if (problem->empty()) last_ = row.step;
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-History::~History()
-{
-  if (file_ >= 0) close(file_);
 }
 
 } // namespace mlgimp

@@ -2,6 +2,7 @@
 #include "program/options.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -11,6 +12,8 @@
 
 namespace mlgimp
 {
+
+static constexpr std::size_t kLongestValue = 65535; ///< characters
 
 std::string FormatNumber(double x)
 {
@@ -58,6 +61,19 @@ std::string Range::Text() const
          (upper_open ? ")" : "]");
 }
 
+std::string OneLine(std::string text)
+{
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c); }, '?');
+  return text;
+}
+
+/// A value as messages show it.
+static std::string Shortened(const std::string &value)
+{
+  constexpr std::size_t kMost = 200;
+  return value.size() <= kMost ? value : value.substr(0, kMost) + "... (" + std::to_string(value.size()) + " characters)";
+}
+
 static bool ParseNumber(const std::string &text, double *value)
 {
   char *end = nullptr;
@@ -68,13 +84,13 @@ static bool ParseNumber(const std::string &text, double *value)
 PetscErrorCode OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed) const
 {
   PetscFunctionBeginUser;
-  const std::string shown = value.empty() ? "" : " " + value;
+  const std::string shown = value.empty() ? "" : " " + Shortened(value);
   SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s%s: must be %s", name.c_str(), shown.c_str(), allowed.c_str());
 }
 
 PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given)
 {
-  std::vector<char> buffer(1 << 16);
+  std::vector<char> buffer(kLongestValue + 1);
   PetscBool set = PETSC_FALSE;
   auto PetscOptionsObject = items_;
   PetscFunctionBeginUser;
@@ -244,12 +260,12 @@ PetscErrorCode OptionReader::RefuseUnused() const
   if (unused.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   unused = "-" + unused;
   if (std::find(known_.begin(), known_.end(), unused) != known_.end())
-    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: is not used in this case", unused.c_str());
+    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: is not used in this case", Shortened(unused).c_str());
   const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
     return EditDistance(unused, a) < EditDistance(unused, b);
   });
   SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: nothing reads this option in this case; the nearest known name is %s",
-          unused.c_str(), nearest->c_str());
+          Shortened(unused).c_str(), nearest->c_str());
 }
 
 namespace
@@ -276,15 +292,19 @@ std::string CheckOptionsFile(const std::string &path)
   std::set<std::string> seen;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
+    line = line.substr(0, line.find('#'));
+    std::istringstream words(line);
     std::string name, value, more;
     words >> name >> value >> more;
     const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
+    if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
+      return place + "must be text, found '" + Shortened(Printable(line)) + "'";
+    if (name.size() + value.size() > kLongestValue) return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
     if (name.empty()) continue;
-    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Printable(name) + "'";
+    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
     if (name == "-options_file") return place + "must not name another options file; give both on the command line";
-    if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + more + "'";
-    if (!seen.insert(name).second) return name + " " + value + ": must be given once, found again in line " +
+    if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
+    if (!seen.insert(name).second) return name + " " + Shortened(value) + ": must be given once, found again in line " +
                                          std::to_string(number) + " of " + path;
   }
   return "";
@@ -297,6 +317,7 @@ std::string CheckCommandLine(int argc, char **argv)
   std::set<std::string> seen;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
+    if (word.size() > kLongestValue) return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
     const bool after_option = k > 1 && IsOptionName(argv[k - 1]);
     if (!IsOptionName(word)) {
       if (!after_option) return "'" + word + "': must follow an option that takes it; options begin with a dash";

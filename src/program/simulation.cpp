@@ -1,10 +1,12 @@
 // The loop over level-0 steps.
 #include "program/simulation.hpp"
 
+#include "program/memory.hpp"
 #include "program/summary.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 namespace mlgimp
@@ -17,12 +19,14 @@ static constexpr int kControlInterval = 10; ///< steps between looks at the wave
 PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
   const bool restart = !case_.output.restart.empty();
+  bool same_ranks = false;
   PetscFunctionBeginUser;
   comm_ = comm;
+  PetscCall(CheckMemory(comm, case_));
   PetscCall(RegisterLogEvents(&events_));
   PetscCall(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
-    PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_));
+    PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_, &same_ranks));
     PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
                case_.output.restart.c_str(), FormatNumber(state_.time).c_str(), state_.step);
     hierarchy_.At(0).Contacts().penetration = state_.penetration;
@@ -36,7 +40,9 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     state_.initial_created = books_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
   }
   PetscCall(CheckOutputFolder());
-  PetscCall(ControlStep());
+  // A run that goes on as it was keeps the step and the pace of its levels until it would have looked at them.
+  if (!same_ranks || state_.step_settings != StepSettings()) PetscCall(ControlStep());
+  state_.step_settings = StepSettings();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,11 +95,19 @@ PetscErrorCode Simulation::CheckIndenter()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// True for the files that a run writes.
+static bool Begins(const std::string &name, const char *start) { return name.rfind(start, 0) == 0; }
+
+/// True for the files that a run writes, also those that are not complete.
 static bool IsResult(const std::string &name)
 {
-  const auto begins = [&](const char *start) { return name.rfind(start, 0) == 0; };
-  return name == "history.csv" || name == "summary.json" || begins("points") || begins("checkpoint_");
+  return Begins(name, "history.csv") || Begins(name, "summary.json") || Begins(name, "points") || Begins(name, "checkpoint_");
+}
+
+/// Of the files in the folder of a run, those that a restart at a step does without: what is not complete, and later checkpoints.
+static bool IsStale(const std::string &name, long step)
+{
+  const bool part = name.size() > 5 && name.substr(name.size() - 5) == ".part";
+  return IsResult(name) && (part || (Begins(name, "checkpoint_") && std::strtol(name.c_str() + 11, nullptr, 10) > step));
 }
 
 /// True for a restart in the folder of the run that it goes on with.
@@ -129,23 +143,28 @@ PetscErrorCode Simulation::PrepareOutputFolder()
 {
   const OutputSettings &out = case_.output;
   PetscMPIInt rank;
-  int good = 1, goes_on = 0;
+  int goes_on = 0;
+  std::string problem;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   if (rank == 0) {
-    std::error_code error;
+    std::error_code error, ignored;
+    std::vector<fs::path> old;
     fs::create_directories(out.directory, error);
-    good = fs::is_directory(out.directory, error);
+    if (!fs::is_directory(out.directory, ignored)) problem = "-output_dir " + out.directory + ": must be a folder that can be created: " + error.message();
     goes_on = GoesOn();
-    if (good && !goes_on)
-      for (const auto &entry : fs::directory_iterator(out.directory, error))
-        if (IsResult(entry.path().filename().string())) fs::remove(entry.path(), error);
+    for (const auto &entry : fs::directory_iterator(out.directory, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (goes_on ? IsStale(name, state_.step) : IsResult(name)) old.push_back(entry.path());
+    }
+    for (const auto &path : old) fs::remove(path, ignored);
   }
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, comm_));
+  PetscCall(ShareText(comm_, &problem));
   PetscCallMPI(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm_));
-  PetscCheck(good, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder that can be created", out.directory.c_str());
-  if (goes_on) PetscCall(frames_.Resume(comm_, state_.frames));
-  PetscCall(history_.Open(comm_, out.directory, goes_on ? state_.step : -1));
+  if (goes_on) last_checkpoint_ = state_.step;
+  if (problem.empty() && goes_on) PetscCall(frames_.Resume(comm_, state_.frames, &problem));
+  if (problem.empty()) PetscCall(history_.Open(comm_, out.directory, goes_on ? state_.step : -1, &problem));
+  PetscCheck(problem.empty(), comm_, PETSC_ERR_USER_INPUT, "%s", problem.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,6 +212,7 @@ PetscErrorCode Simulation::ControlStep()
 
 PetscErrorCode Simulation::Run()
 {
+  std::string problem;
   PetscFunctionBeginUser;
   PetscCall(PrepareOutputFolder());
   if (case_.model.indenter && case_.model.contact == "point_pressure")
@@ -215,7 +235,8 @@ PetscErrorCode Simulation::Run()
     PetscCall(ShowProgress(false));
   }
   PetscCall(ShowProgress(true));
-  PetscCall(WriteSummary("completed"));
+  PetscCall(WriteSummary("completed", &problem));
+  PetscCall(CheckWritten(problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,6 +244,7 @@ PetscErrorCode Simulation::WriteDue()
 {
   const OutputSettings &out = case_.output;
   const bool last = AtEnd();
+  std::string problem;
   PetscFunctionBeginUser;
   if (state_.step % kControlInterval == 0 || state_.step % out.history_interval == 0 || last) PetscCall(SettleFailure());
   PetscCall(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
@@ -230,7 +252,8 @@ PetscErrorCode Simulation::WriteDue()
   const int due = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
   if (due > state_.frames) {
     state_.frames = due;
-    PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step));
+    PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step, &problem));
+    PetscCall(CheckWritten(problem));
   }
   if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0)
     PetscCall(WriteState());
@@ -249,9 +272,32 @@ PetscErrorCode Simulation::SettleFailure()
 
 PetscErrorCode Simulation::Fail(const std::string &message)
 {
+  std::string problem; // of the summary, which is less than what is told here
   PetscFunctionBeginUser;
-  PetscCall(WriteSummary("failed: " + message));
+  PetscCall(WriteSummary("failed: " + message, &problem));
   SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
+}
+
+/// What the output folder holds whole, as the end of a sentence.
+std::string Simulation::Kept() const
+{
+  std::vector<std::string> parts;
+  if (history_.Last() >= 0) parts.push_back("history to step " + std::to_string(history_.Last()));
+  if (frames_.Last() > 0) parts.push_back("frames to " + std::to_string(frames_.Last()));
+  if (last_checkpoint_ >= 0) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
+  if (parts.empty()) return "nothing is kept";
+  if (parts.size() == 1) return parts[0] + " is kept";
+  const std::string last = parts.back();
+  parts.pop_back();
+  return Join(parts, ", ") + " and " + last + " are kept";
+}
+
+/// Ends the run where something could not be written.
+PetscErrorCode Simulation::CheckWritten(const std::string &problem)
+{
+  PetscFunctionBeginUser;
+  if (!problem.empty()) PetscCall(Fail(problem + "; " + Kept()));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// What contact reports as largest values, over levels and ranks.
@@ -275,10 +321,13 @@ PetscErrorCode Simulation::LargestContact(HistoryRow *row)
 PetscErrorCode Simulation::WriteState()
 {
   HistoryRow row{};
+  std::string problem;
   PetscFunctionBeginUser;
   PetscCall(LargestContact(&row));
   state_.penetration = row.penetration;
-  PetscCall(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
+  PetscCall(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_, &problem));
+  PetscCall(CheckWritten(problem));
+  last_checkpoint_ = state_.step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,6 +335,7 @@ PetscErrorCode Simulation::WriteHistoryRow()
 {
   const auto &indenter = case_.model.indenter;
   HistoryRow row{};
+  std::string problem;
   PetscFunctionBeginUser;
   PetscCall(hierarchy_.ReduceBooks(&books_));
   const double passed = state_.time - state_.time_at_row;
@@ -298,7 +348,8 @@ PetscErrorCode Simulation::WriteHistoryRow()
   row.load = load_;
   row.books = books_;
   PetscCall(LargestContact(&row));
-  PetscCall(history_.Write(row));
+  PetscCall(history_.Write(row, &problem));
+  PetscCall(CheckWritten(problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,12 +372,12 @@ PetscErrorCode Simulation::ShowProgress(bool last)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Simulation::WriteSummary(const std::string &status)
+PetscErrorCode Simulation::WriteSummary(const std::string &status, std::string *problem)
 {
   SummaryInput input{status,       case_,          state_, hierarchy_, MPI_Wtime() - start_wall_, level_seconds_,
                      point_steps_, events_, state_.step - start_step_};
   PetscFunctionBeginUser;
-  PetscCall(mlgimp::WriteSummary(input));
+  PetscCall(mlgimp::WriteSummary(input, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

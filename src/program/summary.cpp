@@ -1,7 +1,7 @@
 // Writing of summary.json.
 #include "program/summary.hpp"
 
-#include "program/frames.hpp"
+#include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ std::string Quoted(const std::string &text)
   std::string quoted = "\"";
   for (char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
+    quoted += static_cast<unsigned char>(c) < ' ' ? '?' : c;
   }
   return quoted + "\"";
 }
@@ -70,7 +70,7 @@ std::string LevelJson(const Level &level, double points, double largest, double 
 
 } // namespace
 
-PetscErrorCode WriteSummary(const SummaryInput &in)
+PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
 {
   PetscMPIInt rank, ranks;
   Books books;
@@ -116,11 +116,8 @@ PetscErrorCode WriteSummary(const SummaryInput &in)
        << ",\n  \"contact_set_updates\": " << FormatNumber(books.contact_set_updates)
        << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)
        << ",\n  \"clamped_half_sizes\": " << FormatNumber(books.clamped_sizes) << ",\n  \"versions\": " << Versions() << "\n}\n";
-  int good = 1;
-  if (rank == 0) good = ReplaceFile(in.settings.output.directory + "/summary.json", json.str());
-  PetscCallMPI(MPI_Bcast(&good, 1, MPI_INT, 0, hierarchy.Comm()));
-  PetscCheck(good, hierarchy.Comm(), PETSC_ERR_USER_INPUT, "cannot write %s/summary.json: is the disk full, or the folder gone?",
-             in.settings.output.directory.c_str());
+  if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", json.str());
+  PetscCall(ShareText(hierarchy.Comm(), problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,9 +1,7 @@
 """What a run leaves behind: its files are complete, agree with each other and with the books of the run."""
 import importlib
-import pathlib
 import re
 import subprocess
-import tempfile
 import xml.etree.ElementTree
 
 import h5py
@@ -51,8 +49,6 @@ OPTIONS = {
     "overwrite": ["false"], "history_interval": ["1"], "frames": ["20"], "checkpoint_interval": ["0"], "restart": [],
     "monitor": ["false"],
 }
-
-FULL_DISK = 300 * 1024  # bytes: some frames fit, not all
 
 
 def test_history(report):
@@ -151,44 +147,6 @@ def test_books(report):
     collision = {**COLLISION, "frames": 0, "checkpoint_interval": 0}
     expect_books(report, "collision", harness.run(collision).history, 0.01)
     expect_books(report, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
-
-
-def expect_full(report, name, folder, ranks):
-    """One line and a status; history and frames that were written before can be read."""
-    environment = dict(harness.ENVIRONMENT, OMPI_MCA_orte_execute_quiet="1")
-    options = {**WEDGE, "frames": 5, "output_dir": folder, "monitor": "false"}
-    done = subprocess.run(harness.command(harness.to_arguments(options), ranks), capture_output=True, text=True,
-                          env=environment, cwd=harness.ROOT, timeout=120)
-    lines = done.stderr.strip().split("\n")
-    report.note(f"{name}: status", done.returncode > 0, str(done.returncode))
-    lines = [line for line in lines if line.startswith("mlgimp")]  # the MPI library may add its own
-    report.note(f"{name}: one line", len(lines) == 1 and lines[0].startswith("mlgimp: error: cannot write"), " | ".join(lines)[:400])
-    try:
-        history = harness.Result(0, "", "", folder).history
-        report.expect(f"{name}: rows that can be read", len(history["step"]), at_least=2)
-    except (Exception, SystemExit) as error:
-        report.note(f"{name}: rows that can be read", False, str(error))
-    frames = sorted(folder.glob("points_*.h5"))
-    for path in frames:
-        with h5py.File(path) as file:
-            report.note(f"{name}: {path.name} is whole", set(file["level_0"]) == set(DATASETS))
-    listed = xml.etree.ElementTree.parse(folder / "points.xdmf") if (folder / "points.xdmf").exists() else None
-    series = [item.text.split(":")[0] for item in listed.iter("DataItem")] if listed else []
-    report.note(f"{name}: points.xdmf lists only frames that are there", set(series) <= {path.name for path in frames})
-    report.note(f"{name}: nothing unfinished", not list(folder.glob("*.part")))
-
-
-def test_full_disk(report):
-    for ranks in (1, 2):
-        place = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={FULL_DISK}", "tmpfs", place], capture_output=True)
-        if mounted.returncode != 0:  # only root may mount
-            print("      skipped: a small disk cannot be mounted: " + mounted.stderr.decode().strip())
-            return
-        try:
-            expect_full(report, f"full disk, {ranks} ranks", place / "results", ranks)
-        finally:
-            subprocess.run(["umount", place], check=True)
 
 
 def table_of(text, event):

@@ -1,11 +1,9 @@
-"""Restarts: from checkpoints of any number of ranks on any number of ranks, and after a kill."""
+"""Restarts: to the last bit on as many ranks as wrote the checkpoint, to round-off on others. Kills are in faults.py."""
 import shutil
-import subprocess
-import time
 import xml.etree.ElementTree
 
 import harness
-from ranks import FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
+from ranks import COLLISION, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
 
 CHECKPOINT = 25  # steps; no multiple of 10, so that the steps between looks at the wave speed go on too
 CASE = {**WEDGE, "checkpoint_interval": CHECKPOINT, "frames": 8}
@@ -21,6 +19,11 @@ def expect_series(report, name, folder, frames):
     report.note(f"{name}: series", listed == wanted, "" if listed == wanted else f"{listed}")
 
 
+def rows_after(folder, step):
+    """The lines of history.csv after a step."""
+    return [line for line in (folder / "history.csv").read_text().splitlines()[1:] if int(line.split(",")[0]) > step]
+
+
 def expect_continued(report, name, case, rank_counts):
     """From checkpoints that 1 and 3 ranks wrote, into new folders, on each number of ranks."""
     for wrote in (1, 3):
@@ -33,6 +36,8 @@ def expect_continued(report, name, case, rank_counts):
             difference, column = largest_difference(result.history, whole.history)
             report.expect(f"{here}: history (worst column {column})", difference, at_most=SAME)
             report.note(f"{here}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
+            if ranks == wrote:
+                report.note(f"{here}: to the last bit", rows_after(whole.folder, 2 * CHECKPOINT) == rows_after(result.folder, 0))
             report.note(f"{here}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
 
 
@@ -44,6 +49,29 @@ def test_levels(report):
     """Three levels go on, also while points cross borders."""
     for kind, case in (("wedge", LEVELS), ("flight", FLIGHT)):
         expect_continued(report, f"levels, {kind}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 2, 3, 4, 8))
+
+
+def test_methods(report):
+    """To the last bit with what other methods carry from step to step: copies of points, momentum, contact pressures."""
+    for name, case in (("points", {**LEVELS, "level_coupling": "points"}),
+                       ("points by place", {**LEVELS, "level_coupling": "points", "ghost_ownership": "place"}),
+                       ("point pressure", {**WEDGE, "contact": "point_pressure"}), ("multimesh", {**WEDGE, "contact": "multimesh"}),
+                       ("usf", {**WEDGE, "stress_update": "usf"}), ("xpic", {**WEDGE, "xpic_fraction": 0.02, "damping": 1e8}),
+                       ("merging", {**FLIGHT, "merge_siblings": "true"}), ("collision", COLLISION)):
+        case = {**case, "checkpoint_interval": CHECKPOINT, "frames": 0, "max_steps": CHECKPOINT + 20}
+        whole = harness.run(case, ranks=2)
+        again = harness.run({**case, "restart": whole.folder / f"checkpoint_{CHECKPOINT:06d}.h5", "checkpoint_interval": 0}, ranks=2)
+        report.note(f"{name}: to the last bit", rows_after(whole.folder, CHECKPOINT) == rows_after(again.folder, 0))
+
+
+def test_other_steps(report):
+    """Another end or step of time is taken up at once, also on as many ranks."""
+    whole = harness.run({**CASE, "frames": 0})
+    checkpoint, times = whole.folder / f"checkpoint_{CHECKPOINT:06d}.h5", whole.history["time"]
+    half = harness.run({**CASE, "frames": 0, "restart": checkpoint, "cfl": 0.2}).history
+    report.expect("restart with half the step: length of the first", (half["time"][0] - times[CHECKPOINT]) / (times[CHECKPOINT + 1] - times[CHECKPOINT]), near=0.5, tolerance=0.01)
+    longer = harness.run({**CASE, "frames": 0, "restart": checkpoint, "end_time": 2e-9}).history
+    report.expect("restart with another end", longer["time"][-1], near=2e-9, tolerance=1e-21)
 
 
 def test_same_folder(report):
@@ -69,21 +97,3 @@ def test_fewer_steps_than_frames(report):
     before = (whole.folder / "points.xdmf").read_text()
     harness.run({**case, "restart": whole.folder / "checkpoint_000004.h5"}, folder=whole.folder)
     report.note("frames with gaps: series", (whole.folder / "points.xdmf").read_text() == before)
-
-
-def test_kill(report):
-    """Killed in the middle, a run goes on from its last complete checkpoint to the same end."""
-    case = {**CASE, "time_step": 4e-12, "checkpoint_interval": 10}
-    whole = harness.run(case)
-    folder = whole.folder.with_name(whole.folder.name + "_killed")
-    arguments = harness.to_arguments({"output_dir": folder, "monitor": "false", **case})
-    process = subprocess.Popen(harness.command(arguments, 1), env=harness.ENVIRONMENT, cwd=harness.ROOT)
-    limit = time.time() + 60
-    while process.poll() is None and not (folder / "checkpoint_000100.h5").exists() and time.time() < limit:
-        time.sleep(0.002)
-    process.kill()
-    report.note("kill: the run was in the middle", process.wait() < 0)
-    last = sorted(folder.glob("checkpoint_*.h5"))[-1]
-    again = harness.run({**case, "restart": last}, folder=folder)
-    expect_same(report, f"kill: from {last.name}", again, whole)
-    expect_series(report, "kill", folder, CASE["frames"])

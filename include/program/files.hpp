@@ -1,0 +1,52 @@
+// Files that one rank writes, whole or not at all, and the one line about those that cannot be written.
+#pragma once
+
+#include "base/petsc.hpp"
+
+#include <string>
+#include <unistd.h>
+
+namespace mlgimp
+{
+
+/// Owns a file descriptor.
+class Descriptor
+{
+public:
+  Descriptor() = default;
+  explicit Descriptor(int id) : id_(id) {}
+  Descriptor(const Descriptor &) = delete;
+  Descriptor &operator=(const Descriptor &) = delete;
+  ~Descriptor() { Close(); }
+  void Reset(int id)
+  {
+    Close();
+    id_ = id;
+  }
+  /// False, with errno, where what was written could not be kept.
+  bool Close()
+  {
+    const int id = id_;
+    id_ = -1;
+    return id < 0 || close(id) == 0;
+  }
+  operator int() const { return id_; }
+  bool Valid() const { return id_ >= 0; }
+
+private:
+  int id_ = -1;
+};
+
+/// "cannot write PATH: REASON"; error: what errno was, or 0 where the system gave no reason.
+std::string CannotWrite(const std::string &path, int error);
+
+/// Writes all of a text; false, with errno, where that fails.
+bool WriteAll(int file, const std::string &text);
+
+/// Writes a text file under another name and renames it when it is complete. Empty, or what CannotWrite says.
+std::string ReplaceFile(const std::string &path, const std::string &text);
+
+/// The first rank's text, on every rank. Collective.
+PetscErrorCode ShareText(MPI_Comm comm, std::string *text);
+
+} // namespace mlgimp

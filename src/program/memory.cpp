@@ -1,0 +1,77 @@
+// An estimate of the memory that grids and points take, and what the machine has.
+#include "program/memory.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Area that two boxes share.
+double CommonArea(const Box &a, const Box &b)
+{
+  double area = 1;
+  for (int d = 0; d < 2; ++d) area *= std::max(0.0, std::min(a.upper[d], b.upper[d]) - std::max(a.lower[d], b.lower[d]));
+  return area;
+}
+
+/// Nodes and points of all levels; bodies count with their bounding boxes.
+void CountAll(const Case &c, double *nodes, double *points)
+{
+  *nodes = *points = 0;
+  for (int l = 0; l < c.levels; ++l) {
+    const GridGeometry &grid = c.hierarchy.levels[l].grid;
+    *nodes += static_cast<double>(grid.Nodes(0)) * grid.Nodes(1);
+    for (const Body &body : c.model.bodies) {
+      const Box bounds = body.region->Bounds();
+      const double area = CommonArea(bounds, c.boxes[l]) - (l + 1 < c.levels ? CommonArea(bounds, c.boxes[l + 1]) : 0);
+      *points += std::max(0.0, area) * std::pow(body.points_per_cell / grid.spacing, 2);
+    }
+  }
+}
+
+/// Bytes that this rank may use: its share of the machine, or the limit of its group or of a process.
+PetscErrorCode BytesForRank(MPI_Comm comm, double *bytes)
+{
+  MPI_Comm machine;
+  PetscMPIInt ranks;
+  rlimit limit{};
+  double group = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  PetscCallMPI(MPI_Comm_size(machine, &ranks));
+  PetscCallMPI(MPI_Comm_free(&machine));
+  *bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> group) *bytes = std::min(*bytes, group); // "max" is no number
+  *bytes /= ranks;
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) *bytes = std::min(*bytes, static_cast<double>(limit.rlim_cur));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+PetscErrorCode CheckMemory(MPI_Comm comm, const Case &c)
+{
+  constexpr double kPoint = 220, kNode = 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
+  constexpr double kNodeOnEveryRank = 24;     // bytes: counts of points, for the layout
+  constexpr double kGigabyte = 1e9;
+  PetscMPIInt ranks;
+  double nodes, points, bytes;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  CountAll(c, &nodes, &points);
+  PetscCall(BytesForRank(comm, &bytes));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
+  const double needed = (kPoint * points + kNode * nodes) / ranks + kNodeOnEveryRank * nodes;
+  PetscCheck(needed <= bytes, comm, PETSC_ERR_USER_INPUT, "-cell_size %s: must leave room in memory; %s points and %s nodes need about %s GB for each rank, which has %s GB",
+             FormatNumber(c.cell_size).c_str(), FormatRounded(points).c_str(), FormatRounded(nodes).c_str(),
+             FormatRounded(needed / kGigabyte).c_str(), FormatRounded(bytes / kGigabyte).c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

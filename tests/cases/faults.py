@@ -1,0 +1,350 @@
+"""Faults from outside: kills, damaged checkpoints, full disks and folders that cannot be written."""
+import contextlib
+import os
+import pathlib
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import xml.etree.ElementTree
+
+import h5py
+import numpy
+
+import harness
+from ranks import LEVELS, SAME, WEDGE, largest_difference
+
+KILLS = 20
+CUTS, FLIPS = 20, 40
+
+# Most of the time goes into checkpoints, so that many kills meet one that is being written.
+SMALL = {**WEDGE, "checkpoint_interval": 2, "frames": 3, "end_time": 5e-10}
+NESTED = {**LEVELS, "checkpoint_interval": 2, "frames": 3, "end_time": 6e-10}
+
+
+def rows_of(folder):
+    """The lines of history.csv after its header."""
+    return (folder / "history.csv").read_text().splitlines()[1:]
+
+
+def words_of(case, folder):
+    return harness.to_arguments({"output_dir": folder, "monitor": "false", **case})
+
+
+# ---- Kills
+
+
+def ranks_of(process):
+    """The processes that mpiexec, or the program alone, has started."""
+    return [int(word) for word in pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+
+
+def kill_at(case, ranks, folder, rows, delay):
+    """Runs until it is killed with all its ranks, so many seconds after a row of the history; false where it ended before."""
+    process = subprocess.Popen(harness.command(words_of(case, folder), ranks), env=harness.ENVIRONMENT, cwd=harness.ROOT,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    history = folder / "history.csv"
+    while process.poll() is None and not (history.exists() and len(rows_of(folder)) > rows):
+        time.sleep(0.001)
+    try:
+        process.wait(timeout=delay)
+        return False
+    except subprocess.TimeoutExpired:
+        children = ranks_of(process)
+        for one in [process.pid, *children]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(one, signal.SIGKILL)
+        process.wait()
+        for child in children:  # gone only when their new parent has seen it
+            limit = time.time() + 10
+            while pathlib.Path(f"/proc/{child}").exists() and time.time() < limit:
+                time.sleep(0.005)
+        return True
+
+
+def problem_elsewhere(case, checkpoint, ranks, whole):
+    """What is wrong with a run that goes on with another number of ranks; empty where nothing is."""
+    result = harness.run({**case, "restart": checkpoint, "checkpoint_interval": 0, "frames": 0}, ranks=ranks)
+    difference, column = largest_difference(result.history, whole.history)
+    return "" if difference <= SAME else f"{column} on {ranks} ranks differs by {difference:.1e} from {checkpoint.name} on"
+
+
+def problem_of_kill(case, ranks, other_ranks, whole, rows, delay):
+    """(what is wrong with a run that was killed and went on; whether it was killed; whether a file was being written).
+    other_ranks: on which it goes on as well; None for none."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch())) / "killed"
+    killed = kill_at(case, ranks, folder, rows, delay)
+    writing = folder.exists() and any(folder.glob("*.part"))
+    last_step = int(rows_of(whole.folder)[-1].split(",")[0])
+    checkpoints = sorted(path for path in folder.glob("checkpoint_*.h5") if int(path.stem.split("_")[1]) < last_step)
+    if not killed or not checkpoints:
+        return "", killed, writing
+    problems = []
+    if other_ranks:
+        problems += [problem for problem in [problem_elsewhere(case, checkpoints[-1], other_ranks, whole)] if problem]
+    again = harness.run({**case, "restart": checkpoints[-1]}, ranks=ranks, folder=folder)
+    if rows_of(folder) != rows_of(whole.folder):
+        problems.append(f"history differs after {checkpoints[-1].name}")
+    ours, theirs = again.frame(), whole.frame()
+    problems += [f"{name} of the last frame" for name in theirs if not numpy.array_equal(ours[name], theirs[name])]
+    if (folder / "points.xdmf").read_text() != (whole.folder / "points.xdmf").read_text():
+        problems.append("points.xdmf differs")
+    if any(folder.glob("*.part")):
+        problems.append("temporary files are left")
+    shutil.rmtree(folder)
+    return "; ".join(problems), killed, writing
+
+
+def expect_kills(report, name, case, ranks, other_ranks, count, seed):
+    whole = harness.run(case, ranks=ranks)
+    last = len(rows_of(whole.folder)) - 2
+    moments = random.Random(seed)
+    results = [problem_of_kill(case, ranks, other_ranks if number % 4 == 0 else None, whole, moments.randrange(last),
+                               moments.uniform(0, 0.02))
+               for number in range(count)]
+    problems = [problem for problem, _, _ in results if problem]
+    killed = sum(killed for _, killed, _ in results)
+    report.note(f"killed {killed} of {count} times, {name}, {ranks} ranks: equal to the last bit; on {other_ranks} to {SAME}",
+                not problems, " | ".join(problems))
+    return killed, sum(writing for _, _, writing in results)
+
+
+def kill_all(report, count):
+    """About as many kills of each kind of run; runs on several ranks take longer."""
+    totals = [0, 0]
+    for seed, (name, case, ranks, other_ranks) in enumerate((("one level", SMALL, 1, 2), ("one level", SMALL, 2, 1),
+                                                             ("three levels", NESTED, 1, 3), ("three levels", NESTED, 3, 1))):
+        killed, writing = expect_kills(report, name, case, ranks, other_ranks, count + (1 if ranks == 1 else -1), seed)
+        totals[0] += killed
+        totals[1] += writing
+    report.expect("kills in the middle of a run", totals[0], at_least=2 * count)
+    return totals[1]
+
+
+def test_kill(report):
+    kill_all(report, KILLS // 4)
+
+
+def verify_kill(report):
+    report.expect("kills while a file was being written", kill_all(report, 5 * KILLS), at_least=1)
+
+
+def test_kill_while_writing(report):
+    """A run that dies with half a checkpoint, half a frame and half a row goes on as if they had never been."""
+    whole = harness.run(SMALL)
+    folder = whole.folder.with_name(whole.folder.name + "_killed")
+    shutil.copytree(whole.folder, folder)
+    checkpoints = sorted(folder.glob("checkpoint_*.h5"))
+    middle = len(checkpoints) // 2
+    half = checkpoints[middle + 1].read_bytes()
+    for path in checkpoints[middle + 1:]:
+        path.unlink()
+    checkpoints[middle + 1].with_suffix(".h5.part").write_bytes(half[: len(half) // 2])
+    for name in ("points_000003.h5.part", "points.xdmf.part", "history.csv.part", "summary.json.part"):
+        (folder / name).write_bytes(b"half a file")
+    rows = (folder / "history.csv").read_text()
+    (folder / "history.csv").write_text(rows[: rows.rindex("\n", 0, len(rows) - 1) + 2])  # one digit of the last row
+    harness.run({**SMALL, "restart": checkpoints[middle]}, folder=folder)
+    report.note("killed while writing: history", rows_of(folder) == rows_of(whole.folder))
+    names = [sorted(path.name for path in place.iterdir()) for place in (folder, whole.folder)]
+    report.note("killed while writing: the same files", names[0] == names[1], str(set(names[0]) ^ set(names[1])))
+
+
+# ---- Damaged checkpoints
+
+
+def contents(folder):
+    return sorted((str(path.relative_to(folder)), path.stat().st_size, path.stat().st_mtime_ns) for path in folder.rglob("*"))
+
+
+def problem_of_refusal(case, damaged, ranks, folder):
+    """What is wrong with the way a damaged checkpoint is refused; empty where nothing is."""
+    before = contents(folder)
+    done = subprocess.run(harness.command(words_of({**case, "restart": damaged}, folder), ranks), capture_output=True, text=True,
+                          env=harness.ENVIRONMENT, cwd=harness.ROOT, timeout=60)
+    lines = done.stderr.strip("\n").split("\n")
+    if done.returncode <= 0 or len(lines) != 1 or not lines[0].startswith(f"mlgimp: error: -restart {damaged}: must be a whole checkpoint"):
+        return f"exit status {done.returncode}: " + " | ".join(lines)[:300]
+    return "the folder was touched" if contents(folder) != before else ""
+
+
+def flipped(data, place, bit):
+    return data[:place] + bytes([data[place] ^ 1 << bit]) + data[place + 1:]
+
+
+def test_damaged_checkpoint(report):
+    case = {**NESTED, "max_steps": 8, "end_time": 1.6e-9, "checkpoint_interval": 6}
+    made = harness.run({**case, "frames": 0})
+    data = (made.folder / "checkpoint_000006.h5").read_bytes()
+    choice = random.Random(7)
+    header = [choice.randrange(600) for _ in range(FLIPS // 4)]
+    anywhere = [choice.randrange(len(data)) for _ in range(FLIPS // 2)]
+    foot = [len(data) - 1 - choice.randrange(40) for _ in range(FLIPS // 4)]
+    damages = [(f"bit of byte {place} flipped", flipped(data, place, choice.randrange(8))) for place in header + anywhere + foot]
+    damages += [(f"cut to {size} bytes", data[:size]) for size in [0, len(data) - 1] + [choice.randrange(len(data)) for _ in range(CUTS - 2)]]
+    damages += [("a byte added", data + b"\n")]
+    folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+    (folder / "history.csv").write_text("step\n")
+    damaged = folder / "checkpoint_000006.h5"
+    wrong = []
+    for number, (name, bytes_now) in enumerate(damages):
+        damaged.write_bytes(bytes_now)
+        problem = problem_of_refusal(case, damaged, 3 if number % 8 == 0 else 1, folder)
+        if problem:
+            wrong.append(f"{name}: {problem}")
+    report.note(f"damaged checkpoints: {len(damages)} refused", not wrong, " || ".join(wrong)[:1000])
+    damaged.write_bytes(data)
+    (folder / "history.csv").unlink()
+    result = harness.run({**case, "restart": damaged, "frames": 0}, folder=folder)
+    report.note("the same checkpoint undamaged is read", result.status == 0)
+
+
+# ---- Disks
+
+
+@contextlib.contextmanager
+def small_disk(size):
+    """A folder on a disk of so many bytes; None where this user may not mount one."""
+    place = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", place], capture_output=True).returncode != 0:
+        yield None
+        return
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", place], check=True)
+
+
+def limit_files(process, ranks, size, history):
+    """Lets no file of a run grow beyond a size once the MPI library has made its own and the history has begun."""
+    while process.poll() is None and not history.exists():
+        time.sleep(0.001)
+    for one in ranks_of(process) if ranks > 1 else [process.pid]:
+        resource.prlimit(one, resource.RLIMIT_FSIZE, (size, size))
+
+
+def problems_of_full(case, folder, ranks, file_limit=None):
+    """(what is wrong with the way a run ends that cannot write, its line)."""
+    process = subprocess.Popen(harness.command(words_of(case, folder), ranks), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               text=True, env=harness.ENVIRONMENT, cwd=harness.ROOT)
+    if file_limit:
+        limit_files(process, ranks, file_limit, folder / "history.csv")
+    try:
+        error = process.communicate(timeout=60)[1]
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return ["still running after 60 s"], ""
+    lines = error.strip("\n").split("\n")
+    problems = []
+    if process.returncode <= 0 or len(lines) != 1 or not lines[0].startswith("mlgimp: error: cannot write "):
+        problems.append(f"exit status {process.returncode}: " + " | ".join(lines)[:300])
+    if ("File too large" if file_limit else "No space left on device") not in lines[0]:
+        problems.append(f"no reason in: {lines[0]}")
+    if kept_in(folder) != kept_as_told(lines[0]):
+        problems.append(f"{kept_in(folder)} are kept, but it says: {lines[0]}")
+    if any(folder.glob("*.part")):
+        problems.append("temporary files are left")
+    return problems, lines[0]
+
+
+def kept_as_told(line):
+    """(last row, last frame, last checkpoint) that the line names; -1 for none."""
+    words = line.rpartition(";")[2].replace(",", "").split()
+    after = {"history": "step", "frames": "to", "checkpoint": "checkpoint"}
+    return tuple(int(words[words.index(word, words.index(kind)) + 1]) if kind in words else -1 for kind, word in after.items())
+
+
+def kept_in(folder):
+    """The same, read from the files, all of which must be whole."""
+    rows = [line.split(",") for line in rows_of(folder)] if (folder / "history.csv").exists() else []
+    for row in rows:
+        numpy.array(row, dtype=float)
+    last = [int(rows[-1][0]) if rows else -1]
+    for kind, field in (("points_", "mass"), ("checkpoint_", "mass")):
+        numbers = [-1]
+        for path in folder.glob(kind + "*.h5"):
+            with h5py.File(path, "r") as file:
+                if numpy.sum(file["level_0"][field][:]) > 0:
+                    numbers.append(int(path.stem.split("_")[1]))
+        last.append(max(numbers))
+    if (folder / "points.xdmf").exists():
+        for item in xml.etree.ElementTree.parse(folder / "points.xdmf").iter("DataItem"):
+            place, _, dataset = item.text.strip().partition(":")
+            with h5py.File(folder / place, "r") as file:
+                file[dataset][:]
+    return tuple(last)
+
+
+KINDS = ("history.csv", "points_", "points.xdmf", "checkpoint_", "summary.json")
+
+# Few points and many frames, so that the list of frames becomes large.
+LIGHT = {**WEDGE, "cell_size": "1e-6", "end_time": 6e-9, "history_interval": 1000, "frames": 60}
+LONG = {**LIGHT, "history_interval": 1, "frames": 0}
+
+
+def full_disks():
+    """(case, bytes): sizes of the disk in whole pages, by which each kind of file is the first that does not fit."""
+    page, reserved = 4096, 16  # bytes; pages that a frame asks for beside its own
+    pages = {path.name: -(-path.stat().st_size // page) for case in (LONG, LIGHT) for path in harness.run(case).folder.iterdir()}
+    rows = -(-(harness.run(LONG).folder / "history.csv").stat().st_size // page)
+    frames = sum(count for name, count in pages.items() if name.startswith("points_"))
+    yield LONG, 2 * page
+    yield LONG, rows * page  # all but the summary
+    yield LIGHT, (1 + frames + pages["points.xdmf"] + (pages["points.xdmf"] + reserved) // 2) * page  # the last frame, but not its place in the list
+    for size in (30, 60, 120):
+        yield {**LIGHT, "frames": 4, "checkpoint_interval": 5}, size * page
+    for size in (10, 100, 250, 500):
+        yield {**WEDGE, "frames": 8, "checkpoint_interval": 25}, size * page
+
+
+def expect_full_disks(report, ranks):
+    wrong, hit, tried = [], set(), 0
+    for case, size in full_disks():
+        with small_disk(size) as place:
+            if place is None:
+                return False
+            problems, line = problems_of_full(case, place / "results", ranks)
+        tried += 1
+        wrong += [f"{size} bytes: {problem}" for problem in problems]
+        hit |= {kind for kind in KINDS if "/" + kind in line}
+    report.note(f"full disk, {ranks} ranks: {tried} sizes", not wrong, " || ".join(wrong)[:1000])
+    report.note(f"full disk, {ranks} ranks: each kind of file", hit == set(KINDS), "" if hit == set(KINDS) else f"not {set(KINDS) - hit}")
+    return True
+
+
+def test_full_disk(report):
+    for ranks in (1, 3):
+        if not expect_full_disks(report, ranks):
+            print("      no disk may be mounted: see test_file_size_limit")
+
+
+def test_file_size_limit(report):
+    """The same where files may not grow; also for users who may not mount a disk."""
+    for ranks in (1, 3):
+        wrong = []
+        for size in (20000, 350000, 420000):
+            folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch())) / "results"
+            problems, _ = problems_of_full({**WEDGE, "frames": 8, "checkpoint_interval": 25}, folder, ranks, size)
+            wrong += [f"{size} bytes: {problem}" for problem in problems]
+        report.note(f"limit on the size of files, {ranks} ranks", not wrong, " || ".join(wrong)[:1000])
+
+
+def test_folder_read_only(report):
+    """A folder that may not be written: one line, and nothing of what it holds is lost."""
+    with small_disk(1 << 20) as place:
+        if place is None:
+            print("      skipped: no disk may be mounted read-only")
+            return
+        (place / "results").mkdir()
+        (place / "results" / "history.csv").write_text("step\n")
+        subprocess.run(["mount", "-o", "remount,ro", place], check=True)
+        for name, folder, more, word in (("new", place / "new", {}, f"-output_dir {place / 'new'}: must be a folder that can be created"),
+                                         ("old", place / "results", {"overwrite": None}, f"cannot write {place / 'results'}/history.csv")):
+            done = subprocess.run(harness.command(words_of({**LIGHT, **more}, folder), 1), capture_output=True, text=True,
+                                  env=harness.ENVIRONMENT, cwd=harness.ROOT, timeout=60)
+            line = done.stderr.strip("\n")
+            report.note(f"read-only disk, {name} folder", done.returncode == 1 and line.startswith("mlgimp: error: " + word)
+                        and "Read-only file system" in line and "\n" not in line, done.stderr)

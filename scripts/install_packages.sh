@@ -1,9 +1,10 @@
 #!/bin/sh
 # Installs what mlgimp needs from Debian's packages, if something is missing and this is Debian or Ubuntu.
 # A machine that has everything is left alone and the network is not touched.
+# usage: scripts/install_packages.sh [PACKAGE ...]        and these packages
 set -eu
 packages="g++ make pkg-config libpetsc-real-dev petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
-python3-numpy python3-h5py python3-matplotlib"
+python3-numpy python3-h5py python3-matplotlib $*"
 
 if [ -n "${PETSC_DIR:-}" ]; then exit 0; fi # a PETSc of the user's own
 

@@ -10,7 +10,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PROGRAM = ROOT / "bin" / "mlgimp"
+BIN = ROOT / os.environ.get("MLGIMP_BIN", "bin")
+PROGRAM = BIN / "mlgimp"
 sys.path.insert(0, str(ROOT / "scripts"))
 
 ENVIRONMENT = dict(
@@ -23,6 +24,7 @@ ENVIRONMENT = dict(
     OMPI_MCA_pml="ob1",
     OMPI_MCA_btl="self,vader",
     OMP_NUM_THREADS="1",
+    ASAN_OPTIONS="detect_leaks=0",  # MPI's own leaks drown any of ours; -malloc_dump and valgrind look for those
 )
 
 

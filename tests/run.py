@@ -61,8 +61,8 @@ def run_script_test(script, report):
 def main(words):
     report = harness.Report()
     try:
-        for program in sorted((harness.ROOT / "bin").glob("test_*")):
-            if selected(program.name, words):
+        for program in sorted(harness.BIN.glob("test_*")):
+            if selected(f"bin/{program.name}", words):
                 run_unit_test(program, report)
         for script in sorted((HERE / "python").glob("test_*.py")):
             if selected(script.stem, words):

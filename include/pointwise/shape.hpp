@@ -139,8 +139,10 @@ int ComputeStencil(const Lattice<dim> &grid, int count, const double *x, const d
     for (int slope = -1; slope < dim; ++slope) // S, then its derivative along each axis
       for (int p = 0; p < count; ++p) {
         double value = 1;
-        for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3)
-          value *= (axis == slope ? axes.g : axes.w)[axis][rest % 3][p];
+        for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3) {
+          const auto &part = axis == slope ? axes.g : axes.w;
+          value *= part[axis][rest % 3][p];
+        }
         (slope < 0 ? stencil.S : stencil.dS[slope])[k][p] = value;
       }
   }

@@ -112,7 +112,7 @@ PetscErrorCode Points::Reorder(const std::vector<int> &order)
     char *field = static_cast<char *>(data);
     scratch.resize(bytes * count_);
     for (int p = 0; p < count_; ++p) std::memcpy(&scratch[bytes * p], field + bytes * order[p], bytes);
-    std::memcpy(field, scratch.data(), bytes * count_);
+    std::copy(scratch.begin(), scratch.end(), field);
   }
   surface_known_ = false;
   ++version_;

@@ -21,7 +21,7 @@ def table(report, program, *arguments):
 def check(report, program):
     """Notes what a program prints when it tests itself."""
     report.command = f"bin/{program}"
-    run.run_unit_test(harness.ROOT / "bin" / program, report)
+    run.run_unit_test(harness.BIN / program, report)
 
 
 def order(errors, coarse, fine):

@@ -30,6 +30,7 @@ struct ContactReport {
   Vec2 impulse{};         ///< on the body, N s
   Vec2 side_impulse{};    ///< its part that sides take up at once, N s
   int local_points = 0;   ///< points of this rank under pressure
+  double work = 0;        ///< of the contact forces on this rank's owned nodes, with their mean velocity of the step, J
   double half_width = 0;  ///< of the contact, m
   double peak_pressure = 0; ///< largest pressure found, Pa
   double penetration = 0; ///< deepest place of the surface inside the indenter at `time`, m
@@ -56,6 +57,9 @@ public:
 std::vector<std::string> ContactMethods();
 /// Reads the options of the solver under the prefix -contact_.
 PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact);
+
+/// Adds the change that contact makes to the velocity (v, dv) of a node, and books its work where the rank owns the node.
+void ChangeVelocity(const ContactView &view, int i, int j, Vec2 change, ContactReport *report);
 
 /// A piece of a deformed face, its place, outward normal and length.
 struct SurfaceSegment {

@@ -70,6 +70,10 @@ public:
     return i >= ghost_lower_[0] && i < ghost_lower_[0] + ghost_size_[0] && j >= ghost_lower_[1] &&
            j < ghost_lower_[1] + ghost_size_[1];
   }
+  bool Owns(int i, int j) const
+  {
+    return i >= OwnedLower(0) && i < OwnedUpper(0) && j >= OwnedLower(1) && j < OwnedUpper(1);
+  }
   int GhostedNodes() const { return ghost_size_[0] * ghost_size_[1]; }
   int GhostLower(int axis) const { return ghost_lower_[axis]; }
   int GhostSize(int axis) const { return ghost_size_[axis]; }

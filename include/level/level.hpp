@@ -26,6 +26,7 @@ struct LevelGeometry {
 struct ContactTotals {
   Vec2 impulse{};            ///< on the body, N s
   double indenter_work = 0;  ///< J
+  double work = 0;           ///< of the contact forces on the nodes that this rank owns, J
   double penetration = 0;    ///< deepest so far, m
   double steps = 0, set_updates = 0, fallbacks = 0;
   ContactReport last;
@@ -107,6 +108,7 @@ public:
   void SetPressures(const ContactPressures &pressures);
 
   PetscErrorCode Tally(PointTally *tally);
+  PetscErrorCode Tally(const std::vector<int> &points, PointTally *tally);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
   PetscErrorCode LargestSpeeds(double *wave, double *point);
 

@@ -27,6 +27,7 @@ struct BandNode {
 struct BorderTotals {
   Vec2 support_impulse{};  ///< at interface nodes on held sides, N s
   Vec2 stagger_impulse{};  ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
+  double work = 0;         ///< of the forces that the two levels exert on each other, J: what the coupling injects
 };
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
@@ -83,7 +84,7 @@ private:
   PetscErrorCode CreateTransfer();
   void Restrict();
   void AdvanceInterface(int substep, double dt);
-  void Prolong();
+  void Prolong(double dt);
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;

@@ -49,14 +49,12 @@ struct CrossingTotals {
   double split = 0, merged = 0;         ///< parents split; parents put together again
   double mass_error = 0;     ///< of splitting and merging, summed over transfers: absolute values, kg
   double momentum_error = 0; ///< kg m/s
+  double energy = 0;         ///< kinetic and strain energy that splitting and merging have added, J
   double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
 };
 
-/// Adds up mass and momentum (2) of some points.
-PetscErrorCode SumPoints(Points &points, const std::vector<int> &list, double sums[3]);
-
-/// Books by how much splitting or merging changed mass and momentum.
-void BookChange(const double before[3], const double after[3], CrossingTotals *totals);
+/// Books by how much splitting or merging changed mass, momentum and energy.
+void BookChange(const PointTally &before, const PointTally &after, CrossingTotals *totals);
 
 /// Moves points between two neighbouring levels.
 class Crossing

@@ -38,6 +38,9 @@ struct Books {
       damping_impulse[2], stagger_impulse[2];
   double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error,
       points_adrift, mass_adrift, momentum_adrift[2];
+  double contact_work;    ///< of the contact forces on the body; less than indenter_work by what contact takes up
+  double exchange_energy; ///< that the coupling of levels through nodes has added: the work of its forces
+  double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
   double Dissipated() const
   {

@@ -30,6 +30,18 @@ bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
   return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > kPointRange * h;
 }
 
+void ChangeVelocity(const ContactView &view, int i, int j, Vec2 change, ContactReport *report)
+{
+  const std::ptrdiff_t node = view.grid.Index(i, j);
+  const double owned_mass = view.grid.Owns(i, j) ? view.grid.Arrays().sums[NodeArrays::kSums * node] : 0;
+  double *velocity = view.grid.Arrays().velocity + NodeArrays::kVelocity * node;
+  for (int d = 0; d < 2; ++d) {
+    velocity[d] += change[d];
+    velocity[2 + d] += change[d];
+    report->work += owned_mass * change[d] * (velocity[d] - 0.5 * velocity[2 + d]);
+  }
+}
+
 std::vector<std::string> ContactMethods() { return {"pressure", "point_pressure", "multimesh"}; }
 
 PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact)

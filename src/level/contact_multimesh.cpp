@@ -22,7 +22,7 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     for (int j = grid.GhostLower(1); j < grid.GhostLower(1) + grid.GhostSize(1); ++j)
-      for (int i = grid.GhostLower(0); i < grid.GhostLower(0) + grid.GhostSize(0); ++i) ApplyAtNode(view, i, j, local, extent);
+      for (int i = grid.GhostLower(0); i < grid.GhostLower(0) + grid.GhostSize(0); ++i) ApplyAtNode(view, i, j, local, extent, report);
     double sums[4] = {local[0][0], local[0][1], local[1][0], local[1][1]}, bounds[2] = {-extent[0], extent[1]};
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, grid.Comm()));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 2, MPI_DOUBLE, MPI_MAX, grid.Comm()));
@@ -36,27 +36,28 @@ public:
 
 private:
   /// Removes the approach at a node; adds the impulse of an owned node to local[0], and what sides take to local[1].
-  static void ApplyAtNode(const ContactView &view, int i, int j, Vec2 local[2], double extent[2])
+  static void ApplyAtNode(const ContactView &view, int i, int j, Vec2 local[2], double extent[2], ContactReport *report)
   {
     const Grid &grid = view.grid;
     const std::ptrdiff_t index = grid.Index(i, j);
     const double mass = grid.Arrays().sums[NodeArrays::kSums * index];
-    double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * index;
+    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * index;
     if (mass <= view.mass_cutoff) return;
     const SurfaceGap gap = view.indenter.Gap({grid.Coordinate(0, i), grid.Coordinate(1, j)}, view.time + view.dt);
     const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - Vec2{velocity[0], velocity[1]});
     if (gap.distance >= grid.Geometry().spacing || approach <= 0) return;
-    const bool owned = i >= grid.OwnedLower(0) && i < grid.OwnedUpper(0) && j >= grid.OwnedLower(1) && j < grid.OwnedUpper(1);
+    const bool owned = grid.Owns(i, j);
+    Vec2 free{};
     for (int d = 0; d < 2; ++d) {
       const double change = approach * gap.normal[d];
       if (owned) local[0][d] += mass * change;
       if (view.sides.Holds(i, j, d)) {
         if (owned) local[1][d] -= mass * change;
-        continue;
+      } else {
+        free[d] = change;
       }
-      velocity[d] += change;
-      velocity[2 + d] += change;
     }
+    ChangeVelocity(view, i, j, free, report);
     extent[0] = std::min(extent[0], grid.Coordinate(0, i));
     extent[1] = std::max(extent[1], grid.Coordinate(0, i));
   }

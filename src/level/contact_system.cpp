@@ -301,8 +301,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
     const std::int64_t node = static_cast<std::int64_t>(next[0]);
     const int i = static_cast<int>(node % width) - padding, j = static_cast<int>(node / width) - padding;
     if (!grid.Holds(i, j)) continue;
-    double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(grid.Index(i, j));
-    for (int d = 0; d < 2; ++d) velocity[d] += next[1 + d], velocity[2 + d] += next[1 + d];
+    ChangeVelocity(view, i, j, {next[1], next[2]}, report);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

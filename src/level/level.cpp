@@ -143,6 +143,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   PetscCall(contact_->Apply(view, &totals.last));
   if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   totals.penetration = std::max(totals.penetration, totals.last.penetration);
+  totals.work += totals.last.work;
   if (rank == 0) {
     const Vec2 travel = indenter.Tip(time + dt) - indenter.Tip(time);
     totals.impulse = totals.impulse + totals.last.impulse;

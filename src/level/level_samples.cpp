@@ -41,28 +41,44 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Adds points `first` to `end`, at most kBlock, of one material.
+static void AddPoints(const PointArrays &points, int first, int end, const Material &material, PointTally *tally)
+{
+  double energy[kBlock];
+  const double *history = points.history ? points.history + points.history_components * first : nullptr;
+  material.StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
+  for (int p = first; p < end; ++p) {
+    const double m = points.mass[p], *v = points.velocity + 2 * p;
+    tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
+    tally->strain_energy += energy[p - first] * m / material.Density();
+    tally->mass += m;
+    tally->momentum[0] += m * v[0];
+    tally->momentum[1] += m * v[1];
+  }
+  tally->count += end - first;
+}
+
 PetscErrorCode Level::Tally(PointTally *tally)
 {
   PointArrays points;
-  double energy[kBlock];
   PetscFunctionBeginUser;
   *tally = {};
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     const Material *material = bodies_.material[points.body[first]];
     for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
-    const double *history = points.history ? points.history + points.history_components * first : nullptr;
-    material->StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
-    for (int p = first; p < end; ++p) {
-      const double m = points.mass[p], *v = points.velocity + 2 * p;
-      tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
-      tally->strain_energy += energy[p - first] * m / material->Density();
-      tally->mass += m;
-      tally->momentum[0] += m * v[0];
-      tally->momentum[1] += m * v[1];
-    }
+    AddPoints(points, first, end, *material, tally);
   }
-  tally->count = points.count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Tally(const std::vector<int> &list, PointTally *tally)
+{
+  PointArrays points;
+  PetscFunctionBeginUser;
+  *tally = {};
+  PetscCall(points_.Arrays(&points));
+  for (int p : list) AddPoints(points, p, p + 1, *bodies_.material[points.body[p]], tally);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -222,7 +222,7 @@ PetscErrorCode Border::Advance(int substep, double dt)
   AdvanceInterface(substep, dt);
   PetscCall(PetscSFBcastBegin(exchange_, velocity, velocity_.data(), velocity_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(exchange_, velocity, velocity_.data(), velocity_.data(), MPI_REPLACE));
-  Prolong();
+  Prolong(dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,6 +240,15 @@ void Border::Restrict()
       for (int c = 0; c < 6; ++c) to[c] += weight * from[c];
     }
   }
+}
+
+/// Work of the other level's force on a node in a step: c . (v - dv/2) with c = m dv - dt f, as points are given dv.
+static double CouplingWork(const double *sums, const double *velocity, double dt)
+{
+  double work = 0;
+  for (int axis = 0; axis < 2; ++axis)
+    work += (sums[0] * velocity[2 + axis] - dt * sums[4 + axis]) * (velocity[axis] - 0.5 * velocity[2 + axis]);
+  return work;
 }
 
 /// old = (p^c + p^f)/m, dv = dt (F_k + f^f)/m with m = m^c + m^f and F_k = f^c + (k/r)(f^c - f^c of the step before);
@@ -270,12 +279,14 @@ void Border::AdvanceInterface(int substep, double dt)
       mean[axis] += velocity[axis] / ratio_;
       mean[2 + axis] += dv;
     }
+    totals_.work += CouplingWork(coarse, velocity, dt);
   }
 }
 
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i
-void Border::Prolong()
+void Border::Prolong(double dt)
 {
+  const double *sums = fine_->Mesh().Arrays().sums;
   double *fine = fine_->Mesh().Arrays().velocity;
   for (const BandNode &band : band_) {
     double *to = fine + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(band.node), sum[NodeArrays::kVelocity] = {};
@@ -284,6 +295,7 @@ void Border::Prolong()
       for (int c = 0; c < NodeArrays::kVelocity; ++c) sum[c] += band.weight[a] * from[c];
     }
     for (int c = 0; c < NodeArrays::kVelocity; ++c) to[c] = (1 - band.beta) * sum[c] + band.beta * to[c];
+    totals_.work += CouplingWork(sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(band.node), to, dt);
   }
 }
 

@@ -62,23 +62,11 @@ PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SumPoints(Points &points, const std::vector<int> &list, double sums[3])
+void BookChange(const PointTally &before, const PointTally &after, CrossingTotals *totals)
 {
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(points.Arrays(&a));
-  std::fill_n(sums, 3, 0.0);
-  for (int p : list) {
-    sums[0] += a.mass[p];
-    for (int d = 0; d < 2; ++d) sums[1 + d] += a.mass[p] * a.velocity[2 * p + d];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void BookChange(const double before[3], const double after[3], CrossingTotals *totals)
-{
-  totals->mass_error += std::abs(after[0] - before[0]);
-  totals->momentum_error += std::abs(after[1] - before[1]) + std::abs(after[2] - before[2]);
+  totals->mass_error += std::abs(after.mass - before.mass);
+  for (int d = 0; d < 2; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
+  totals->energy += after.kinetic_energy + after.strain_energy - before.kinetic_energy - before.strain_energy;
 }
 
 PetscErrorCode Crossing::Transfer(double dt, Border *border)
@@ -144,16 +132,16 @@ PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &po
     departures.ranks.push_back(mesh.OwnerOfNode(mesh.Nearest(0, a.position[2 * p]), mesh.Nearest(1, a.position[2 * p + 1])));
     for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
   }
-  double sent[3], received[3];
+  PointTally sent, received;
   const int before = to.PointStore().Count();
-  PetscCall(SumPoints(from.PointStore(), points, sent));
+  PetscCall(from.Tally(points, &sent));
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), departures));
   std::vector<int> arrivals(to.PointStore().Count() - before); // at the end of the storage
   std::iota(arrivals.begin(), arrivals.end(), before);
-  PetscCall(SumPoints(to.PointStore(), arrivals, received));
+  PetscCall(to.Tally(arrivals, &received));
   totals_.points_adrift += static_cast<double>(points.size()) - static_cast<double>(arrivals.size());
-  totals_.mass_adrift += sent[0] - received[0];
-  for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent[1 + d] - received[1 + d];
+  totals_.mass_adrift += sent.mass - received.mass;
+  for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent.momentum[d] - received.momentum[d];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,11 +164,11 @@ PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector
 PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples, std::vector<int> *points)
 {
   const int children = ratio_ * ratio_;
-  double before[3], after[3];
+  PointTally before, after;
   PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SumPoints(coarse_.PointStore(), *points, before));
+  PetscCall(coarse_.Tally(*points, &before));
   int next = coarse_.PointStore().Count();
   PetscCall(coarse_.PointStore().Resize(next + static_cast<int>(parents.size()) * (children - 1)));
   PetscCall(coarse_.PointStore().Arrays(&a));
@@ -190,7 +178,7 @@ PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vecto
       if (child) points->push_back(target);
       MakeChild(a, parents[k], target, child, samples[k].L);
     }
-  PetscCall(SumPoints(coarse_.PointStore(), *points, after));
+  PetscCall(coarse_.Tally(*points, &after));
   BookChange(before, after, &totals_);
   totals_.split += static_cast<double>(parents.size());
   PetscFunctionReturn(PETSC_SUCCESS);

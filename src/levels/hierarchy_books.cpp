@@ -29,6 +29,7 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
   b->damping_dissipation += nodal.damping_dissipation;
   b->external_work += nodal.external_work;
   b->indenter_work += contact.indenter_work;
+  b->contact_work += contact.work;
   b->contact_steps += contact.steps;
   b->contact_set_updates += contact.set_updates;
   b->contact_fallbacks += contact.fallbacks;
@@ -50,6 +51,8 @@ static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossi
     b->support_impulse[d] += border.support_impulse[d];
     b->stagger_impulse[d] += border.stagger_impulse[d];
   }
+  b->exchange_energy += border.work;
+  b->transfer_energy += crossing.energy;
   b->points_entered += crossing.entered;
   b->points_left += crossing.left;
   b->points_split += crossing.split;
@@ -84,12 +87,13 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
       each((*impulse)[0], (*impulse)[1]);
     each(n.external_work, n.damping_dissipation);
     each(s.short_wave_dissipation, s.plastic_dissipation, s.xpic_dissipation, s.clamped_sizes);
-    each(c.indenter_work, c.steps, c.set_updates, c.fallbacks);
+    each(c.indenter_work, c.work, c.steps, c.set_updates, c.fallbacks);
   }
   for (int b = 0; b + 1 < Levels(); ++b) {
     BorderTotals border = borders_[b]->Totals();
     CrossingTotals crossing = crossings_[b]->Totals();
     for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
+    each(border.work, crossing.energy);
     each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.mass_error, crossing.momentum_error);
     each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);
     borders_[b]->SetTotals(border);

@@ -114,11 +114,11 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   std::vector<int> spent;
   for (const auto &[parent, family] : WholeFamilies(mine, numbers, children)) {
     std::vector<int> points;
-    double before[3], after[3];
+    PointTally before, after;
     for (const Sibling &s : family) points.push_back(s.point);
-    PetscCall(SumPoints(level.PointStore(), points, before));
+    PetscCall(level.Tally(points, &before));
     MakeParent(a, family, parent, ratio);
-    PetscCall(SumPoints(level.PointStore(), {points.front()}, after));
+    PetscCall(level.Tally({points.front()}, &after));
     BookChange(before, after, totals);
     spent.insert(spent.end(), points.begin() + 1, points.end());
     ++totals->merged;

@@ -47,6 +47,9 @@ const Column kColumns[] = {
     {"peak_pressure", [](const HistoryRow &r) { return r.peak_pressure; }},
     {"stagger_impulse_x", [](const HistoryRow &r) { return r.books.stagger_impulse[0]; }},
     {"stagger_impulse_y", [](const HistoryRow &r) { return r.books.stagger_impulse[1]; }},
+    {"contact_work", [](const HistoryRow &r) { return r.books.contact_work; }},
+    {"exchange_energy", [](const HistoryRow &r) { return r.books.exchange_energy; }},
+    {"transfer_energy", [](const HistoryRow &r) { return r.books.transfer_energy; }},
 };
 
 /// The rows of an earlier part of the run up to a step, without one that a kill left incomplete.

@@ -227,7 +227,7 @@ public:
     double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
     ForEachBlock(view, [&](const Block &b) {
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      GatherRates(view.grid, w, b.count, L, velocity, smooth);
+      GatherRates(view.grid, w, b.count, L, velocity, plan.short_wave.On() ? smooth : nullptr);
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, velocity, totals);
@@ -243,7 +243,8 @@ private:
                                all.F + 4 * point, w);
   }
 
-  /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy.
+  /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy, if asked
+  /// for.
   static void GatherRates(const Grid &grid, const Weights &w, int count, double (*L)[4], double (*velocity)[4],
                           double (*smooth)[4])
   {
@@ -254,7 +255,7 @@ private:
       const Pack dx = sum.slope[0], dy = sum.slope[1];
       StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
       StorePack(velocity[p], sum.value);
-      StorePack(smooth[p], Gather<2>(at, nearest + 4).value);
+      if (smooth) StorePack(smooth[p], Gather<2>(at, nearest + 4).value);
     }
   }
 

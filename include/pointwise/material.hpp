@@ -1,7 +1,7 @@
 // Materials: stress, energy and wave speed of batches of points in plane strain.
 //
 // Points are stored interleaved: F [count][4] as xx, xy, yx, yy (F_zz = 1) and Cauchy stress [count][4] as xx, yy, zz,
-// xy in Pa. A material registers by name in materials.cpp; docs/extending.md shows how to add one.
+// xy in Pa. A material registers by name in materials.cpp; docs/extend.md shows how to add one.
 #pragma once
 
 #include "pointwise/shape.hpp"

@@ -87,14 +87,14 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   OutputSettings &out = c->output;
   PetscFunctionBeginUser;
   out.directory = "output/" + c->name;
-  PetscCall(reader.Text({"-output_dir", "folder for the results", ""}, false, &out.directory));
+  PetscCall(reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)", ""}, false, &out.directory));
   PetscCall(reader.Flag({"-overwrite", "replace the results that the folder holds", ""}, &out.overwrite));
   PetscCall(reader.Integer({"-history_interval", "level-0 steps between rows of history.csv", ""}, Closed(1, 2e9), &out.history_interval));
   PetscCall(reader.Integer({"-frames", "number of equally spaced point frames, the last at the end", ""}, Closed(0, 1e6), &out.frames));
   PetscCall(reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", ""}, kNotNegative, &out.checkpoint_interval));
   PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
   out.monitor = isatty(STDOUT_FILENO);
-  PetscCall(reader.Flag({"-monitor", "progress line (default: on a terminal)", ""}, &out.monitor));
+  PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal)", ""}, &out.monitor));
   PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
   PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},

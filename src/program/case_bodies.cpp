@@ -108,7 +108,7 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
     Body body{name, nullptr, 0, {0, 0}, 2};
     std::string material = materials.size() == 1 ? materials[0] : "";
     PetscCall(ReadRegion(reader, name, &body.region));
-    PetscCall(reader.Text({prefix + "material", "name of its material", ""}, materials.size() > 1, &material));
+    PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""}, materials.size() > 1, &material));
     PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));
     PetscCall(reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity));
     PetscCall(reader.Integer({prefix + "points_per_cell", "material points per direction in a cell", ""}, Closed(1, 16),
@@ -160,11 +160,11 @@ PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &b
     Load load{0, kXLower, {-HUGE_VAL, HUGE_VAL}, {}};
     std::string body = bodies[0], side = sides[0];
     std::vector<double> span = {load.span[0], load.span[1]};
-    PetscCall(reader.Text({prefix + "body", "name of the body", ""}, bodies.size() > 1, &body));
+    PetscCall(reader.Text({prefix + "body", "name of the body (default: the only one, else required)", ""}, bodies.size() > 1, &body));
     PetscCall(FindName(reader, prefix + "body", bodies, "-bodies", body, &load.body));
     PetscCall(reader.Choice({prefix + "side", "side of the body", ""}, sides, &side));
     load.side = static_cast<Side>(std::find(sides.begin(), sides.end(), side) - sides.begin());
-    PetscCall(reader.Numbers({prefix + "span", "start,end along the side", "m"}, kAnyNumber, 2, 2, false, &span));
+    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, 2, 2, false, &span));
     load.span[0] = span[0];
     load.span[1] = span[1];
     if (!(span[1] > span[0])) PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));

@@ -93,7 +93,7 @@ PetscErrorCode ReadNodeCoupling(OptionReader &reader, Case *c)
   settings.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
   settings.merge_siblings = settings.ratio > 2; // points much smaller than the cells make noise
-  PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from", ""}, &settings.merge_siblings));
+  PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)", ""}, &settings.merge_siblings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,7 +104,7 @@ PetscErrorCode ReadPointCoupling(OptionReader &reader, Case *c)
   std::string ownership = "flags";
   PetscFunctionBeginUser;
   settings.ghost_cells = 2 * settings.ratio;
-  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points", ""},
+  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)", ""},
                            Closed(settings.ratio, 64), &settings.ghost_cells));
   PetscCall(reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
                           {"flags", "place"}, &ownership));

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Writes the tables of docs/options.md from `bin/mlgimp -help`; the text around them is kept.
+
+The first table under each heading that is a group of -help is replaced; other tables and all notes are hand-written.
+With --check nothing is written: the exit status is 1 where the page is not what it would be, and the first difference is shown.
+"""
+import argparse
+import itertools
+import os
+import pathlib
+import re
+import subprocess
+import sys
+from typing import NamedTuple
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PROGRAM = ROOT / os.environ.get("MLGIMP_BIN", "bin") / "mlgimp"
+PAGE = ROOT / "docs" / "options.md"
+HEADER = ["| option | meaning | unit | default |", "| --- | --- | --- | --- |"]
+
+# "  -name <now 1 : formerly 1>: meaning [unit] (None)", as PETSc prints an option.
+OPTION = re.compile(r"  (-\w+) <now (.*) : formerly \2>: (.*?)(?: \[([^\]]*)\])? \(None\)")
+# A default that is not one value is said at the end of the meaning.
+DEFAULT = re.compile(r"(.*) \(default: (.*)\)")
+
+
+class Option(NamedTuple):
+    name: str
+    meaning: str
+    unit: str
+    default: str
+
+    @classmethod
+    def parse(cls, line):
+        found = OPTION.fullmatch(line)
+        if not found:
+            return None
+        name, default, meaning, unit = found.groups()
+        if said := DEFAULT.fullmatch(meaning):
+            meaning, default = said.groups()
+        return cls(name, meaning, unit or "", default or "none")
+
+    def row(self):
+        cells = [f"`{self.name}`", self.meaning, self.unit, self.default]
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def groups(text):
+    """{heading: [options]} of what -help prints; what stands in brackets after a heading is left out."""
+    found, heading = {}, None
+    for line in text.splitlines():
+        if option := Option.parse(line):
+            found.setdefault(heading, []).append(option)
+        elif line.endswith(":") and not line.startswith((" ", "-")):
+            heading = line[:-1].split(" (")[0]
+    return found
+
+
+def rewrite(page, options):
+    """The page with the first table of each group replaced."""
+    lines = page.splitlines()
+    for heading, of_group in options.items():
+        if f"## {heading}" not in lines:
+            raise ValueError(f"{PAGE.name} has no heading '## {heading}', which -help has")
+        section = lines.index(f"## {heading}") + 1
+        next_section = next((k for k in range(section, len(lines)) if lines[k].startswith("## ")), len(lines))
+        start = next((k for k in range(section, next_section) if lines[k].startswith("|")), None)
+        if start is None:
+            raise ValueError(f"{PAGE.name} has no table under '## {heading}'")
+        end = next((k for k in range(start, next_section) if not lines[k].startswith("|")), next_section)
+        lines[start:end] = HEADER + [option.row() for option in of_group]
+    return "\n".join(lines) + "\n"
+
+
+def first_difference(page, wanted):
+    """One line each for what the page has and what it should have, at the first place where they differ."""
+    for number, (have, want) in enumerate(itertools.zip_longest(page.splitlines(), wanted.splitlines(), fillvalue="(nothing)"), 1):
+        if have != want:
+            return f"{PAGE.relative_to(ROOT)}:{number} has\n  {have}\n-help says\n  {want}\nrun scripts/options_doc.py"
+    return "the page does not end with a new line"
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="only compare")
+    check = parser.parse_args(arguments).check
+    text = subprocess.run([str(PROGRAM), "-help"], capture_output=True, text=True, check=True).stdout
+    page = PAGE.read_text()
+    wanted = rewrite(page, groups(text))
+    if page == wanted:
+        return 0
+    if check:
+        print(first_difference(page, wanted), file=sys.stderr)
+        return 1
+    PAGE.write_text(wanted)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

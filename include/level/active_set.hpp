@@ -36,8 +36,7 @@ public:
   /// Creates the KSP with the prefix -contact_ and reads its options. `symmetric` chooses the default method.
   PetscErrorCode Create(bool symmetric);
   /// lambda: the previous pressures on entry (the set starts from them), the solution on return.
-  PetscErrorCode Solve(const BandMatrix &A, const std::vector<double> &r, std::vector<double> &lambda,
-                       ActiveSetReport *report);
+  PetscErrorCode Solve(const BandMatrix &A, const std::vector<double> &r, std::vector<double> &lambda, ActiveSetReport *report);
 
 private:
   PetscErrorCode Resize(int size, int reach);

@@ -27,16 +27,16 @@ struct ContactView {
 
 /// What contact did in a step, the same on every rank but for the count of points.
 struct ContactReport {
-  Vec2 impulse{};         ///< on the body, N s
-  Vec2 side_impulse{};    ///< its part that sides take up at once, N s
-  int local_points = 0;   ///< points of this rank under pressure
-  double work = 0;        ///< of the contact forces on this rank's owned nodes, with their mean velocity of the step, J
-  double half_width = 0;  ///< of the contact, m
+  Vec2 impulse{};           ///< on the body, N s
+  Vec2 side_impulse{};      ///< its part that sides take up at once, N s
+  int local_points = 0;     ///< points of this rank under pressure
+  double work = 0;          ///< of the contact forces on this rank's owned nodes, with their mean velocity of the step, J
+  double half_width = 0;    ///< of the contact, m
   double peak_pressure = 0; ///< largest pressure found, Pa
-  double penetration = 0; ///< deepest place of the surface inside the indenter at `time`, m
-  int set_updates = 0;    ///< of the active set
-  bool fallback = false;  ///< the active set did not settle: row-sum diagonal used
-  bool solved = true;     ///< false: the linear solver did not converge
+  double penetration = 0;   ///< deepest place of the surface inside the indenter at `time`, m
+  int set_updates = 0;      ///< of the active set
+  bool fallback = false;    ///< the active set did not settle: row-sum diagonal used
+  bool solved = true;       ///< false: the linear solver did not converge
 };
 
 /// Pressures that were found, by the number of their unknown.
@@ -78,10 +78,7 @@ inline constexpr double kPointRange = kContactRange + 1.5;
 int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSides * kSegmentsPerFace]);
 
 /// True where a segment faces the indenter, so that it can be pressed by it.
-inline bool Faces(const SurfaceSegment &segment, Vec2 indenter_normal)
-{
-  return Dot(segment.normal, indenter_normal) < -0.1;
-}
+inline bool Faces(const SurfaceSegment &segment, Vec2 indenter_normal) { return Dot(segment.normal, indenter_normal) < -0.1; }
 
 /// True where a point is far enough from the indenter to be left out without looking at its faces.
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p);

@@ -15,10 +15,10 @@ namespace mlgimp
 
 /// One unknown, as far as a rank knows it; the parts of all ranks add up.
 struct ContactRow {
-  std::int64_t key;    ///< global number
-  double weight, gap;  ///< weight of the condition and weighted gap
-  double x;            ///< place along the surface, m
-  double left, right;  ///< what the unknown covers of the surface, m
+  std::int64_t key;   ///< global number
+  double weight, gap; ///< weight of the condition and weighted gap
+  double x;           ///< place along the surface, m
+  double left, right; ///< what the unknown covers of the surface, m
 };
 
 /// Coupling of an unknown and a node.
@@ -36,8 +36,8 @@ public:
 
   /// Solves and applies. rows and entries: this rank's part; unknowns of less weight than `drop_below` are left out.
   /// Collective on the grid's communicator.
-  PetscErrorCode Solve(const ContactView &view, const std::vector<ContactRow> &rows,
-                       const std::vector<ContactEntry> &entries, double drop_below, ContactReport *report);
+  PetscErrorCode Solve(const ContactView &view, const std::vector<ContactRow> &rows, const std::vector<ContactEntry> &entries,
+                       double drop_below, ContactReport *report);
 
   /// The pressures of the last solve, on every rank; the next one starts from them.
   const ContactPressures &Pressures() const { return pressures_; }

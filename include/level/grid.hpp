@@ -15,10 +15,10 @@ namespace mlgimp
 
 /// Where a grid lies and what bounds it.
 struct GridGeometry {
-  Vec2 lower;          ///< position of node (0, 0) of the box, m
-  double spacing;      ///< h, m
-  int cells[2];        ///< of the box
-  int padding;         ///< layers of nodes beyond the box
+  Vec2 lower;     ///< position of node (0, 0) of the box, m
+  double spacing; ///< h, m
+  int cells[2];   ///< of the box
+  int padding;    ///< layers of nodes beyond the box
   int Nodes(int axis) const { return cells[axis] + 1 + 2 * padding; }
 };
 
@@ -70,10 +70,7 @@ public:
     return i >= ghost_lower_[0] && i < ghost_lower_[0] + ghost_size_[0] && j >= ghost_lower_[1] &&
            j < ghost_lower_[1] + ghost_size_[1];
   }
-  bool Owns(int i, int j) const
-  {
-    return i >= OwnedLower(0) && i < OwnedUpper(0) && j >= OwnedLower(1) && j < OwnedUpper(1);
-  }
+  bool Owns(int i, int j) const { return i >= OwnedLower(0) && i < OwnedUpper(0) && j >= OwnedLower(1) && j < OwnedUpper(1); }
   int GhostedNodes() const { return ghost_size_[0] * ghost_size_[1]; }
   int GhostLower(int axis) const { return ghost_lower_[axis]; }
   int GhostSize(int axis) const { return ghost_size_[axis]; }

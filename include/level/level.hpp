@@ -24,10 +24,10 @@ struct LevelGeometry {
 
 /// What contact did since the run began, booked on the first rank of the level, and in the last step.
 struct ContactTotals {
-  Vec2 impulse{};            ///< on the body, N s
-  double indenter_work = 0;  ///< J
-  double work = 0;           ///< of the contact forces on the nodes that this rank owns, J
-  double penetration = 0;    ///< deepest so far, m
+  Vec2 impulse{};           ///< on the body, N s
+  double indenter_work = 0; ///< J
+  double work = 0;          ///< of the contact forces on the nodes that this rank owns, J
+  double penetration = 0;   ///< deepest so far, m
   double steps = 0, set_updates = 0, fallbacks = 0;
   ContactReport last;
 };
@@ -82,8 +82,8 @@ public:
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
   /// The nodal velocity of the last step at some points: change in the step and gradient. Collective on the level's ranks.
   struct VelocitySample {
-    Vec2 change;     ///< m/s
-    double L[4];     ///< xx, xy, yx, yy, 1/s
+    Vec2 change; ///< m/s
+    double L[4]; ///< xx, xy, yx, yy, 1/s
   };
   PetscErrorCode SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples);
   /// F and stress of some points as the grid sees them: sum_i S_ip (sum_q m_q S_iq F_q)/(sum_q m_q S_iq), [points][8].

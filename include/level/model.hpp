@@ -22,9 +22,9 @@ enum class StressUpdate { kUsl, kUsf, kMusl };
 struct Body {
   std::string name;
   std::unique_ptr<Region> region;
-  int material;         ///< place in Model::materials
-  Vec2 velocity;        ///< initial, m/s
-  int points_per_cell;  ///< per direction
+  int material;        ///< place in Model::materials
+  Vec2 velocity;       ///< initial, m/s
+  int points_per_cell; ///< per direction
 };
 
 struct Model {
@@ -38,8 +38,8 @@ struct Model {
   bool contact_monitor = false;
   StressUpdate stress_update = StressUpdate::kMusl;
   ShortWaveViscosity short_wave;
-  NodalSettings nodal;             ///< mass_cutoff is set by each level
-  BodyAcceleration acceleration;   ///< beside gravity; empty for none
+  NodalSettings nodal;           ///< mass_cutoff is set by each level
+  BodyAcceleration acceleration; ///< beside gravity; empty for none
 
   /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes.
   bool UsesRates() const { return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0; }

@@ -36,9 +36,9 @@ struct Sides {
 
 /// Settings of the nodal update.
 struct NodalSettings {
-  Vec2 gravity{};          ///< m/s2
-  double damping = 0;      ///< 1/s
-  double mass_cutoff = 0;  ///< nodes with less are skipped, kg
+  Vec2 gravity{};         ///< m/s2
+  double damping = 0;     ///< 1/s
+  double mass_cutoff = 0; ///< nodes with less are skipped, kg
   double xpic_fraction = 0;
   int xpic_order = 2;
   bool second_extrapolation = true; ///< strain from the velocities of the moved momentum (MUSL)
@@ -48,7 +48,7 @@ struct NodalSettings {
 /// Sums over the steps so far of what the nodes of this rank exchange with the outside.
 struct NodalTotals {
   Vec2 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
-  double external_work = 0, damping_dissipation = 0;         ///< J
+  double external_work = 0, damping_dissipation = 0;                            ///< J
 };
 
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and books their impulses.

@@ -57,8 +57,8 @@ private:
 
 /// Points that leave, and the rank each goes to.
 struct Departures {
-  std::vector<int> points;            ///< indices, ascending
-  std::vector<PetscMPIInt> ranks;     ///< destination of each
+  std::vector<int> points;        ///< indices, ascending
+  std::vector<PetscMPIInt> ranks; ///< destination of each
 };
 
 /// Moves points out of `from` into `to` (the same object for migration within a level), across the ranks of `comm`.
@@ -67,6 +67,7 @@ PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departu
 
 /// The same, but the points stay in `from` as well. Departures are ordered by rank. origins: of each arrival, in the order
 /// of storage, its rank and its place among that rank's departures.
-PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures, std::vector<PetscSFNode> *origins);
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures,
+                          std::vector<PetscSFNode> *origins);
 
 } // namespace mlgimp

@@ -48,19 +48,19 @@ struct SweepTotals {
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
   double dt;
-  bool strain;       ///< advance F and stress here, with the new nodal velocity (USL without rates)
-  bool strain_rate;  ///< keep the strain rate of the points for the short-wave viscosity
-  bool scatter;      ///< add momentum, projected momentum and strain rate to `rates`
-  bool move;         ///< move the points: nothing of the step comes after
+  bool strain;      ///< advance F and stress here, with the new nodal velocity (USL without rates)
+  bool strain_rate; ///< keep the strain rate of the points for the short-wave viscosity
+  bool scatter;     ///< add momentum, projected momentum and strain rate to `rates`
+  bool move;        ///< move the points: nothing of the step comes after
 };
 
 /// Settings of the sweep that reads `rates`.
 struct RatesPlan {
   double dt;
-  bool strain;                    ///< advance F and stress with the velocities in `rates`
-  ShortWaveViscosity short_wave;  ///< turn the strain rate kept into the short-wave stress
-  double xpic_fraction;           ///< share of the projected velocity in `rates`
-  bool move;                      ///< move the points with the velocities that GridToPoints left
+  bool strain;                   ///< advance F and stress with the velocities in `rates`
+  ShortWaveViscosity short_wave; ///< turn the strain rate kept into the short-wave stress
+  double xpic_fraction;          ///< share of the projected velocity in `rates`
+  bool move;                     ///< move the points with the velocities that GridToPoints left
 };
 
 /// One rank's points and nodes during a sweep.
@@ -96,8 +96,7 @@ public:
   virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
 
   /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
-  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
-                          PointFailure &failure) const = 0;
+  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const = 0;
 };
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.

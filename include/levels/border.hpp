@@ -16,7 +16,7 @@ namespace mlgimp
 
 /// A fine node with beta < 1 and the interface nodes it hangs on.
 struct BandNode {
-  int node;         ///< place in the fine level's ghosted arrays
+  int node; ///< place in the fine level's ghosted arrays
   double beta;
   int count;        ///< of interface nodes with a weight
   int interface[4]; ///< places in the arrays of interface nodes
@@ -25,9 +25,9 @@ struct BandNode {
 
 /// What the border gave to bodies since the run began, on this rank.
 struct BorderTotals {
-  Vec2 support_impulse{};  ///< at interface nodes on held sides, N s
-  Vec2 stagger_impulse{};  ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
-  double work = 0;         ///< of the forces that the two levels exert on each other, J: what the coupling injects
+  Vec2 support_impulse{}; ///< at interface nodes on held sides, N s
+  Vec2 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
+  double work = 0;        ///< of the forces that the two levels exert on each other, J: what the coupling injects
 };
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
@@ -90,18 +90,18 @@ private:
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2;
   double blend_width_ = kBlendWidth;
-  std::vector<InterfaceNode> interface_;   ///< all of them, in the same order on every rank
-  std::vector<int> local_;                 ///< those known here: owned ones first, in order
+  std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
+  std::vector<int> local_;               ///< those known here: owned ones first, in order
   int owned_ = 0;
-  std::vector<BandNode> band_;             ///< of owned fine nodes
-  std::vector<unsigned char> held_axes_;   ///< [owned_] bit per axis held by a side
+  std::vector<BandNode> band_;           ///< of owned fine nodes
+  std::vector<unsigned char> held_axes_; ///< [owned_] bit per axis held by a side
   std::vector<int> held_coarse_, held_fine_;
   SFHandle exchange_, transfer_;
-  std::vector<double> coarse_sums_;        ///< [owned_][kSums]: of the coarse points
-  std::vector<double> previous_force_;     ///< [owned_][2]
-  std::vector<double> sums_;               ///< [local_][kSums]: of the fine points, restricted
-  std::vector<double> velocity_;           ///< [local_][kVelocity]: (v, dv) of the substep
-  std::vector<double> mean_;               ///< [owned_][kVelocity]: mean v and sum of dv over substeps
+  std::vector<double> coarse_sums_;    ///< [owned_][kSums]: of the coarse points
+  std::vector<double> previous_force_; ///< [owned_][2]
+  std::vector<double> sums_;           ///< [local_][kSums]: of the fine points, restricted
+  std::vector<double> velocity_;       ///< [local_][kVelocity]: (v, dv) of the substep
+  std::vector<double> mean_;           ///< [owned_][kVelocity]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   BorderTotals totals_;
 };

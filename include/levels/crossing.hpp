@@ -21,7 +21,8 @@ struct CrossingRule {
 };
 
 /// Numbers of points: every split gives numbers in a new range, from the parent's alone, so that no counter is shared.
-///   child c of the point `id` of generation g has start(g + 1) + (id - start(g)) children + c,  start(g + 1) = start(g) + N children^g
+///   child c of the point `id` of generation g has start(g + 1) + (id - start(g)) children + c,  start(g + 1) = start(g) + N
+///   children^g
 class PointNumbers
 {
 public:
@@ -45,11 +46,11 @@ private:
 
 /// What crossed a border since the run began: points by their own count, on this rank.
 struct CrossingTotals {
-  double entered = 0, left = 0;         ///< points that went to the finer, to the coarser level
-  double split = 0, merged = 0;         ///< parents split; parents put together again
-  double mass_error = 0;     ///< of splitting and merging, summed over transfers: absolute values, kg
-  double momentum_error = 0; ///< kg m/s
-  double energy = 0;         ///< kinetic and strain energy that splitting and merging have added, J
+  double entered = 0, left = 0; ///< points that went to the finer, to the coarser level
+  double split = 0, merged = 0; ///< parents split; parents put together again
+  double mass_error = 0;        ///< of splitting and merging, summed over transfers: absolute values, kg
+  double momentum_error = 0;    ///< kg m/s
+  double energy = 0;            ///< kinetic and strain energy that splitting and merging have added, J
   double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
 };
 
@@ -79,7 +80,8 @@ public:
 private:
   PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
   PetscErrorCode FindParents(const std::vector<int> &points, std::vector<int> *parents);
-  PetscErrorCode Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples, std::vector<int> *points);
+  PetscErrorCode Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
+                       std::vector<int> *points);
   void MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const;
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 

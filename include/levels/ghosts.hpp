@@ -14,9 +14,9 @@ namespace mlgimp
 
 /// What `points` coupling adds to the paper's exchange.
 struct GhostRepairs {
-  bool owner_flags = true;      ///< a point has one owner for ever; else its place alone decides, as printed
-  bool velocity_shift = true;   ///< velocities belong to half steps, which differ between levels
-  bool strain_smoothing = true; ///< copies on the finer level get F and stress as the coarser grid sees them
+  bool owner_flags = true;         ///< a point has one owner for ever; else its place alone decides, as printed
+  bool velocity_shift = true;      ///< velocities belong to half steps, which differ between levels
+  bool strain_smoothing = true;    ///< copies on the finer level get F and stress as the coarser grid sees them
   bool momentum_correction = true; ///< momentum lost at borders is put back into the points that have copies
 };
 
@@ -56,9 +56,9 @@ private:
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *from_ = nullptr, *to_ = nullptr;
-  Box inner_{}, outer_{};     ///< sources lie in the outer box, but not in the inner one
-  int origin_ = 0;            ///< which store of copies
-  Departures sources_;        ///< points of this rank that have copies, and where
+  Box inner_{}, outer_{}; ///< sources lie in the outer box, but not in the inner one
+  int origin_ = 0;        ///< which store of copies
+  Departures sources_;    ///< points of this rank that have copies, and where
   long version_ = -1, copy_version_ = -1, rebuilds_ = 0;
   SFHandle exchange_;
   MPI_Datatype unit_ = MPI_DATATYPE_NULL;

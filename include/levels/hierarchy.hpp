@@ -21,13 +21,14 @@ struct HierarchySettings {
   std::vector<LevelGeometry> levels;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
-  int ratio = 2;               ///< of neighbouring levels' cells and steps
-  std::vector<double> blend_widths; ///< of the bands inside the borders, cells of the coarser level; kBlendWidth where none is given
+  int ratio = 2; ///< of neighbouring levels' cells and steps
+  std::vector<double>
+      blend_widths;            ///< of the bands inside the borders, cells of the coarser level; kBlendWidth where none is given
   bool merge_siblings = false; ///< points that leave a level become their parent again
   int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
   LevelCoupling coupling = LevelCoupling::kNodes;
-  GhostRepairs repairs;        ///< of the coupling by points
-  int ghost_cells = 4;         ///< the coupling by points copies so far outside a level's box, cells of the level
+  GhostRepairs repairs; ///< of the coupling by points
+  int ghost_cells = 4;  ///< the coupling by points copies so far outside a level's box, cells of the level
 };
 
 /// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
@@ -36,16 +37,13 @@ struct Books {
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
       damping_impulse[2], stagger_impulse[2];
-  double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error,
-      points_adrift, mass_adrift, momentum_adrift[2];
+  double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error, points_adrift,
+      mass_adrift, momentum_adrift[2];
   double contact_work;    ///< of the contact forces on the body; less than indenter_work by what contact takes up
   double exchange_energy; ///< that the coupling of levels through nodes has added: the work of its forces
   double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
-  double Dissipated() const
-  {
-    return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation;
-  }
+  double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
 };
 
 /// What the coupling by points carries from step to step beside the copies.
@@ -65,8 +63,7 @@ class Hierarchy
 {
 public:
   /// Creates the grids and fills them with points, or leaves them empty for a restart. Collective.
-  PetscErrorCode Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events,
-                        bool fill);
+  PetscErrorCode Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events, bool fill);
 
   /// One step of level 0, with all steps of the finer levels within it.
   PetscErrorCode Advance(double time, double dt);
@@ -121,9 +118,9 @@ private:
   LogEvents events_{};
   std::vector<PetscLogStage> stages_;
   std::vector<std::unique_ptr<Level>> levels_;
-  std::vector<std::unique_ptr<Border>> borders_;      ///< [b]: of levels b and b + 1
+  std::vector<std::unique_ptr<Border>> borders_; ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<Crossing>> crossings_;
-  std::vector<std::unique_ptr<GhostBorder>> ghosts_;  ///< where the coupling is by points
+  std::vector<std::unique_ptr<GhostBorder>> ghosts_; ///< where the coupling is by points
   CopyState copies_;
 };
 

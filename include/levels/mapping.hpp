@@ -10,9 +10,9 @@ namespace mlgimp
 
 /// A level's block and a finer level's block that exchange data, and how much.
 struct BlockTraffic {
-  int level;           ///< of the coarser block
-  int coarse, fine;    ///< blocks
-  double bytes;        ///< per step of level 0
+  int level;        ///< of the coarser block
+  int coarse, fine; ///< blocks
+  double bytes;     ///< per step of level 0
 };
 
 /// Ranks of the blocks: [level][block], on each level every rank at most once.

@@ -37,10 +37,7 @@ class PiecewiseLinear
 {
 public:
   PiecewiseLinear() = default;
-  PiecewiseLinear(std::vector<double> times, std::vector<double> values)
-      : times_(std::move(times)), values_(std::move(values))
-  {
-  }
+  PiecewiseLinear(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
   double Value(double t) const;
   double Integral(double t) const; ///< from 0 to t
   /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
@@ -52,9 +49,9 @@ private:
 
 /// The downward motion: a speed history, and from `turning_time` on a constant retraction.
 struct IndenterMotion {
-  PiecewiseLinear speed;                ///< downward, m/s
-  double turning_time = HUGE_VAL;       ///< s
-  double unload_speed = 0;              ///< upward from turning_time on, m/s
+  PiecewiseLinear speed;          ///< downward, m/s
+  double turning_time = HUGE_VAL; ///< s
+  double unload_speed = 0;        ///< upward from turning_time on, m/s
 
   double Speed(double t) const { return t < turning_time ? speed.Value(t) : -unload_speed; }
   double Travel(double t) const

@@ -26,14 +26,14 @@ struct MaterialConstants {
 
 /// The points of one material in a block, after F was advanced by `increment`.
 struct MaterialBatch {
-  int count;                   ///< number of points, <= kBlock
-  double dt;                   ///< s
+  int count;                    ///< number of points, <= kBlock
+  double dt;                    ///< s
   const double (*L)[4];         ///< [count] velocity gradient xx, xy, yx, yy, 1/s
   const double (*increment)[4]; ///< [count] I + dt L
-  const double *F;             ///< [count][4] new deformation gradient
-  double *stress;              ///< [count][4] overwritten with the new stress, Pa
-  double *history;             ///< [count][history_stride] internal variables, updated in place
-  int history_stride;          ///< >= HistorySize(): the most that any material of the run has
+  const double *F;              ///< [count][4] new deformation gradient
+  double *stress;               ///< [count][4] overwritten with the new stress, Pa
+  double *history;              ///< [count][history_stride] internal variables, updated in place
+  int history_stride;           ///< >= HistorySize(): the most that any material of the run has
 };
 
 class Material
@@ -42,17 +42,17 @@ public:
   explicit Material(const MaterialConstants &constants);
   virtual ~Material() = default;
 
-  double Density() const { return density_; }        ///< initial density, kg/m3
-  double Lambda() const { return lambda_; }          ///< first Lame constant, Pa
-  double Mu() const { return mu_; }                  ///< shear modulus, Pa
-  double SpeedOfSound() const;                       ///< sqrt((lambda + 2 mu)/rho0), m/s
+  double Density() const { return density_; } ///< initial density, kg/m3
+  double Lambda() const { return lambda_; }   ///< first Lame constant, Pa
+  double Mu() const { return mu_; }           ///< shear modulus, Pa
+  double SpeedOfSound() const;                ///< sqrt((lambda + 2 mu)/rho0), m/s
 
   /// Stress at the end of a step. Returns nothing; adds the plastic work per initial volume (J/m3) to dissipated[p].
   virtual void UpdateStress(const MaterialBatch &batch, double *dissipated) const = 0;
 
   /// Recoverable energy per initial volume, J/m3, into energy [count].
-  virtual void StoredEnergy(int count, const double *F, const double *stress, const double *history,
-                            int history_stride, double *energy) const = 0;
+  virtual void StoredEnergy(int count, const double *F, const double *stress, const double *history, int history_stride,
+                            double *energy) const = 0;
 
   /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
   virtual void WaveSpeedSquared(int count, const double *F, double *speed2) const = 0;

@@ -17,10 +17,7 @@ struct Box {
   /// Place of a side along its axis.
   double At(Side side) const { return SignOf(side) < 0 ? lower[AxisOf(side)] : upper[AxisOf(side)]; }
   /// Half-open, so that boxes side by side share no point.
-  bool Contains(Vec2 x) const
-  {
-    return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1];
-  }
+  bool Contains(Vec2 x) const { return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1]; }
 };
 
 /// The shape of a body before it deforms.

@@ -28,8 +28,8 @@ template <int dim> struct Lattice {
 /// derivative of that along an axis has the slope g in the place of that axis' weight. Index k is the node below, at
 /// and above the nearest one.
 template <int dim> struct AxisStencils {
-  int node[kBlock];                                   ///< nearest node, place in the ghosted array
-  double w[dim][3][kBlock], g[dim][3][kBlock];        ///< -, 1/m
+  int node[kBlock];                            ///< nearest node, place in the ghosted array
+  double w[dim][3][kBlock], g[dim][3][kBlock]; ///< -, 1/m
 };
 
 /// Weights and slopes (per cell) of the nodes below, at and above the nearest one, along one axis.

@@ -34,25 +34,19 @@ struct Case {
   Box domain;
   double cell_size = 0; ///< of level 0, m
   int levels = 1;
-  std::vector<Box> boxes;   ///< of the levels; the first is the domain
+  std::vector<Box> boxes;                      ///< of the levels; the first is the domain
   double least_blend_width = kLeastBlendWidth; ///< what boxes must leave room for, cells of the coarser level
   HierarchySettings hierarchy;                 ///< where the levels lie, and how they are coupled and kept
   Model model;
   TimeSettings time;
   OutputSettings output;
   std::vector<std::string> load_names; ///< in the order of model.loads
-  std::vector<std::string> identity; ///< options that a restart must share
+  std::vector<std::string> identity;   ///< options that a restart must share
 
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
-  bool IsBorder(int level, Side side) const
-  {
-    return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level);
-  }
-  int Cells(int axis) const
-  {
-    return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size));
-  }
+  bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }
+  int Cells(int axis) const { return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size)); }
 };
 
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.

@@ -14,18 +14,18 @@ namespace mlgimp
 struct RunState {
   double time = 0, time_step = 0;
   std::array<double, 3> step_settings{}; ///< what time_step follows from beside the wave speed: -end_time, -time_step, -cfl
-  double wave_speed = 0;        ///< that the time step follows, m/s
+  double wave_speed = 0;                 ///< that the time step follows, m/s
   long step = 0;
-  int frames = 0;               ///< written so far
+  int frames = 0; ///< written so far
   double initial_mass = 0, initial_points = 0;
-  double initial_created = 0;   ///< points created by splitting before the first step
+  double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
-  double penetration = 0;       ///< deepest so far, m
+  double penetration = 0;                     ///< deepest so far, m
 };
 
 /// Writes directory/checkpoint_SSSSSS.h5. problem: empty, or why that failed, the same on every rank. Collective.
-PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity,
-                               Hierarchy &hierarchy, const RunState &state, std::string *problem);
+PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
+                               const RunState &state, std::string *problem);
 
 /// Fills the empty levels of a hierarchy; ends the run with one line where the file is not whole, of another format or
 /// of another case. same_ranks: as many ranks wrote it, and each has got its own back, so that the run goes on to the

@@ -74,10 +74,10 @@ private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   H5Handle file_;
-  Descriptor part_;      ///< the same file on the first rank, by which room is reserved
-  off_t reserved_ = 0;   ///< bytes
+  Descriptor part_;    ///< the same file on the first rank, by which room is reserved
+  off_t reserved_ = 0; ///< bytes
   bool good_ = true;
-  int error_ = 0;        ///< errno of the first call of the system that failed
+  int error_ = 0; ///< errno of the first call of the system that failed
 };
 
 /// Reads one file; every function returns false where what it asks for is not there.

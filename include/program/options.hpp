@@ -14,10 +14,7 @@ namespace mlgimp
 struct Range {
   double lower, upper;
   bool lower_open, upper_open;
-  bool Contains(double x) const
-  {
-    return (lower_open ? x > lower : x >= lower) && (upper_open ? x < upper : x <= upper);
-  }
+  bool Contains(double x) const { return (lower_open ? x > lower : x >= lower) && (upper_open ? x < upper : x <= upper); }
   std::string Text() const;
 };
 inline constexpr Range kAnyNumber = {-HUGE_VAL, HUGE_VAL, true, true}, kPositive = {0, HUGE_VAL, true, true},

@@ -1,11 +1,11 @@
 // A run: set-up from a case, the loop over steps, and all that is written on the way.
 #pragma once
 
+#include "levels/hierarchy.hpp"
 #include "program/case.hpp"
 #include "program/checkpoint.hpp"
 #include "program/frames.hpp"
 #include "program/history.hpp"
-#include "levels/hierarchy.hpp"
 
 #include <string>
 

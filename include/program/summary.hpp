@@ -16,11 +16,11 @@ struct SummaryInput {
   const Case &settings;
   const RunState &state;
   Hierarchy &hierarchy;
-  double wall_seconds;  ///< since the loop began
-  double step_seconds;  ///< of them in steps, on this rank
-  double point_steps;   ///< points times steps on this rank
+  double wall_seconds; ///< since the loop began
+  double step_seconds; ///< of them in steps, on this rank
+  double point_steps;  ///< points times steps on this rank
   const LogEvents &events;
-  long steps;           ///< of level 0 in this run
+  long steps; ///< of level 0 in this run
 };
 
 /// Writes summary.json in the output folder. problem: empty, or why that failed, the same on every rank. Collective.

@@ -22,7 +22,8 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     for (int j = grid.GhostLower(1); j < grid.GhostLower(1) + grid.GhostSize(1); ++j)
-      for (int i = grid.GhostLower(0); i < grid.GhostLower(0) + grid.GhostSize(0); ++i) ApplyAtNode(view, i, j, local, extent, report);
+      for (int i = grid.GhostLower(0); i < grid.GhostLower(0) + grid.GhostSize(0); ++i)
+        ApplyAtNode(view, i, j, local, extent, report);
     double sums[4] = {local[0][0], local[0][1], local[1][0], local[1][1]}, bounds[2] = {-extent[0], extent[1]};
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, grid.Comm()));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 2, MPI_DOUBLE, MPI_MAX, grid.Comm()));

@@ -53,14 +53,14 @@ private:
     report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.time).distance);
     rows_.push_back({points.id[p], 1, gap.distance, x[0], x[0] - 0.5 * length, x[0] + 0.5 * length});
     Stencil<2> w;
-    ComputeStencil<ContiguousGimp>(view.grid.IndexSpace(), 1, points.position + 2 * p, points.half_size + 2 * p,
-                                   points.F + 4 * p, w);
+    ComputeStencil<ContiguousGimp>(view.grid.IndexSpace(), 1, points.position + 2 * p, points.half_size + 2 * p, points.F + 4 * p,
+                                   w);
     const int i = view.grid.Nearest(0, x[0]), j = view.grid.Nearest(1, x[1]);
     for (int k = 0; k < Stencil<2>::kNodes; ++k) {
       const double S = w.S[k][0];
       if (S > 0)
-        entries_.push_back({points.id[p], i + k % 3 - 1, j + k / 3 - 1, S * gap.normal,
-                            S * length * view.thickness * gap.normal});
+        entries_.push_back(
+            {points.id[p], i + k % 3 - 1, j + k / 3 - 1, S * gap.normal, S * length * view.thickness * gap.normal});
     }
   }
 

@@ -81,13 +81,12 @@ private:
       const std::int64_t column = node[0] + c;
       const double x = grid.Coordinate(0, node[0] + c);
       const double half = 0.5 * segment.length;
-      rows_.push_back({column, weight, weight * gap.distance, x, std::max(segment.x[0] - half, x - h),
-                       std::min(segment.x[0] + half, x + h)});
+      rows_.push_back(
+          {column, weight, weight * gap.distance, x, std::max(segment.x[0] - half, x - h), std::min(segment.x[0] + half, x + h)});
       for (int k = 0; k < 4; ++k) {
         const double N = (k % 2 ? part[0] : 1 - part[0]) * (k / 2 ? part[1] : 1 - part[1]);
         const Vec2 B = weight * N * gap.normal;
-        if (grid.Holds(node[0] + k % 2, node[1] + k / 2))
-          entries_.push_back({column, node[0] + k % 2, node[1] + k / 2, B, B});
+        if (grid.Holds(node[0] + k % 2, node[1] + k / 2)) entries_.push_back({column, node[0] + k % 2, node[1] + k / 2, B, B});
       }
     }
     columns.first = std::min<std::int64_t>(columns.first, node[0]);

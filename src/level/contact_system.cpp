@@ -25,8 +25,7 @@ struct Header {
 constexpr int kHeaderSize = sizeof(Header) / sizeof(double);
 
 /// Gathers arrays of plain records of doubles on rank 0; empty everywhere else, and where nobody has any.
-template <class Record>
-PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
+template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
 {
   constexpr int doubles = sizeof(Record) / sizeof(double);
   PetscMPIInt rank, size;
@@ -96,18 +95,19 @@ struct ContactSystem::Problem {
 
   void MergeRanks()
   {
-    Merge(rows, [](const RowRecord &a, const RowRecord &b) { return a.key < b.key; },
-          [](RowRecord &a, const RowRecord &b) {
-            a.weight += b.weight;
-            a.gap += b.gap;
-            a.left = std::min(a.left, b.left);
-            a.right = std::max(a.right, b.right);
-          });
-    Merge(entries,
-          [](const EntryRecord &a, const EntryRecord &b) { return a.node != b.node ? a.node < b.node : a.key < b.key; },
-          [](EntryRecord &a, const EntryRecord &b) {
-            for (int d = 0; d < 2; ++d) a.test[d] += b.test[d], a.force[d] += b.force[d];
-          });
+    Merge(
+        rows, [](const RowRecord &a, const RowRecord &b) { return a.key < b.key; },
+        [](RowRecord &a, const RowRecord &b) {
+          a.weight += b.weight;
+          a.gap += b.gap;
+          a.left = std::min(a.left, b.left);
+          a.right = std::max(a.right, b.right);
+        });
+    Merge(
+        entries, [](const EntryRecord &a, const EntryRecord &b) { return a.node != b.node ? a.node < b.node : a.key < b.key; },
+        [](EntryRecord &a, const EntryRecord &b) {
+          for (int d = 0; d < 2; ++d) a.test[d] += b.test[d], a.force[d] += b.force[d];
+        });
   }
 
   /// Leaves out weak unknowns and those that reach no mass; numbers the rest.
@@ -183,8 +183,9 @@ void ContactSystem::Problem::Assemble(double dt, double diagonal_shift, BandMatr
       (*r)[unknown[a]] -= dt * (row.test[0] * row.velocity[0] + row.test[1] * row.velocity[1]);
       for (int b = first; b < end; ++b)
         if (unknown[b] >= 0)
-          A->At(unknown[a], unknown[b]) += dt * dt * (row.test[0] * entries[b].force[0] * row.inverse_mass[0] +
-                                                      row.test[1] * entries[b].force[1] * row.inverse_mass[1]);
+          A->At(unknown[a], unknown[b]) +=
+              dt * dt *
+              (row.test[0] * entries[b].force[0] * row.inverse_mass[0] + row.test[1] * entries[b].force[1] * row.inverse_mass[1]);
     }
   });
   for (int k = 0; k < n; ++k) A->At(k, k) *= 1 + diagonal_shift;
@@ -239,8 +240,8 @@ PetscErrorCode ContactSystem::SolveOnRoot(const ContactView &view, Problem &prob
   header.solved = report.solved;
   *answer = problem.Answer(view.dt, lambda, header);
   if (monitor_ && report.active)
-    PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n",
-                          view.time, A.size, report.active, report.set_updates, report.linear_iterations));
+    PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n", view.time,
+                          A.size, report.active, report.set_updates, report.linear_iterations));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -36,9 +36,8 @@ PetscErrorCode Grid::CreateArrays()
   const PetscInt m = static_cast<PetscInt>(layout_.widths[0].size()), n = static_cast<PetscInt>(layout_.widths[1].size());
   PetscInt xs, ys, xm, ym;
   PetscFunctionBeginUser;
-  PetscCall(DMDACreate2d(comm_, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry_.Nodes(0),
-                         geometry_.Nodes(1), m, n, NodeArrays::kSums, kHaloWidth, layout_.widths[0].data(),
-                         layout_.widths[1].data(), nodes8_.Out()));
+  PetscCall(DMDACreate2d(comm_, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry_.Nodes(0), geometry_.Nodes(1), m,
+                         n, NodeArrays::kSums, kHaloWidth, layout_.widths[0].data(), layout_.widths[1].data(), nodes8_.Out()));
   PetscCall(DMSetUp(nodes8_));
   PetscCall(DMDACreateCompatibleDMDA(nodes8_, NodeArrays::kVelocity, nodes4_.Out()));
 

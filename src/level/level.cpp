@@ -99,7 +99,8 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_ && pace_.contact_awake) PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
+  if (contact_ && pace_.contact_awake)
+    PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -168,9 +169,10 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-    transfer_->ApplyRates(view, plan, totals, failure);
-  }));
+  PetscCall(
+      ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
+        transfer_->ApplyRates(view, plan, totals, failure);
+      }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -245,8 +247,8 @@ PetscErrorCode Level::Migrate(bool everywhere)
   for (int p = 0; p < points.count; ++p) {
     const double *x = points.position + 2 * p;
     const int i = grid_->Nearest(0, x[0]), j = grid_->Nearest(1, x[1]);
-    const bool inside = i >= geometry_.FirstNode(0) && i <= geometry_.LastNode(0) && j >= geometry_.FirstNode(1) &&
-                        j <= geometry_.LastNode(1);
+    const bool inside =
+        i >= geometry_.FirstNode(0) && i <= geometry_.LastNode(0) && j >= geometry_.FirstNode(1) && j <= geometry_.LastNode(1);
     if (!inside) {
       if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], {x[0], x[1]}};
     } else if (const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(i, j) : grid_->BlockOfNode(i, j); owner != rank) {

@@ -11,9 +11,12 @@ namespace mlgimp
 static PetscDataType PetscType(FieldType type)
 {
   switch (type) {
-  case FieldType::kInt32: return PETSC_INT;
-  case FieldType::kInt64: return PETSC_INT64;
-  default: return PETSC_REAL;
+  case FieldType::kInt32:
+    return PETSC_INT;
+  case FieldType::kInt64:
+    return PETSC_INT64;
+  default:
+    return PETSC_REAL;
   }
 }
 
@@ -28,7 +31,8 @@ PetscErrorCode Points::Create(int history_components)
   PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(swarm_));
   for (const PointFieldInfo &field : table_)
-    if (field.components) PetscCall(DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, PetscType(field.type)));
+    if (field.components)
+      PetscCall(DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, PetscType(field.type)));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm_));
   PetscCall(DMSwarmSetLocalSizes(swarm_, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -290,8 +294,8 @@ PetscErrorCode Deliver(MPI_Comm comm, const Parcel &parcel, const std::vector<Ar
     offset += bytes * portion.count;
   }
   for (std::size_t k = 0; k < parcel.ranks.size(); ++k)
-    PetscCallMPI(MPI_Isend(&parcel.records[bytes * parcel.portions[k].start], parcel.portions[k].count, record,
-                           parcel.ranks[k], tag, inner, &requests.emplace_back()));
+    PetscCallMPI(MPI_Isend(&parcel.records[bytes * parcel.portions[k].start], parcel.portions[k].count, record, parcel.ranks[k],
+                           tag, inner, &requests.emplace_back()));
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCallMPI(MPI_Type_free(&record));
   PetscCall(PetscCommDestroy(&inner));
@@ -313,7 +317,8 @@ PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures, std::vector<PetscSFNode> *origins)
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures,
+                          std::vector<PetscSFNode> *origins)
 {
   Parcel parcel;
   std::vector<Arrival> arrivals;

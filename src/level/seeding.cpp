@@ -6,8 +6,8 @@
 namespace mlgimp
 {
 
-Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides,
-                 std::function<bool(Vec2)> belongs, std::int64_t first_id)
+Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, std::function<bool(Vec2)> belongs,
+                 std::int64_t first_id)
     : model_(model), geometry_(geometry), sides_(sides), belongs_(std::move(belongs)), first_id_(first_id)
 {
   for (const Body &body : model.bodies) {
@@ -48,7 +48,8 @@ std::vector<double> Seeding::CountByNode() const
   ForEach(lower, upper, [&](const Seed &seed) {
     int node[2];
     for (int axis = 0; axis < 2; ++axis)
-      node[axis] = static_cast<int>(std::floor((seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing + 0.5)) + geometry_.padding;
+      node[axis] = static_cast<int>(std::floor((seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing + 0.5)) +
+                   geometry_.padding;
     ++counts[static_cast<std::size_t>(node[1]) * width + node[0]];
   });
   return counts;

@@ -27,7 +27,9 @@ Block CutBlock(const SweepView &view, int start)
   const Material *material = view.bodies.only ? view.bodies.only : view.bodies.material[all.body[start]];
   int end = std::min(start + kBlock, all.count);
   if (!view.bodies.only)
-    end = static_cast<int>(std::find_if(all.body + start, all.body + end, [&](int body) { return view.bodies.material[body] != material; }) - all.body);
+    end = static_cast<int>(
+        std::find_if(all.body + start, all.body + end, [&](int body) { return view.bodies.material[body] != material; }) -
+        all.body);
   Block b = {all, start, *material};
   b.count = end - start;
   b.id += start;
@@ -69,8 +71,7 @@ void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b
 }
 
 /// Advances F, stress and internal variables of a block. L [kBlock][4] in 1/s.
-void AdvanceStress(const Block &b, double dt, const double (*L)[4],
-                   SweepTotals &totals, PointFailure &failure)
+void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals &totals, PointFailure &failure)
 {
   double increment[kBlock][4], plastic[kBlock] = {};
   const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
@@ -121,8 +122,7 @@ template <class Shape> class ShapeTransfer : public Transfer
   using Weights = AxisStencils<2>;
 
 public:
-  void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
-                    SweepTotals &totals) const override
+  void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, SweepTotals &totals) const override
   {
     Weights w;
     double volume[kBlock], body_force[2 * kBlock] = {};
@@ -161,7 +161,8 @@ public:
           b.velocity[2 * p + d] += sum.value[2 + d];
         }
         if (plan.strain) StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
-        if (plan.strain_rate) totals.short_wave_dissipation += plan.dt * volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
+        if (plan.strain_rate)
+          totals.short_wave_dissipation += plan.dt * volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
         if (plan.scatter) ScatterRates(view.grid, w, b, p, sum.value);
       }
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
@@ -220,8 +221,7 @@ public:
     StorePack(tensors + 4, Gather<2>(at, nearest + 4).value);
   }
 
-  void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals,
-                  PointFailure &failure) const override
+  void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const override
   {
     Weights w;
     double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
@@ -239,8 +239,8 @@ private:
   static void StencilOf(const SweepView &view, int point, Weights &w)
   {
     const PointArrays &all = view.points;
-    ComputeAxisStencils<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point,
-                               all.F + 4 * point, w);
+    ComputeAxisStencils<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point,
+                               w);
   }
 
   /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy, if asked
@@ -279,8 +279,7 @@ private:
   }
 
   /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2), E = (F^T F - I)/2.
-  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
-                              const double (*smooth)[4])
+  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity, const double (*smooth)[4])
   {
     const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
     const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
@@ -299,8 +298,7 @@ private:
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost.
-  static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4],
-                          SweepTotals &totals)
+  static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4], SweepTotals &totals)
   {
     double lost = 0;
 #pragma omp simd reduction(+ : lost)

@@ -16,7 +16,8 @@ class PointMap
 {
 public:
   PointMap(const std::vector<double> &points, int width)
-      : width_(width), height_(static_cast<int>(points.size()) / width), sums_((width + 1) * static_cast<std::size_t>(height_ + 1), 0.0)
+      : width_(width), height_(static_cast<int>(points.size()) / width),
+        sums_((width + 1) * static_cast<std::size_t>(height_ + 1), 0.0)
   {
     for (int j = 0; j < height_; ++j)
       for (int i = 0; i < width; ++i)
@@ -31,7 +32,8 @@ public:
   std::vector<double> Marginal(int axis) const
   {
     std::vector<double> sums;
-    for (int k = 0; k < (axis == 0 ? width_ : height_); ++k) sums.push_back(axis == 0 ? In(k, 0, 1, height_) : In(0, k, width_, 1));
+    for (int k = 0; k < (axis == 0 ? width_ : height_); ++k)
+      sums.push_back(axis == 0 ? In(k, 0, 1, height_) : In(0, k, width_, 1));
     return sums;
   }
 
@@ -130,7 +132,8 @@ PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, b
   PetscFunctionBeginUser;
   PetscCall(level.PointStore().Arrays(&points));
   for (int p = 0; p < points.count; ++p) {
-    const int i = grid.Nearest(0, points.position[2 * p]) + geometry.padding, j = grid.Nearest(1, points.position[2 * p + 1]) + geometry.padding;
+    const int i = grid.Nearest(0, points.position[2 * p]) + geometry.padding,
+              j = grid.Nearest(1, points.position[2 * p + 1]) + geometry.padding;
     ++counts[static_cast<std::size_t>(j) * width + i];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_DOUBLE, MPI_SUM, world));

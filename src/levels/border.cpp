@@ -188,7 +188,8 @@ std::vector<BlockTraffic> Border::Traffic(int level) const
   std::map<std::pair<int, int>, double> bytes;
   std::vector<BlockTraffic> traffic;
   for (const InterfaceNode &node : interface_)
-    bytes[{coarse_->Mesh().BlockOfNode(node.i, node.j), node.block}] += sizeof(double) * (NodeArrays::kSums + NodeArrays::kVelocity);
+    bytes[{coarse_->Mesh().BlockOfNode(node.i, node.j), node.block}] +=
+        sizeof(double) * (NodeArrays::kSums + NodeArrays::kVelocity);
   for (const auto &[blocks, sum] : bytes) traffic.push_back({level, blocks.first, blocks.second, sum});
   return traffic;
 }
@@ -337,7 +338,8 @@ PetscErrorCode Border::GatherForces(std::vector<double> *forces) const
   forces->assign(2 * interface_.size(), 0.0);
   for (int k = 0; k < owned_; ++k)
     for (int axis = 0; axis < 2; ++axis)
-      (*forces)[2 * static_cast<std::size_t>(local_[k]) + axis] = coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis];
+      (*forces)[2 * static_cast<std::size_t>(local_[k]) + axis] =
+          coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis];
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, forces->data(), static_cast<int>(forces->size()), MPI_DOUBLE, MPI_SUM, world_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -348,7 +350,8 @@ void Border::RestoreForces(const std::vector<double> &forces)
   if (!has_previous_) return;
   for (int k = 0; k < owned_; ++k)
     for (int axis = 0; axis < 2; ++axis)
-      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] = forces[2 * static_cast<std::size_t>(local_[k]) + axis];
+      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] =
+          forces[2 * static_cast<std::size_t>(local_[k]) + axis];
 }
 
 } // namespace mlgimp

@@ -46,10 +46,7 @@ std::int64_t PointNumbers::Parent(std::int64_t id) const
   return range.start == 0 ? -1 : range.start - range.count / children_ + (id - range.start) / children_;
 }
 
-int PointNumbers::ChildIndex(std::int64_t id) const
-{
-  return static_cast<int>((id - RangeOf(id).start) % children_);
-}
+int PointNumbers::ChildIndex(std::int64_t id) const { return static_cast<int>((id - RangeOf(id).start) % children_); }
 
 /// The points of a level inside or outside a box.
 PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
@@ -161,7 +158,8 @@ PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector
 }
 
 /// Splits the parents among some points of the coarser level, and adds the children to the points.
-PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples, std::vector<int> *points)
+PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
+                               std::vector<int> *points)
 {
   const int children = ratio_ * ratio_;
   PointTally before, after;
@@ -212,7 +210,8 @@ void Crossing::MakeChild(const PointArrays &a, int parent, int target, int child
   std::copy_n(a.F + 4 * parent, 4, a.F + 4 * target);
   std::copy_n(a.stress + 4 * parent, 4, a.stress + 4 * target);
   std::copy_n(a.short_wave_stress + 3 * parent, 3, a.short_wave_stress + 3 * target);
-  if (a.history) std::copy_n(a.history + a.history_components * parent, a.history_components, a.history + a.history_components * target);
+  if (a.history)
+    std::copy_n(a.history + a.history_components * parent, a.history_components, a.history + a.history_components * target);
 }
 
 } // namespace mlgimp

@@ -19,7 +19,8 @@ PetscErrorCode GhostCopies::Create(MPI_Comm world, Level &coarse, Level &fine, b
   origin_ = finer ? 0 : 1;
   const LevelGeometry &geometry = fine.Geometry();
   inner_ = finer ? WidenedBox(geometry, 0) : WidenedBox(geometry, -widths.inside * coarse.Geometry().grid.spacing);
-  outer_ = finer ? WidenedBox(geometry, widths.outside * geometry.grid.spacing) : Box{{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
+  outer_ =
+      finer ? WidenedBox(geometry, widths.outside * geometry.grid.spacing) : Box{{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
   PetscCallMPI(MPI_Type_contiguous(StateSize(), MPI_DOUBLE, &unit_));
   PetscCallMPI(MPI_Type_commit(&unit_));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -78,8 +79,8 @@ PetscErrorCode GhostCopies::Rebuild()
   PetscCall(copies.Resize(0));
   PetscCall(CopyPoints(world_, from_->PointStore(), copies, sources_, &origins));
   PetscCall(PetscSFCreate(world_, exchange_.Out()));
-  PetscCall(PetscSFSetGraph(exchange_, static_cast<PetscInt>(sources_.points.size()), static_cast<PetscInt>(origins.size()), nullptr,
-                            PETSC_COPY_VALUES, origins.data(), PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetGraph(exchange_, static_cast<PetscInt>(sources_.points.size()), static_cast<PetscInt>(origins.size()),
+                            nullptr, PETSC_COPY_VALUES, origins.data(), PETSC_COPY_VALUES));
   PetscCall(PetscSFSetUp(exchange_));
   version_ = from_->PointStore().Version();
   copy_version_ = copies.Version();

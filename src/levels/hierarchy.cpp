@@ -31,8 +31,8 @@ static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings,
-                                 const LogEvents &events, bool fill)
+PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events,
+                                 bool fill)
 {
   std::int64_t first_id = 0;
   std::vector<Seeding> seedings;
@@ -74,7 +74,8 @@ PetscErrorCode Hierarchy::CreateBorders(std::int64_t seeds)
   for (int b = 0; b + 1 < Levels(); ++b) {
     Level &coarse = *levels_[b], &fine = *levels_[b + 1];
     borders_.push_back(std::make_unique<Border>());
-    crossings_.push_back(std::make_unique<Crossing>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
+    crossings_.push_back(
+        std::make_unique<Crossing>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
     PetscCall(RenewBorder(b));
     if (!copies) continue;
     ghosts_.push_back(std::make_unique<GhostBorder>());
@@ -303,7 +304,7 @@ PetscErrorCode Hierarchy::MeasurePulse(double time, Pulse *pulse)
 PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int steps)
 {
   constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
-  double travel = 0; // the whole way of the indenter: it may turn
+  double travel = 0;                              // the whole way of the indenter: it may turn
   for (int k = 0; k < steps && model_->indenter; ++k)
     travel += Norm(model_->indenter->Tip(time + (k + 1) * dt) - model_->indenter->Tip(time + k * dt));
   PetscFunctionBeginUser;

@@ -122,7 +122,8 @@ static std::string Describe(const LevelFailure &failure, int l)
   if (failure.kind == LevelFailure::kContact) {
     std::snprintf(text, sizeof text,
                   "time %.6e, level %d: the contact solve did not converge; try -contact_ksp_monitor, a larger "
-                  "-contact_ksp_max_it or another -contact_ksp_type", failure.time, l);
+                  "-contact_ksp_max_it or another -contact_ksp_type",
+                  failure.time, l);
     return text;
   }
   switch (point.kind) {

@@ -13,10 +13,7 @@ namespace
 class Wedge : public IndenterSurface
 {
 public:
-  Wedge(double half_angle, double tip_radius)
-      : slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_)
-  {
-  }
+  Wedge(double half_angle, double tip_radius) : slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_) {}
   SurfaceGap Gap(Vec2 x) const override
   {
     const double root = std::hypot(x[0], rounding_);
@@ -128,8 +125,7 @@ double PiecewiseLinear::Value(double t) const
 {
   if (t <= times_.front()) return values_.front();
   for (std::size_t k = 1; k < times_.size(); ++k)
-    if (t < times_[k])
-      return values_[k - 1] + (values_[k] - values_[k - 1]) * (t - times_[k - 1]) / (times_[k] - times_[k - 1]);
+    if (t < times_[k]) return values_[k - 1] + (values_[k] - values_[k - 1]) * (t - times_[k - 1]) / (times_[k] - times_[k - 1]);
   return values_.back();
 }
 

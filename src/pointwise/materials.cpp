@@ -10,8 +10,7 @@ namespace mlgimp
 {
 
 Material::Material(const MaterialConstants &c)
-    : density_(c.density),
-      lambda_(c.youngs_modulus * c.poissons_ratio / ((1 + c.poissons_ratio) * (1 - 2 * c.poissons_ratio))),
+    : density_(c.density), lambda_(c.youngs_modulus * c.poissons_ratio / ((1 + c.poissons_ratio) * (1 - 2 * c.poissons_ratio))),
       mu_(c.youngs_modulus / (2 * (1 + c.poissons_ratio)))
 {
 }
@@ -155,8 +154,7 @@ private:
   };
   static Strain GreenStrain(const double *f)
   {
-    return {0.5 * (f[0] * f[0] + f[2] * f[2] - 1), 0.5 * (f[1] * f[1] + f[3] * f[3] - 1),
-            0.5 * (f[0] * f[1] + f[2] * f[3])};
+    return {0.5 * (f[0] * f[0] + f[2] * f[2] - 1), 0.5 * (f[1] * f[1] + f[3] * f[3] - 1), 0.5 * (f[0] * f[1] + f[2] * f[3])};
   }
 };
 
@@ -188,8 +186,7 @@ public:
 
   void WaveSpeedSquared(int count, const double *F, double *speed2) const override
   {
-    for (int p = 0; p < count; ++p)
-      speed2[p] = (lambda_ + 2 * mu_) / density_ * std::max(1.0, LargestStretchSquared(F + 4 * p));
+    for (int p = 0; p < count; ++p) speed2[p] = (lambda_ + 2 * mu_) / density_ * std::max(1.0, LargestStretchSquared(F + 4 * p));
   }
 };
 
@@ -220,8 +217,8 @@ public:
     for (int p = 0; p < count; ++p) {
       const double *s = stress + 4 * p, mean = (s[0] + s[1] + s[2]) / 3;
       const double xx = s[0] - mean, yy = s[1] - mean, zz = s[2] - mean;
-      energy[p] = Determinant(F + 4 * p) * (0.5 * mean * mean / bulk +
-                                            (xx * xx + yy * yy + zz * zz + 2 * s[3] * s[3]) / (4 * mu_));
+      energy[p] =
+          Determinant(F + 4 * p) * (0.5 * mean * mean / bulk + (xx * xx + yy * yy + zz * zz + 2 * s[3] * s[3]) / (4 * mu_));
     }
   }
 
@@ -317,9 +314,8 @@ private:
   {
     const double angle = 0.5 * std::atan2(2 * xy, xx - yy), centre = 0.5 * (xx + yy);
     const double radius = std::hypot(0.5 * (xx - yy), xy);
-    return {{0.5 * std::log(centre + radius), 0.5 * std::log(centre - radius), 0.5 * std::log(zz)},
-            std::cos(angle),
-            std::sin(angle)};
+    return {
+        {0.5 * std::log(centre + radius), 0.5 * std::log(centre - radius), 0.5 * std::log(zz)}, std::cos(angle), std::sin(angle)};
   }
 
   double yield_stress_, hardening_modulus_;

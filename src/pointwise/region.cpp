@@ -47,8 +47,7 @@ public:
     bool inside = false;
     for (std::size_t k = 0, last = vertices_.size() - 1; k < vertices_.size(); last = k++) {
       const Vec2 a = vertices_[k], b = vertices_[last];
-      if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1]))
-        inside = !inside;
+      if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])) inside = !inside;
     }
     return inside;
   }
@@ -73,10 +72,7 @@ constexpr double kSliver = 1e-6; ///< pieces thinner than this part of a cell ar
 } // namespace
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box) { return std::make_unique<BoxRegion>(box); }
-std::unique_ptr<Region> CreateDiskRegion(Vec2 center, double radius)
-{
-  return std::make_unique<DiskRegion>(center, radius);
-}
+std::unique_ptr<Region> CreateDiskRegion(Vec2 center, double radius) { return std::make_unique<DiskRegion>(center, radius); }
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec2> vertices)
 {
   return std::make_unique<PolygonRegion>(std::move(vertices));

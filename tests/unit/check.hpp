@@ -38,8 +38,7 @@ inline HierarchySettings OneLevel(const Model &model, const Box &box, double spa
 {
   LevelGeometry geometry;
   geometry.grid = {box.lower, spacing, {}, 1};
-  for (int d = 0; d < 2; ++d)
-    geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
+  for (int d = 0; d < 2; ++d) geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
   geometry.sides.kind = model.sides;
   geometry.sides.node = {0, geometry.grid.cells[0], 0, geometry.grid.cells[1]};
   HierarchySettings settings;
@@ -48,7 +47,8 @@ inline HierarchySettings OneLevel(const Model &model, const Box &box, double spa
 }
 
 /// Nested levels, each with cells `ratio` times smaller than the one before; boxes: of levels 1, 2, ...
-inline HierarchySettings NestedLevels(const Model &model, const Box &domain, double spacing, int ratio, const std::vector<Box> &boxes)
+inline HierarchySettings NestedLevels(const Model &model, const Box &domain, double spacing, int ratio,
+                                      const std::vector<Box> &boxes)
 {
   HierarchySettings settings = OneLevel(model, domain, spacing);
   settings.ratio = ratio;

@@ -12,9 +12,9 @@ namespace
 {
 
 const MaterialConstants kMaterial = {4e6, 0.3, 1000, NAN, NAN};
-constexpr double kSpeed = 0.1; // of the wave speed, along x
+constexpr double kSpeed = 0.1;                                                // of the wave speed, along x
 const Box kDomain = {{0, 0}, {37, 28}}, kRagged = {{2.13, 2.71}, {8.4, 8.1}}, // m
-          kWhole = {{1, 2}, {9, 8}};                                           // cut into whole tiles
+    kWhole = {{1, 2}, {9, 8}};                                                // cut into whole tiles
 
 struct Case {
   const char *name;
@@ -26,11 +26,11 @@ struct Case {
 const std::vector<Box> kBox = {{{13, 6}, {23, 20}}}, kBoxes = {{{11, 4}, {25, 22}}, {{16, 9}, {20, 17}}};
 
 struct Flight {
-  double stress = 0;         ///< largest, of Young's modulus
+  double stress = 0;            ///< largest, of Young's modulus
   double mass = 0, arrived = 0; ///< error of the mass; share of the points beyond the finer levels
   double split = 0, left = 0, merged = 0, transfer_error = 0;
   double energy = 0, vibration = 0; ///< mean of the last tenth; that without the flight's own, of the start's
-  bool numbers = true;       ///< unique, and as many as the books say
+  bool numbers = true;              ///< unique, and as many as the books say
 };
 
 double Vibration(const Books &b)
@@ -67,7 +67,8 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
     if (amplitude == 0)
       PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
         for (int k = 0; k < 4; ++k)
-          if (!(std::abs(a.stress[4 * p + k]) <= f->stress * kMaterial.youngs_modulus)) f->stress = std::abs(a.stress[4 * p + k]) / kMaterial.youngs_modulus;
+          if (!(std::abs(a.stress[4 * p + k]) <= f->stress * kMaterial.youngs_modulus))
+            f->stress = std::abs(a.stress[4 * p + k]) / kMaterial.youngs_modulus;
       }));
     else if (step > 0.9 * steps) {
       PetscCall(run.hierarchy.ReduceBooks(&books));
@@ -141,7 +142,8 @@ PetscErrorCode TestSplitVelocity(int ratio)
   }
   const std::string name = "splitting, ratio " + std::to_string(ratio) + ": ";
   Check(name + "there are children", children >= 6 * ratio * ratio);
-  CheckAtMost(name + "velocity of children in a linear field, of its change over a coarse cell", error, 0.15); // 0.24 without L dx
+  CheckAtMost(name + "velocity of children in a linear field, of its change over a coarse cell", error,
+              0.15); // 0.24 without L dx
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,10 +151,12 @@ constexpr double kAmplitude = 0.005;
 
 PetscErrorCode Table()
 {
-  const Case cases[] = {{"two levels", kBox}, {"two levels, merging", kBox, 2, true}, {"three levels", kBoxes}, {"three levels, merging", kBoxes, 2, true},
-                        {"ratio 3", kBox, 3}, {"ratio 3, merging", kBox, 3, true}};
+  const Case cases[] = {{"two levels", kBox},     {"two levels, merging", kBox, 2, true},
+                        {"three levels", kBoxes}, {"three levels, merging", kBoxes, 2, true},
+                        {"ratio 3", kBox, 3},     {"ratio 3, merging", kBox, 3, true}};
   PetscFunctionBeginUser;
-  std::printf("| scheme | levels | energy after the flight, of one level's, -1 | vibration alone, of the start's | points split | merged | stress without vibration, of E |\n| --- | --- | --- | --- | --- | --- | --- |\n");
+  std::printf("| scheme | levels | energy after the flight, of one level's, -1 | vibration alone, of the start's | points split "
+              "| merged | stress without vibration, of E |\n| --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Scheme &scheme : {kMusl, kDefaultScheme, kUsl}) {
     Flight one, other, still;
     PetscCall(Fly({"one level", {}}, scheme, kAmplitude, &one));
@@ -160,7 +164,8 @@ PetscErrorCode Table()
     for (const Case &levels : cases) {
       PetscCall(Fly(levels, scheme, kAmplitude, &other));
       PetscCall(Fly(levels, scheme, 0, &still));
-      std::printf("| %s | %s | %+.2e | %.3f | %.0f | %.0f | %.1e |\n", scheme.name, levels.name, other.energy / one.energy - 1, other.vibration, other.split, other.merged, still.stress);
+      std::printf("| %s | %s | %+.2e | %.3f | %.0f | %.0f | %.1e |\n", scheme.name, levels.name, other.energy / one.energy - 1,
+                  other.vibration, other.split, other.merged, still.stress);
       std::fflush(stdout);
     }
   }
@@ -180,11 +185,15 @@ PetscErrorCode Tests()
   PetscCall(Fly({"one level", {}}, kDefaultScheme, kAmplitude, &one));
   for (bool merge : {false, true}) {
     PetscCall(Fly({"two levels", kBox, 2, merge}, kDefaultScheme, kAmplitude, &other));
-    CheckAtMost(std::string("vibrating block in flight") + (merge ? ", merging" : "") + ": energy against one level", std::abs(other.energy / one.energy - 1), 1e-3);
+    CheckAtMost(std::string("vibrating block in flight") + (merge ? ", merging" : "") + ": energy against one level",
+                std::abs(other.energy / one.energy - 1), 1e-3);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int) { return Table(); }); }
+int main(int argc, char **argv)
+{
+  return RunProgram(argc, argv, Tests, [](int) { return Table(); });
+}

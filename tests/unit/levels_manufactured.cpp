@@ -76,7 +76,8 @@ struct Case {
   bool merge = false;
 };
 
-const Case kOne = {"one level", {}}, kHalf = {"two, half", {{{0.5, 0}, {1, 1}}}}, kInside = {"two, centred", {{{0.25, 0.25}, {0.75, 0.75}}}},
+const Case kOne = {"one level", {}}, kHalf = {"two, half", {{{0.5, 0}, {1, 1}}}},
+           kInside = {"two, centred", {{{0.25, 0.25}, {0.75, 0.75}}}},
            kSmall = {"two, small box", {{{0.3125, 0.3125}, {0.625, 0.625}}}},
            kThree = {"three, centred", {{{0.125, 0.125}, {0.875, 0.875}}, {{0.375, 0.375}, {0.625, 0.625}}}};
 
@@ -122,7 +123,8 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
     double sum = 0, mass = 0;
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
       const Vec2 X = reference.At(a.id[p]).center;
-      const Vec2 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase), a.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
+      const Vec2 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase),
+                          a.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
       errors->largest = std::max(errors->largest, Norm(error));
       sum += a.mass[p] * Dot(error, error);
       mass += a.mass[p];
@@ -138,8 +140,15 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
 
 PetscErrorCode Table(int largest_n)
 {
-  const Case cases[] = {kOne, kHalf, kInside, kThree, {"two, half", kHalf.boxes, 3}, {"two, centred", kInside.boxes, 3},
-                        {"two, half", kHalf.boxes, 4}, {"two, centred", kInside.boxes, 4}, {"two, centred, merging", kInside.boxes, 2, true}};
+  const Case cases[] = {kOne,
+                        kHalf,
+                        kInside,
+                        kThree,
+                        {"two, half", kHalf.boxes, 3},
+                        {"two, centred", kInside.boxes, 3},
+                        {"two, half", kHalf.boxes, 4},
+                        {"two, centred", kInside.boxes, 4},
+                        {"two, centred, merging", kInside.boxes, 2, true}};
   PetscFunctionBeginUser;
   std::printf("| levels | ratio | scheme | n | max error | order | rms error | order | points split |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
@@ -149,8 +158,9 @@ PetscErrorCode Table(int largest_n)
       for (int n = 16; n <= largest_n; n *= 2) {
         Errors e;
         PetscCall(Solve(n, levels, scheme, &e));
-        std::printf("| %s | %d | %s | %d | %.2e | %.2f | %.2e | %.2f | %.0f |\n", levels.name, levels.ratio, scheme.name, n, e.largest,
-                    n > 16 ? std::log2(previous.largest / e.largest) : NAN, e.rms, n > 16 ? std::log2(previous.rms / e.rms) : NAN, e.split);
+        std::printf("| %s | %d | %s | %d | %.2e | %.2f | %.2e | %.2f | %.0f |\n", levels.name, levels.ratio, scheme.name, n,
+                    e.largest, n > 16 ? std::log2(previous.largest / e.largest) : NAN, e.rms,
+                    n > 16 ? std::log2(previous.rms / e.rms) : NAN, e.split);
         std::fflush(stdout);
         previous = e;
       }
@@ -176,7 +186,8 @@ PetscErrorCode Tests()
   PetscCall(TestOrder(kHalf, kDefaultScheme));
   PetscCall(TestOrder(kSmall, kUsl));
   PetscCall(TestOrder(kSmall, kXpic10));
-  PetscCall(TestOrder({"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}}, kDefaultScheme));
+  PetscCall(TestOrder({"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}},
+                      kDefaultScheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

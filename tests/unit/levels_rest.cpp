@@ -88,8 +88,8 @@ void TestNumbers()
     const std::string name = "point numbers, " + std::to_string(children) + " children: ";
     Check(name + "Child, Parent and ChildIndex invert each other", inverse && seeds);
     Check(name + "generations follow each other without overlap", apart);
-    Check(name + "no more splitting before the numbers overflow", generation > 5 && generation < 100 && upper > 0 && upper < INT64_MAX / 2,
-          std::to_string(generation) + " generations");
+    Check(name + "no more splitting before the numbers overflow",
+          generation > 5 && generation < 100 && upper > 0 && upper < INT64_MAX / 2, std::to_string(generation) + " generations");
   }
 }
 

@@ -30,8 +30,8 @@ struct Result {
   double energy[2] = {NAN, NAN}, drift[2] = {NAN, NAN}, swing[2] = {NAN, NAN}, rest[2] = {NAN, NAN};
 };
 
-/// A block of side 1 on cells x cells coarse cells, or its upper half on a roller for speed, with v_x = 0.02 c sin(pi (x - 1/2)). Energies are means of a period,
-/// relative to the first period's.
+/// A block of side 1 on cells x cells coarse cells, or its upper half on a roller for speed, with v_x = 0.02 c sin(pi (x - 1/2)).
+/// Energies are means of a period, relative to the first period's.
 PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::string &law, int cells, int periods, Result *result,
                        bool upper_half = false)
 {
@@ -51,7 +51,8 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
     for (Box &box : boxes) box.lower[1] = 0.5;
   }
   PetscCall(run.Create(NestedLevels(run.model, domain, 1.0 / cells, levels.ratio, boxes)));
-  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) { a.velocity[2 * p] = kStrain * c * std::sin(M_PI * (a.position[2 * p] - 0.5)); }));
+  PetscCall(run.ForEachPoint(
+      [&](const PointArrays &a, int p, int) { a.velocity[2 * p] = kStrain * c * std::sin(M_PI * (a.position[2 * p] - 0.5)); }));
   PetscCall(run.hierarchy.ReduceBooks(&books));
   const double start = books.momentum[0];
   const double scale = std::sqrt(2 * (books.kinetic_energy + books.strain_energy) * books.mass);
@@ -85,8 +86,9 @@ PetscErrorCode TableRow(const Case &levels, const Scheme &scheme, const std::str
   Result r;
   PetscFunctionBeginUser;
   PetscCall(Vibrate(levels, scheme, law, cells, periods, &r));
-  std::printf("| %s | %d | %d | %s | %s | %.4f | %.4f | %.1e | %.1e | %.1e | %.0e |\n", levels.name, levels.ratio, cells, scheme.name, law.c_str(),
-              r.energy[0], r.energy[1], r.drift[0], r.drift[1], r.swing[periods >= 80], periods < 80 ? r.rest[0] : r.rest[1]);
+  std::printf("| %s | %d | %d | %s | %s | %.4f | %.4f | %.1e | %.1e | %.1e | %.0e |\n", levels.name, levels.ratio, cells,
+              scheme.name, law.c_str(), r.energy[0], r.energy[1], r.drift[0], r.drift[1], r.swing[periods >= 80],
+              periods < 80 ? r.rest[0] : r.rest[1]);
   std::fflush(stdout);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,7 +96,8 @@ PetscErrorCode TableRow(const Case &levels, const Scheme &scheme, const std::str
 PetscErrorCode Table(int periods)
 {
   PetscFunctionBeginUser;
-  std::printf("| levels | ratio | cells | scheme | law | E/E0, 20 periods | 80 periods | momentum, 20 | 80 | swing | less stagger |\n");
+  std::printf(
+      "| levels | ratio | cells | scheme | law | E/E0, 20 periods | 80 periods | momentum, 20 | 80 | swing | less stagger |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Scheme &scheme : {kMusl, kDefaultScheme})
     for (const Case &levels : {kOne, kAcross, kInside, kThree}) PetscCall(TableRow(levels, scheme, "neo_hookean", 24, periods));
@@ -140,4 +143,7 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int periods) { return Table(periods ? periods : 80); }); }
+int main(int argc, char **argv)
+{
+  return RunProgram(argc, argv, Tests, [](int periods) { return Table(periods ? periods : 80); });
+}

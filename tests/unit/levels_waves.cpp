@@ -21,7 +21,7 @@ struct Wave {
   bool into = true;   ///< from the coarse into the fine level, or back
   int ratio = 2;
   bool shear = false;
-  double angle = 0;   ///< of incidence, degrees
+  double angle = 0; ///< of incidence, degrees
 };
 
 /// Lengths in coarse cells. The border lies at x = 0; the packet's middle starts `distance` before it.
@@ -33,7 +33,9 @@ struct Course {
 Course CourseOf(const Wave &wave)
 {
   const double n = wave.length;
-  const auto box = [n](double x0, double x1, double y) { return Box{{std::floor(n * x0), -std::ceil(n * y)}, {std::ceil(n * x1), std::ceil(n * y)}}; };
+  const auto box = [n](double x0, double x1, double y) {
+    return Box{{std::floor(n * x0), -std::ceil(n * y)}, {std::ceil(n * x1), std::ceil(n * y)}};
+  };
   if (wave.shear) return {box(-3.3, 1.9, 4.8), box(-3, -0.2, 0.25), 1.6 * n, 3.2 * n};
   if (wave.angle > 0) return {box(-5.5, 3, 3.6), box(-2.3, -0.3, 0.4), 1.5 * n, 3 * n};
   return {{{-4 * n, -1}, {4 * n, 1}}, box(-3.7, -0.3, 1), 2 * n, 4 * n}; // a strip between rollers
@@ -62,7 +64,8 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   const double c = wave.shear ? std::sqrt(mu / material.Density()) : material.SpeedOfSound();
   const Box fine = wave.into ? Box{{0, domain.lower[1]}, domain.upper} : Box{domain.lower, {0, domain.upper[1]}};
   PetscCall(run.Create(two_levels ? NestedLevels(run.model, domain, 1, wave.ratio, {fine}) : OneLevel(run.model, domain, own)));
-  const int steps = static_cast<int>(std::ceil(course.path / c * material.SpeedOfSound() / 0.4)), parts = two_levels || wave.into ? 1 : wave.ratio;
+  const int steps = static_cast<int>(std::ceil(course.path / c * material.SpeedOfSound() / 0.4)),
+            parts = two_levels || wave.into ? 1 : wave.ratio;
   run.dt = course.path / c / steps / parts;
 
   const double angle = wave.angle * M_PI / 180;
@@ -70,12 +73,13 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     const double s = (Dot(along, {a.position[2 * p], a.position[2 * p + 1]}) + course.distance) / wave.length + 1.5;
     const double half_step = 0.5 * c * run.dt / std::pow(wave.ratio, l) / wave.length; // velocities are that much older
-    double G[4]; // displacement gradient
+    double G[4];                                                                       // displacement gradient
     for (int d = 0; d < 2; ++d) {
       a.velocity[2 * p + d] = kStrain * c * Packet(s + half_step) * motion[d];
       for (int k = 0; k < 2; ++k) G[2 * d + k] = -kStrain * Packet(s) * motion[d] * along[k];
     }
-    const double pressure = lambda * (G[0] + G[3]), stress[4] = {pressure + 2 * mu * G[0], pressure + 2 * mu * G[3], pressure, mu * (G[1] + G[2])};
+    const double pressure = lambda * (G[0] + G[3]),
+                 stress[4] = {pressure + 2 * mu * G[0], pressure + 2 * mu * G[3], pressure, mu * (G[1] + G[2])};
     for (int k = 0; k < 4; ++k) a.F[4 * p + k] += G[k], a.stress[4 * p + k] = stress[k];
   }));
   for (int step = 0; step < steps * parts; ++step) PetscCall(run.Advance());
@@ -83,7 +87,8 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
     if (course.window.Contains(x))
-      (*field)[{std::lround(4 * x[0] / own), std::lround(4 * x[1] / own)}] = 1 / (kStrain * c * Packet(1.75)) * Vec2{a.velocity[2 * p], a.velocity[2 * p + 1]};
+      (*field)[{std::lround(4 * x[0] / own), std::lround(4 * x[1] / own)}] =
+          1 / (kStrain * c * Packet(1.75)) * Vec2{a.velocity[2 * p], a.velocity[2 * p + 1]};
   }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -135,7 +140,8 @@ PetscErrorCode TableRows(const char *name, Wave wave, const std::vector<double> 
 PetscErrorCode Table(bool plane_only)
 {
   PetscFunctionBeginUser;
-  std::printf("| wave | ratio | fine level | wavelength in coarse cells: reflected less residual, difference, residual |\n| --- | --- | --- | --- |\n");
+  std::printf("| wave | ratio | fine level | wavelength in coarse cells: reflected less residual, difference, residual |\n| --- "
+              "| --- | --- | --- |\n");
   for (int ratio : {2, 3, 4}) PetscCall(TableRows("pressure, 0 degrees", {16, true, ratio}, {8, 12, 16, 24, 32}));
   if (plane_only) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TableRows("shear, 0 degrees", {16, true, 2, true}, {8, 12, 16, 24}));
@@ -147,7 +153,8 @@ PetscErrorCode Tests()
 {
   PetscFunctionBeginUser;
   for (bool into : {true, false}) {
-    const std::string name = std::string("pressure wave ") + (into ? "into" : "out of") + " the fine level: reflected, of the packet, ";
+    const std::string name =
+        std::string("pressure wave ") + (into ? "into" : "out of") + " the fine level: reflected, of the packet, ";
     Reflection longer, shorter;
     PetscCall(Reflect({16, into}, &shorter));
     PetscCall(Reflect({32, into}, &longer));
@@ -160,4 +167,7 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int finer) { return Table(finer > 0); }); }
+int main(int argc, char **argv)
+{
+  return RunProgram(argc, argv, Tests, [](int finer) { return Table(finer > 0); });
+}

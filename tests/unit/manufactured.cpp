@@ -135,7 +135,8 @@ PetscErrorCode Tests()
     PetscCall(Solve(32, variant, 0.4, &middle));
     PetscCall(Solve(64, variant, 0.4, &fine));
     CheckAtMost(std::string(variant.name) + ", max error at n = 32", middle.largest, 7e-4);
-    CheckAtLeast(std::string(variant.name) + ", order of the max error, n = 16..64", 0.5 * std::log2(coarse.largest / fine.largest), 1.8);
+    CheckAtLeast(std::string(variant.name) + ", order of the max error, n = 16..64",
+                 0.5 * std::log2(coarse.largest / fine.largest), 1.8);
     CheckAtLeast(std::string(variant.name) + ", order of the rms error, n = 16..64", 0.5 * std::log2(coarse.rms / fine.rms), 1.8);
   }
   Errors coarse, fine;

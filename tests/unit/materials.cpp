@@ -53,10 +53,7 @@ Sample At(const Material &material, const std::array<double, 4> &F)
   return sample;
 }
 
-std::array<double, 4> RandomF()
-{
-  return {1 + Random(-0.2, 0.2), Random(-0.2, 0.2), Random(-0.2, 0.2), 1 + Random(-0.2, 0.2)};
-}
+std::array<double, 4> RandomF() { return {1 + Random(-0.2, 0.2), Random(-0.2, 0.2), Random(-0.2, 0.2), 1 + Random(-0.2, 0.2)}; }
 
 /// Q t Q^T for t as xx, yy, zz, xy; c, s: cosine and sine of the angle.
 std::array<double, 4> Rotated(const double t[4], double c, double s)
@@ -117,7 +114,8 @@ void SmallStrains(const std::string &law)
   const auto material = Create(law);
   double largest = 0, energy = 0;
   for (int n = 0; n < 50; ++n) {
-    const double xx = Random(-1, 1) * kStrain, yy = Random(-1, 1) * kStrain, xy = Random(-1, 1) * kStrain, yx = Random(-1, 1) * kStrain;
+    const double xx = Random(-1, 1) * kStrain, yy = Random(-1, 1) * kStrain, xy = Random(-1, 1) * kStrain,
+                 yx = Random(-1, 1) * kStrain;
     const Sample sample = At(*material, {1 + xx, xy, yx, 1 + yy});
     const double sphere = kLambda * (xx + yy), shear = kMu * (xy + yx);
     const double stress[4] = {sphere + 2 * kMu * xx, sphere + 2 * kMu * yy, sphere, shear};
@@ -143,7 +141,8 @@ void HypoelasticRotation()
   CheckAtMost("hypoelastic: stress after a quarter turn, relative",
               Difference(sample.stress, {before[1], before[0], before[2], -before[3]}) / before[0], 1e-12);
   const auto norm = [](const double *s) { return s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * s[3] * s[3]; };
-  CheckAtMost("hypoelastic: norm of the stress after a quarter turn, relative", std::abs(norm(sample.stress) / norm(before) - 1), 1e-12);
+  CheckAtMost("hypoelastic: norm of the stress after a quarter turn, relative", std::abs(norm(sample.stress) / norm(before) - 1),
+              1e-12);
 }
 
 /// Uniaxial strain: the von Mises stress of tau is 2 mu e until it meets the yield stress; then alpha follows from e.
@@ -152,7 +151,8 @@ void UniaxialYield()
   constexpr int kSteps = 1000;
   const auto material = Create("j2");
   Sample sample(*material);
-  const double yield_strain = kYield / (2 * kMu), largest_strain = 5.13 * yield_strain, growth = std::exp(largest_strain / kSteps) - 1;
+  const double yield_strain = kYield / (2 * kMu), largest_strain = 5.13 * yield_strain,
+               growth = std::exp(largest_strain / kSteps) - 1;
   double work = 0, first_yield = 0, off_surface = 0, off_alpha = 0, tau_before = 0;
   for (int n = 1; n <= kSteps; ++n) {
     sample.Advance({growth, 0, 0, 0});
@@ -161,7 +161,8 @@ void UniaxialYield()
     tau_before = tau;
     if (sample.dissipated == 0) continue;
     if (first_yield == 0) first_yield = strain;
-    const double mises = J * std::sqrt(0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) + 3 * s[3] * s[3]);
+    const double mises =
+        J * std::sqrt(0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) + 3 * s[3] * s[3]);
     const double alpha = (2 * kMu * strain - kYield) / (3 * kMu + kHardening);
     off_surface = std::max(off_surface, std::abs(mises / (kYield + kHardening * sample.history[4]) - 1));
     off_alpha = std::max(off_alpha, std::abs(sample.history[4] - alpha) / yield_strain);
@@ -172,7 +173,8 @@ void UniaxialYield()
   CheckAtMost("j2: von Mises stress less yield stress, relative", off_surface, 1e-10);
   CheckAtMost("j2: plastic strain against the exact one", off_alpha, 1e-10);
   CheckAtMost("j2: plastic work, relative", std::abs(sample.dissipated / plastic_work - 1), 1e-10);
-  CheckAtMost("j2: stored energy and plastic work are the work done", std::abs((sample.Energy() + sample.dissipated) / work - 1), 1e-5);
+  CheckAtMost("j2: stored energy and plastic work are the work done", std::abs((sample.Energy() + sample.dissipated) / work - 1),
+              1e-5);
   const double tau = sample.Jacobian() * sample.stress[0], dissipated = sample.dissipated, back = 0.5 * yield_strain;
   sample.Advance({std::exp(-back) - 1, 0, 0, 0});
   const double drop = tau - sample.Jacobian() * sample.stress[0];

@@ -19,10 +19,10 @@ double Random(double lower, double upper) { return std::uniform_real_distributio
 
 /// Two boxes side by side, kWidth x kHeight together, each with its own points per cell.
 struct Patch {
-  int left, right;        ///< points per cell and direction
-  double F[4];            ///< xx, xy, yx, yy
-  double stress[4];       ///< Pa
-  bool pressed = false;   ///< pressures on the outer sides balance the stress
+  int left, right;      ///< points per cell and direction
+  double F[4];          ///< xx, xy, yx, yy
+  double stress[4];     ///< Pa
+  bool pressed = false; ///< pressures on the outer sides balance the stress
 };
 
 struct Forces {
@@ -111,7 +111,10 @@ PetscErrorCode Worst(const Patch &patch, Forces *worst)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::string Sizes(const Patch &patch) { return std::to_string(patch.left) + " and " + std::to_string(patch.right) + " points a cell"; }
+std::string Sizes(const Patch &patch)
+{
+  return std::to_string(patch.left) + " and " + std::to_string(patch.right) + " points a cell";
+}
 
 PetscErrorCode Tests()
 {
@@ -135,11 +138,13 @@ PetscErrorCode Tests()
     CheckAtMost("patch under pressure, " + Sizes(patch) + ": nodal force anywhere, of p h t", forces.all, 1e-10);
   }
   const double angle = 20 * M_PI / 180, c = std::cos(angle), si = std::sin(angle);
-  const Patch sheared = {2, 2, {1, 0.1, 0, 1}, {s[0], s[1], s[2], s[3]}}, turned = {2, 2, {c, -si, si, c}, {s[0], s[1], s[2], s[3]}};
+  const Patch sheared = {2, 2, {1, 0.1, 0, 1}, {s[0], s[1], s[2], s[3]}},
+              turned = {2, 2, {c, -si, si, c}, {s[0], s[1], s[2], s[3]}};
   PetscCall(Worst(sheared, &forces));
   CheckAtMost("patch, shear 0.1: nodal force inside, of |sigma| h t", forces.inside, 0.01);
   PetscCall(Worst(turned, &forces));
-  Check("patch, rotation by 20 degrees (limit of cpGIMP, for information)", std::isfinite(forces.inside), std::to_string(forces.inside) + " of |sigma| h t");
+  Check("patch, rotation by 20 degrees (limit of cpGIMP, for information)", std::isfinite(forces.inside),
+        std::to_string(forces.inside) + " of |sigma| h t");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

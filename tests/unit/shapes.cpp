@@ -85,7 +85,8 @@ template <class Shape> void CheckStencil(const std::string &name)
     }
     for (int k = 0; k < 9; ++k) {
       const int index = stencil.node[p] + stencil.offset[k] + 40 * 3 - 2; // global node i + 40 j
-      const double dx = (x[2 * p] - lattice.origin[0]) / kH - index % 40, dy = (x[2 * p + 1] - lattice.origin[1]) / kH - index / 40;
+      const double dx = (x[2 * p] - lattice.origin[0]) / kH - index % 40,
+                   dy = (x[2 * p + 1] - lattice.origin[1]) / kH - index / 40;
       largest = std::max(largest, std::abs(stencil.S[k][p] - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1])));
       sum += stencil.S[k][p];
     }

@@ -65,7 +65,8 @@ void IndenterTests()
   CheckSurface("polygon", *CreatePolygonIndenter({{3, 7}, {5, 7.6}, {5, 10}, {1, 10}, {1, 7.5}}), 1.9, 1);
   const double x = 1e-3 * kTipRadius, height = Height(*rounded, x, 1);
   CheckAtMost("rounded wedge: radius of curvature at the tip", std::abs(x * x / (2 * height) / kTipRadius - 1), 1e-5);
-  CheckAtMost("rounded wedge: slope far from the tip", std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6);
+  CheckAtMost("rounded wedge: slope far from the tip",
+              std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6);
   CheckAtMost("wedge: slope", std::abs(Height(*CreateWedge(kHalfAngle, 0), 1, 1) / slope - 1), 1e-12);
   CheckAtMost("cylinder: height", std::abs(Height(*CreateCylinder(2), 1, 2) - (2 - std::sqrt(3))), 1e-12);
   CheckAtMost("cylinder: gap at a distance", std::abs(CreateCylinder(2)->Gap({3, -2}).distance - 3), 1e-14);
@@ -76,7 +77,8 @@ void IndenterTests()
 void HistoryTests()
 {
   const PiecewiseLinear speed({0.5, 1, 3, 4}, {0, 2, 2, -1});
-  Check("history: values", speed.Value(0) == 0 && speed.Value(0.75) == 1 && speed.Value(2) == 2 && speed.Value(3.5) == 0.5 && speed.Value(9) == -1);
+  Check("history: values",
+        speed.Value(0) == 0 && speed.Value(0.75) == 1 && speed.Value(2) == 2 && speed.Value(3.5) == 0.5 && speed.Value(9) == -1);
   double worst = 0, sum = 0;
   constexpr int kParts = 5000;
   for (int n = 0; n < kParts; ++n) { // knots fall on ends of parts, where the trapezium rule is exact
@@ -89,9 +91,11 @@ void HistoryTests()
   // The integral grows to 0.5 + 4 + 2/3 at t = 3 + 2/3 and falls again.
   worst = 0;
   for (double target : {1e-9, 0.1, 0.5, 2.0, 4.5, 5.0, 5.16})
-    worst = std::max(worst, std::abs(speed.Integral(speed.TimeOfIntegral(target, 10)) - target) + (speed.TimeOfIntegral(target, 10) < 3.667 ? 0 : 1));
+    worst = std::max(worst, std::abs(speed.Integral(speed.TimeOfIntegral(target, 10)) - target) +
+                                (speed.TimeOfIntegral(target, 10) < 3.667 ? 0 : 1));
   CheckAtMost("history: first time of an integral", worst, 1e-12);
-  Check("history: integrals never reached", std::isinf(speed.TimeOfIntegral(5.17, 10)) && std::isinf(speed.TimeOfIntegral(2, 1.5)));
+  Check("history: integrals never reached",
+        std::isinf(speed.TimeOfIntegral(5.17, 10)) && std::isinf(speed.TimeOfIntegral(2, 1.5)));
 
   const Indenter indenter = {CreateCylinder(1), {speed, 2, 0.5}, {3, 7}, 6};
   CheckAtMost("motion: depth before turning", std::abs(indenter.Depth(1.5) - (0.5 + 1 - 1)), 1e-14);
@@ -108,17 +112,20 @@ void TilingTests()
     const Vec2 origin = {Random(-3, 3), Random(-3, 3)};
     Box box = {{origin[0] + Random(0, 3), origin[1] + Random(0, 3)}, {}};
     box.upper = {box.lower[0] + Random(0.05, 6), box.lower[1] + Random(0.05, 6)};
-    if (n % 4 == 0) box.lower[0] = origin[0] + h, box.upper[0] = origin[0] + h + (0.1 + 0.2) / 0.1 * h; // sides on nodes but for round-off
+    if (n % 4 == 0)
+      box.lower[0] = origin[0] + h, box.upper[0] = origin[0] + h + (0.1 + 0.2) / 0.1 * h; // sides on nodes but for round-off
     const Tiling tiling(box, origin, h, 1 + n % 4);
     double sum = 0;
-    const int last[2] = {static_cast<int>((box.upper[0] - origin[0]) / h) + 1, static_cast<int>((box.upper[1] - origin[1]) / h) + 1};
+    const int last[2] = {static_cast<int>((box.upper[0] - origin[0]) / h) + 1,
+                         static_cast<int>((box.upper[1] - origin[1]) / h) + 1};
     for (int j = -1; j <= last[1]; ++j)
       for (int i = -1; i <= last[0]; ++i)
         for (const Tile &tile : tiling.InCell(i, j)) {
           Tile found;
           other = std::max(other, tiling.At(tile.center, found) ? Norm(found.center - tile.center) : HUGE_VAL);
           for (int a = 0; a < 2; ++a)
-            outside = std::max({outside, box.lower[a] - tile.center[a] + tile.half_size[a], tile.center[a] + tile.half_size[a] - box.upper[a]});
+            outside = std::max(
+                {outside, box.lower[a] - tile.center[a] + tile.half_size[a], tile.center[a] + tile.half_size[a] - box.upper[a]});
           sum += 4 * tile.half_size[0] * tile.half_size[1];
         }
     area = std::max(area, std::abs(sum / ((box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1])) - 1));

@@ -9,9 +9,9 @@ using namespace mlgimp;
 namespace
 {
 
-constexpr double kH = 0.5;                       // m
-constexpr int kCells[2] = {30, 22};              // of the domain
-const Vec2 kVelocity = {7.3, 4.1};               // m/s: 0.1 of the wave speed
+constexpr double kH = 0.5;          // m
+constexpr int kCells[2] = {30, 22}; // of the domain
+const Vec2 kVelocity = {7.3, 4.1};  // m/s: 0.1 of the wave speed
 const MaterialConstants kMaterial = {4e6, 0.3, 1000, 1e4, 1e5};
 
 struct Variant {
@@ -62,17 +62,20 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   model.short_wave = variant.viscosity;
   model.nodal.xpic_fraction = variant.xpic;
   const Vec2 lower = {2.13 * kH, 2.71 * kH}, upper = {6.6 * kH, 7.1 * kH};
-  AddBody(model, disk ? CreateDiskRegion(0.5 * (lower + upper), 2.2 * kH) : CreateBoxRegion({lower, upper}), law, kMaterial, kVelocity);
+  AddBody(model, disk ? CreateDiskRegion(0.5 * (lower + upper), 2.2 * kH) : CreateBoxRegion({lower, upper}), law, kMaterial,
+          kVelocity);
   const double dt = 0.4 * kH / model.materials[0]->SpeedOfSound();
   PetscCall(RegisterLogEvents(&events));
-  PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, {{0, 0}, {kCells[0] * kH, kCells[1] * kH}}, kH), events, true));
+  PetscCall(
+      hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, {{0, 0}, {kCells[0] * kH, kCells[1] * kH}}, kH), events, true));
   PetscCall(Take(hierarchy, &before));
   const int steps = static_cast<int>(20 * kH / (kVelocity[0] * dt));
   *errors = {};
   for (int step = 0; step < steps; ++step) {
     PetscCall(hierarchy.Advance(step * dt, dt));
     PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
-    for (int k = 0; k < 4 * a.count; ++k) errors->stress = std::max(errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus);
+    for (int k = 0; k < 4 * a.count; ++k)
+      errors->stress = std::max(errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus);
     for (int p = 0; p < a.count; ++p)
       for (int d = 0; d < 2; ++d)
         errors->velocity = std::max(errors->velocity, std::abs(a.velocity[2 * p + d] / kVelocity[d] - 1));

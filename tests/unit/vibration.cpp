@@ -127,4 +127,7 @@ PetscErrorCode Tests()
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, [](int) { return Table(); }); }
+int main(int argc, char **argv)
+{
+  return RunProgram(argc, argv, Tests, [](int) { return Table(); });
+}

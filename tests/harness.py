@@ -28,6 +28,12 @@ ENVIRONMENT = dict(
 )
 
 
+def environment(ranks):
+    """For one run: a folder of its own for what MPI puts into files, so that no other run disturbs it; alone it needs no daemon of MPI."""
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"} if ranks == 1 else {}
+    return dict(ENVIRONMENT, TMPDIR=tempfile.mkdtemp(dir=scratch()), **alone)
+
+
 class Result:
     """A finished run: exit status, printed text and the results in its folder."""
 
@@ -83,7 +89,7 @@ def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=120
     arguments = (["-options_file", f"options/{file}"] if file else []) + to_arguments(options)
     ran.append(shlex.join(command(arguments, ranks)).replace(f"{ROOT}/", ""))
     arguments += to_arguments({"output_dir": folder, "overwrite": None, "monitor": "false"})
-    done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, cwd=ROOT,
+    done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, env=environment(ranks), cwd=ROOT,
                           timeout=timeout)
     result = Result(done.returncode, done.stdout, done.stderr, folder)
     if must_succeed and done.returncode != 0:

@@ -10,7 +10,8 @@ namespace mlgimp
 /// Adds the seal to a file without one; false, with errno, where that fails. One rank.
 bool Seal(const std::string &path);
 
-/// True for a file as it was sealed. One rank.
-bool IsSealed(const std::string &path);
+/// none: no seal at the end, or no file that can be read; broken: the file is not as it was sealed.
+enum class SealState { kNone, kBroken, kWhole };
+SealState FindSeal(const std::string &path); ///< One rank.
 
 } // namespace mlgimp

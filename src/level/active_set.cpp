@@ -2,6 +2,8 @@
 #include "level/active_set.hpp"
 
 #include <algorithm>
+#include <cfloat>
+#include <cmath>
 
 namespace mlgimp
 {
@@ -36,14 +38,23 @@ PetscErrorCode ActiveSetSolver::Resize(int size, int reach)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A power of two, so that it changes no digit, by which the largest entry on the diagonal is from 1 to 2. Entries have the size
+/// of dt^2/m, 1e-30 in small cases, and PETSc's direct solvers take pivots below 2e-14 and singular values below 1e-12 for zero.
+static double ScaleOf(const BandMatrix &A)
+{
+  double largest = DBL_MIN;
+  for (int row = 0; row < A.size; ++row) largest = std::max(largest, A.At(row, row));
+  return std::ldexp(1.0, -std::ilogb(largest));
+}
+
 /// Solves the equations of the active unknowns; the others stay in the system as zeros, so that its size is kept.
-PetscErrorCode ActiveSetSolver::SolveActive(const BandMatrix &A, const std::vector<double> &r,
-                                            const std::vector<char> &active, std::vector<double> &lambda,
-                                            ActiveSetReport *report)
+PetscErrorCode ActiveSetSolver::SolveActive(const BandMatrix &A, const std::vector<double> &r, const std::vector<char> &active,
+                                            std::vector<double> &lambda, ActiveSetReport *report)
 {
   KSPConvergedReason reason;
   PetscInt iterations;
   PetscScalar *right_side, *solution;
+  const double scale = ScaleOf(A);
   std::vector<PetscInt> columns(2 * A.reach + 1);
   std::vector<PetscScalar> row_values(2 * A.reach + 1);
   PetscFunctionBeginUser;
@@ -54,10 +65,10 @@ PetscErrorCode ActiveSetSolver::SolveActive(const BandMatrix &A, const std::vect
     for (int column = A.First(row); column <= A.Last(row); ++column) {
       const bool kept = column == row || (active[row] && active[column]);
       columns[count] = column;
-      row_values[count++] = kept ? A.At(row, column) : 0;
+      row_values[count++] = kept ? scale * A.At(row, column) : 0;
     }
     PetscCall(MatSetValues(matrix_, 1, &row, count, columns.data(), row_values.data(), INSERT_VALUES));
-    right_side[row] = active[row] ? r[row] : 0;
+    right_side[row] = active[row] ? scale * r[row] : 0;
     solution[row] = active[row] ? lambda[row] : 0;
   }
   PetscCall(VecRestoreArray(right_side_, &right_side));

@@ -35,8 +35,11 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int axis = 0; axis < 2; ++axis) {
     const double cells = (c->domain.upper[axis] - c->domain.lower[axis]) / c->cell_size;
-    if (!(cells > 0)) PetscCall(reader.Refuse("-domain_upper", FormatVector(c->domain.upper), "above -domain_lower " + FormatVector(c->domain.lower)));
-    if (cells > 1e6) PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges"));
+    if (!(cells > 0))
+      PetscCall(
+          reader.Refuse("-domain_upper", FormatVector(c->domain.upper), "above -domain_lower " + FormatVector(c->domain.lower)));
+    if (cells > 1e6)
+      PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges"));
     if (std::abs(cells - std::round(cells)) > 1e-6 * std::max(1.0, cells) || std::round(cells) < 1)
       PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
                               "a whole fraction of the domain's edges " + FormatNumber(c->domain.upper[0] - c->domain.lower[0]) +
@@ -45,8 +48,9 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
   const double nodes = (c->Cells(0) + 4.0) * (c->Cells(1) + 4.0), most = PETSC_MAX_INT / NodeArrays::kSums;
   if (nodes > most)
-    PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                            "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes)));
+    PetscCall(
+        reader.Refuse("-cell_size", FormatNumber(c->cell_size),
+                      "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,12 +66,15 @@ PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
   model.stress_update = static_cast<StressUpdate>(std::find(updates.begin(), updates.end(), update) - updates.begin());
   if (model.stress_update == StressUpdate::kUsf && c->levels > 1)
     PetscCall(reader.Refuse("-stress_update", update, "usl or musl with more than one level"));
-  PetscCall(reader.Numbers({"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
-                           kNotNegative, 2, 2, false, &viscosity));
+  PetscCall(reader.Numbers(
+      {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
+      kNotNegative, 2, 2, false, &viscosity));
   model.short_wave = {viscosity[0], viscosity[1]};
-  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP", ""}, Closed(0, 1), false, &model.nodal.xpic_fraction));
+  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP", ""}, Closed(0, 1),
+                          false, &model.nodal.xpic_fraction));
   PetscCall(reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC", ""}, Closed(1, 2), &model.nodal.xpic_order));
-  PetscCall(reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false, &model.nodal.damping));
+  PetscCall(reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false,
+                          &model.nodal.damping));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +82,8 @@ PetscErrorCode ReadTime(OptionReader &reader, Case *c)
 {
   PetscFunctionBeginUser;
   PetscCall(reader.Number({"-end_time", "end of the run", "s"}, kPositive, false, &c->time.end_time));
-  PetscCall(reader.Integer({"-max_steps", "level-0 steps at which the run ends; 0 = no limit", ""}, kNotNegative, &c->time.max_steps));
+  PetscCall(
+      reader.Integer({"-max_steps", "level-0 steps at which the run ends; 0 = no limit", ""}, kNotNegative, &c->time.max_steps));
   PetscCall(reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step));
   PetscCall(reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed", ""},
                           {0, kLargestCfl, true, false}, false, &c->time.cfl));
@@ -87,19 +95,25 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   OutputSettings &out = c->output;
   PetscFunctionBeginUser;
   out.directory = "output/" + c->name;
-  PetscCall(reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)", ""}, false, &out.directory));
+  PetscCall(reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)", ""}, false,
+                        &out.directory));
   PetscCall(reader.Flag({"-overwrite", "replace the results that the folder holds", ""}, &out.overwrite));
-  PetscCall(reader.Integer({"-history_interval", "level-0 steps between rows of history.csv", ""}, Closed(1, 2e9), &out.history_interval));
-  PetscCall(reader.Integer({"-frames", "number of equally spaced point frames, the last at the end", ""}, Closed(0, 1e6), &out.frames));
-  PetscCall(reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", ""}, kNotNegative, &out.checkpoint_interval));
+  PetscCall(reader.Integer({"-history_interval", "level-0 steps between rows of history.csv", ""}, Closed(1, 2e9),
+                           &out.history_interval));
+  PetscCall(
+      reader.Integer({"-frames", "number of equally spaced point frames, the last at the end", ""}, Closed(0, 1e6), &out.frames));
+  PetscCall(reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", ""}, kNotNegative,
+                           &out.checkpoint_interval));
   PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
   out.monitor = isatty(STDOUT_FILENO);
   PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal)", ""}, &out.monitor));
   PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
-  PetscCall(reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
+  PetscCall(
+      reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},
                           {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold));
-  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""}, Closed(1, 2e9), &c->hierarchy.points_per_rank));
+  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""},
+                           Closed(1, 2e9), &c->hierarchy.points_per_rank));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,8 +47,10 @@ PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::un
   if (shape == "polygon" || reader.Help()) {
     std::vector<double> numbers;
     std::vector<Vec2> vertices;
-    PetscCall(reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
-    if (numbers.size() % 2) PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
+    PetscCall(
+        reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
+    if (numbers.size() % 2)
+      PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
     for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
     if (!reader.Help()) *region = CreatePolygonRegion(vertices);
   }
@@ -108,7 +110,8 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
     Body body{name, nullptr, 0, {0, 0}, 2};
     std::string material = materials.size() == 1 ? materials[0] : "";
     PetscCall(ReadRegion(reader, name, &body.region));
-    PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""}, materials.size() > 1, &material));
+    PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""},
+                          materials.size() > 1, &material));
     PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));
     PetscCall(reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity));
     PetscCall(reader.Integer({prefix + "points_per_cell", "material points per direction in a cell", ""}, Closed(1, 16),
@@ -118,8 +121,9 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
       const double tolerance = 1e-9 * c->cell_size;
       for (int d = 0; d < 2; ++d)
         if (bounds.lower[d] < c->domain.lower[d] - tolerance || bounds.upper[d] > c->domain.upper[d] + tolerance)
-          PetscCall(reader.Refuse("-bodies", name, "inside the domain; it reaches from " + FormatVector(bounds.lower) +
-                                                       " to " + FormatVector(bounds.upper)));
+          PetscCall(reader.Refuse("-bodies", name,
+                                  "inside the domain; it reaches from " + FormatVector(bounds.lower) + " to " +
+                                      FormatVector(bounds.upper)));
       for (const Body &other : c->model.bodies)
         if (Overlap(*body.region, *other.region))
           PetscCall(reader.Refuse("-bodies", name, "clear of body " + other.name + ": they overlap"));
@@ -160,15 +164,19 @@ PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &b
     Load load{0, kXLower, {-HUGE_VAL, HUGE_VAL}, {}};
     std::string body = bodies[0], side = sides[0];
     std::vector<double> span = {load.span[0], load.span[1]};
-    PetscCall(reader.Text({prefix + "body", "name of the body (default: the only one, else required)", ""}, bodies.size() > 1, &body));
+    PetscCall(
+        reader.Text({prefix + "body", "name of the body (default: the only one, else required)", ""}, bodies.size() > 1, &body));
     PetscCall(FindName(reader, prefix + "body", bodies, "-bodies", body, &load.body));
     PetscCall(reader.Choice({prefix + "side", "side of the body", ""}, sides, &side));
     load.side = static_cast<Side>(std::find(sides.begin(), sides.end(), side) - sides.begin());
-    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, 2, 2, false, &span));
+    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, 2, 2,
+                             false, &span));
     load.span[0] = span[0];
     load.span[1] = span[1];
-    if (!(span[1] > span[0])) PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));
-    PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"}, &load.pressure));
+    if (!(span[1] > span[0]))
+      PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));
+    PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
+                          &load.pressure));
     c->model.loads.push_back(load);
     c->load_names.push_back(name);
   }

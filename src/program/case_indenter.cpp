@@ -17,7 +17,8 @@ PetscErrorCode ReadSurface(OptionReader &reader, const std::string &kind, std::u
   double half_angle = NAN, radius = NAN, width = NAN, tip_radius = 0;
   PetscFunctionBeginUser;
   if (kind == "wedge" || reader.Help()) {
-    PetscCall(reader.Number({"-indenter_half_angle", "angle of a wedge's face from its axis", "degrees"}, Open(0, 90), true, &half_angle));
+    PetscCall(reader.Number({"-indenter_half_angle", "angle of a wedge's face from its axis", "degrees"}, Open(0, 90), true,
+                            &half_angle));
     PetscCall(reader.Number({"-indenter_tip_radius", "radius of a wedge's rounded tip", "m"}, kNotNegative, false, &tip_radius));
     if (!reader.Help()) *surface = CreateWedge(half_angle, tip_radius);
   }
@@ -32,11 +33,13 @@ PetscErrorCode ReadSurface(OptionReader &reader, const std::string &kind, std::u
   if (kind == "polygon" || reader.Help()) {
     std::vector<double> numbers;
     std::vector<Vec2> vertices;
-    PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"}, kAnyNumber, 6, 0, true, &numbers));
+    PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"},
+                             kAnyNumber, 6, 0, true, &numbers));
     for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
     if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
     if (numbers.size() % 2 || !IsConvex(vertices))
-      PetscCall(reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon"));
+      PetscCall(
+          reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon"));
     *surface = CreatePolygonIndenter(vertices);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -74,11 +77,13 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   bool has_depth = false, has_unload = false;
   Indenter &indenter = *c->model.indenter;
   PetscFunctionBeginUser;
-  PetscCall(reader.Number({"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading", "m"},
-                          kPositive, false, &depth, &has_depth));
+  PetscCall(reader.Number(
+      {"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading", "m"},
+      kPositive, false, &depth, &has_depth));
   if (has_depth || reader.Help())
-    PetscCall(reader.Number({"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"},
-                            kAnyNumber, false, &unload, &has_unload));
+    PetscCall(reader.Number(
+        {"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"}, kAnyNumber,
+        false, &unload, &has_unload));
   if (has_unload && unload == 0) PetscCall(reader.Refuse("-indenter_unload_velocity", "0", "not zero"));
   if (!has_depth || reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const double travel = depth + indenter.tip[1] - indenter.initial_surface;
@@ -86,7 +91,8 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {
     if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0)
-      PetscCall(reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given"));
+      PetscCall(
+          reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (has_unload) {
@@ -100,8 +106,9 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
 }
 
 /// Those of PETSc's types that solve the contact equations; others end with PETSc's errors, or never.
-const std::vector<std::string> kSolvers = {"cg", "cr", "minres", "symmlq", "gmres", "fgmres", "lgmres", "gcr", "bicg", "bcgs", "cgs", "tfqmr"};
-const std::vector<std::string> kPreconditioners = {"jacobi", "none", "sor", "eisenstat", "icc", "svd"};
+const std::vector<std::string> kSolvers = {"cg",     "cr",  "minres", "symmlq", "gmres", "fgmres",
+                                           "lgmres", "gcr", "bicg",   "bcgs",   "cgs",   "tfqmr"};
+const std::vector<std::string> kPreconditioners = {"jacobi", "none", "sor", "eisenstat", "icc", "ilu", "cholesky", "lu", "svd"};
 
 /// One of the types, where the option is given.
 PetscErrorCode CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
@@ -110,7 +117,8 @@ PetscErrorCode CheckType(OptionReader &reader, const std::string &option, const 
   bool given = false;
   PetscFunctionBeginUser;
   PetscCall(reader.Text({option, "type of the solver of the contact pressures", ""}, false, &text, &given));
-  if (given && std::find(types.begin(), types.end(), text) == types.end()) PetscCall(reader.Refuse(option, text, "one of " + Join(types, ", ")));
+  if (given && std::find(types.begin(), types.end(), text) == types.end())
+    PetscCall(reader.Refuse(option, text, "one of " + Join(types, ", ")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,8 +131,10 @@ PetscErrorCode CheckContactSolver(OptionReader &reader)
   reader.Identify(false);
   PetscCall(CheckType(reader, "-contact_ksp_type", kSolvers));
   PetscCall(CheckType(reader, "-contact_pc_type", kPreconditioners));
-  PetscCall(reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures", ""}, Open(0, 1), false, &tolerance));
-  PetscCall(reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures", ""}, Closed(1, 2e9), &iterations));
+  PetscCall(
+      reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures", ""}, Open(0, 1), false, &tolerance));
+  PetscCall(
+      reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures", ""}, Closed(1, 2e9), &iterations));
   reader.Identify(true);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,15 +159,19 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
     const Box &box = c.boxes[k];
     const double margin = c.least_blend_width * c.CellSize(k - 1) + kBorderCells * c.CellSize(k);
     const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
-    if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin) continue;
+    if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin)
+      continue;
     const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
     if (c.IsBorder(k, kXLower) && x < box.lower[0] + margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower), "at least " + FormatRounded(margin) + needed));
-    if (c.IsBorder(k, kXUpper) && x > box.upper[0] - margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper), "at least " + FormatRounded(margin) + needed));
-    if (c.IsBorder(k, kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
       PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
-                              "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
+                              "at least " + FormatRounded(margin) + needed));
+    if (c.IsBorder(k, kXUpper) && x > box.upper[0] - margin)
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper),
+                              "at least " + FormatRounded(margin) + needed));
+    if (c.IsBorder(k, kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
+      PetscCall(
+          reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
+                        "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,7 +192,9 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
   Indenter &indenter = c->model.indenter.emplace();
   PetscCall(ReadSurface(reader, kind, &indenter.surface));
   PetscCall(reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip));
-  PetscCall(ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"}, &indenter.motion.speed));
+  PetscCall(ReadHistory(reader, "-indenter_times",
+                        {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
+                        &indenter.motion.speed));
   if (!reader.Help() && !SurfaceBelow(*c, indenter.tip[0], &indenter.initial_surface)) {
     indenter.initial_surface = -HUGE_VAL;
     for (const Body &body : c->model.bodies)

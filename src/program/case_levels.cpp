@@ -21,8 +21,9 @@ PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string
   for (int axis = 0; axis < 2; ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     if (std::abs(cells - std::round(cells)) > kOnLine * std::max(1.0, std::abs(cells)))
-      PetscCall(reader.Refuse(option, FormatVector(corner), "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
-                                                                " from -domain_lower " + FormatVector(c.domain.lower)));
+      PetscCall(reader.Refuse(option, FormatVector(corner),
+                              "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
+                                  " from -domain_lower " + FormatVector(c.domain.lower)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -50,8 +51,9 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
     const Vec2 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
-      PetscCall(reader.Refuse(option, FormatVector(corner), "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) +
-                                                                " at its side " + kSideNames[s] + "; it is " + FormatRounded(depth)));
+      PetscCall(reader.Refuse(option, FormatVector(corner),
+                              "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
+                                  kSideNames[s] + "; it is " + FormatRounded(depth)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -69,15 +71,17 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
   PetscCall(CheckLines(reader, *c, name + "_upper", box.upper, coarse));
   for (int axis = 0; axis < 2; ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper), "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " +
-                                                                           name + "_lower " + FormatVector(box.lower)));
+      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper),
+                              "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
+                                  FormatVector(box.lower)));
   c->boxes.push_back(box);
   PetscCall(CheckNesting(reader, *c, k));
   const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeArrays::kSums;
   const double nodes = ((box.upper[0] - box.lower[0]) / cell + 8) * ((box.upper[1] - box.lower[1]) / cell + 8);
   if (nodes > most)
-    PetscCall(reader.Refuse("-levels", std::to_string(c->levels), "such that each grid has at most " + FormatNumber(most) + " nodes; level " +
-                                                                     std::to_string(k) + " would have " + FormatNumber(nodes)));
+    PetscCall(reader.Refuse("-levels", std::to_string(c->levels),
+                            "such that each grid has at most " + FormatNumber(most) + " nodes; level " + std::to_string(k) +
+                                " would have " + FormatNumber(nodes)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,13 +91,18 @@ PetscErrorCode ReadNodeCoupling(OptionReader &reader, Case *c)
   bool given = false;
   double width = kBlendWidth;
   PetscFunctionBeginUser;
-  PetscCall(reader.Number({"-blend_width", "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
-                           "where it is not given and boxes lie closer, less, down to 2", ""},
+  PetscCall(reader.Number({"-blend_width",
+                           "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
+                           "where it is not given and boxes lie closer, less, down to 2",
+                           ""},
                           Closed(0, 64), false, &width, &given));
   settings.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
   settings.merge_siblings = settings.ratio > 2; // points much smaller than the cells make noise
-  PetscCall(reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)", ""}, &settings.merge_siblings));
+  PetscCall(reader.Flag(
+      {"-merge_siblings",
+       "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)", ""},
+      &settings.merge_siblings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,14 +113,19 @@ PetscErrorCode ReadPointCoupling(OptionReader &reader, Case *c)
   std::string ownership = "flags";
   PetscFunctionBeginUser;
   settings.ghost_cells = 2 * settings.ratio;
-  PetscCall(reader.Integer({"-ghost_cells", "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)", ""},
-                           Closed(settings.ratio, 64), &settings.ghost_cells));
-  PetscCall(reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
-                          {"flags", "place"}, &ownership));
+  PetscCall(reader.Integer(
+      {"-ghost_cells",
+       "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)", ""},
+      Closed(settings.ratio, 64), &settings.ghost_cells));
+  PetscCall(reader.Choice(
+      {"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
+      {"flags", "place"}, &ownership));
   repairs.owner_flags = ownership == "flags";
-  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""}, &repairs.velocity_shift));
-  PetscCall(reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
-                        &repairs.strain_smoothing));
+  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""},
+                        &repairs.velocity_shift));
+  PetscCall(
+      reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
+                  &repairs.strain_smoothing));
   PetscCall(reader.Flag({"-momentum_correction", "points: global momentum correction", ""}, &repairs.momentum_correction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,8 +134,9 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
 {
   std::string coupling = "nodes";
   PetscFunctionBeginUser;
-  PetscCall(reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
-                          {"nodes", "points"}, &coupling));
+  PetscCall(
+      reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
+                    {"nodes", "points"}, &coupling));
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) PetscCall(ReadNodeCoupling(reader, c));
   if (coupling == "points" || reader.Help()) PetscCall(ReadPointCoupling(reader, c));

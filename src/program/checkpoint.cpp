@@ -11,14 +11,17 @@
 namespace mlgimp
 {
 
-static constexpr double kFormatVersion = 5;
+static constexpr double kFormatVersion = 6;
 
 static hid_t H5Type(FieldType type)
 {
   switch (type) {
-  case FieldType::kInt32: return H5T_NATIVE_INT;
-  case FieldType::kInt64: return H5T_NATIVE_INT64;
-  default: return H5T_NATIVE_DOUBLE;
+  case FieldType::kInt32:
+    return H5T_NATIVE_INT;
+  case FieldType::kInt64:
+    return H5T_NATIVE_INT64;
+  default:
+    return H5T_NATIVE_DOUBLE;
   }
 }
 
@@ -31,14 +34,15 @@ static std::string BorderName(int b) { return "/border_force_" + std::to_string(
 
 static std::vector<double> StateAsNumbers(const RunState &s)
 {
-  return {s.time,          s.time_step,         s.step_settings[0], s.step_settings[1],  s.step_settings[2],
-          s.wave_speed,    double(s.step),      double(s.frames),   s.initial_mass,      s.initial_points,
-          s.initial_created, s.impulse_at_row,  s.time_at_row,      s.penetration};
+  return {s.time,         s.time_step,      s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed,
+          double(s.step), double(s.frames), s.initial_mass,     s.initial_points,   s.initial_created,  s.impulse_at_row,
+          s.time_at_row,  s.penetration};
 }
 
 static RunState StateFromNumbers(const std::vector<double> &n)
 {
-  return {n[0], n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11], n[12], n[13]};
+  return {n[0],  n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11],
+          n[12], n[13]};
 }
 
 /// Pairs of numbers that this rank, if any, writes for all.
@@ -85,7 +89,8 @@ static PetscErrorCode WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
   PetscCall(WritePoints(file, hierarchy.Comm(), group, level.PointStore()));
-  file.Attribute(group, "pace", std::vector<double>{double(pace.steps), double(pace.migration_interval), double(pace.contact_awake)});
+  file.Attribute(group, "pace",
+                 std::vector<double>{double(pace.steps), double(pace.migration_interval), double(pace.contact_awake)});
   file.Attribute(group, "columns", std::vector<double>(layout.widths[0].begin(), layout.widths[0].end()));
   file.Attribute(group, "rows", std::vector<double>(layout.widths[1].begin(), layout.widths[1].end()));
   file.Attribute(group, "ranks", std::vector<double>(layout.ranks.begin(), layout.ranks.end()));
@@ -110,8 +115,8 @@ static PetscErrorCode WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity,
-                               Hierarchy &hierarchy, const RunState &state, std::string *problem)
+PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
+                               const RunState &state, std::string *problem)
 {
   H5Writer file;
   Slab slab;
@@ -213,7 +218,8 @@ PetscErrorCode ReadLayout(const H5Reader &file, const std::string &group, Level 
   std::vector<double> widths[2], ranks;
   GridLayout layout;
   PetscFunctionBeginUser;
-  *good = file.Attribute(group, "columns", &widths[0]) && file.Attribute(group, "rows", &widths[1]) && file.Attribute(group, "ranks", &ranks);
+  *good = file.Attribute(group, "columns", &widths[0]) && file.Attribute(group, "rows", &widths[1]) &&
+          file.Attribute(group, "ranks", &ranks);
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   for (int axis = 0; axis < 2; ++axis) layout.widths[axis].assign(widths[axis].begin(), widths[axis].end());
   layout.ranks.assign(ranks.begin(), ranks.end());
@@ -229,7 +235,8 @@ PetscErrorCode ReadLevel(const H5Reader &file, Hierarchy &hierarchy, int l, bool
   std::vector<double> pace, pairs;
   ContactPressures pressures;
   PetscFunctionBeginUser;
-  *good = file.Has(group) && file.Attribute(group, "pace", &pace) && pace.size() == 3 && ReadPairs(file, group + "/pressures", &pairs);
+  *good = file.Has(group) && file.Attribute(group, "pace", &pace) && pace.size() == 3 &&
+          ReadPairs(file, group + "/pressures", &pairs);
   if (*good && same_ranks) PetscCall(ReadLayout(file, group, level, good));
   if (*good) PetscCall(ReadPoints(file, hierarchy.Comm(), group, level.PointStore(), good));
   for (int origin = 0; origin < 2 && *good && hierarchy.Copies().ready; ++origin) {
@@ -277,19 +284,32 @@ PetscErrorCode ReadTotals(const H5Reader &file, Hierarchy &hierarchy, bool *same
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The format that a whole checkpoint names; 0 for any other file. Formats before this one may have had no seal. One rank.
+double FormatOf(const std::string &path)
+{
+  H5Reader file;
+  double version = 0;
+  const SealState seal = FindSeal(path);
+  if (seal == SealState::kBroken || !file.Open(MPI_COMM_SELF, path) || !file.Attribute("/", "format_version", &version)) return 0;
+  return seal == SealState::kWhole || version < kFormatVersion ? version : 0;
+}
+
 /// Ends the run where the file is no whole checkpoint of this format.
 PetscErrorCode OpenCheckpoint(MPI_Comm comm, const std::string &path, H5Reader *file)
 {
   PetscMPIInt rank;
-  double version = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  int sealed = rank == 0 && IsSealed(path);
-  PetscCallMPI(MPI_Bcast(&sealed, 1, MPI_INT, 0, comm));
-  PetscCheck(sealed && file->Open(comm, path) && file->Attribute("/", "format_version", &version), comm, PETSC_ERR_USER_INPUT,
-             "-restart %s: must be a whole checkpoint of this version of mlgimp; it is missing, cut short, damaged or something else",
+  double version = rank == 0 ? FormatOf(path) : 0;
+  PetscCallMPI(MPI_Bcast(&version, 1, MPI_DOUBLE, 0, comm));
+  PetscCheck(
+      version > 0, comm, PETSC_ERR_USER_INPUT,
+      "-restart %s: must be a whole checkpoint of this version of mlgimp; it is missing, cut short, damaged or something else",
+      path.c_str());
+  PetscCheck(version == kFormatVersion, comm, PETSC_ERR_USER_INPUT, "-restart %s: must have format version %g; it has %g",
+             path.c_str(), kFormatVersion, version);
+  PetscCheck(file->Open(comm, path), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be a file that every rank can read",
              path.c_str());
-  PetscCheck(version == kFormatVersion, comm, PETSC_ERR_USER_INPUT, "-restart %s: must have format version %g; it has %g", path.c_str(), kFormatVersion, version);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -304,10 +324,11 @@ PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::st
   std::vector<double> state, copies;
   PetscFunctionBeginUser;
   PetscCall(OpenCheckpoint(comm, path, &file));
-  bool good = file.Attribute("/", "identity", &then) && file.Attribute("/", "state", &state) && file.Attribute("/", "copies", &copies) &&
-              state.size() == StateAsNumbers({}).size() && copies.size() == 3;
+  bool good = file.Attribute("/", "identity", &then) && file.Attribute("/", "state", &state) &&
+              file.Attribute("/", "copies", &copies) && state.size() == StateAsNumbers({}).size() && copies.size() == 3;
   const std::string difference = good ? FirstDifference(identity, Split(then, '\n')) : "";
-  PetscCheck(difference.empty(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be of the same case; %s", path.c_str(), difference.c_str());
+  PetscCheck(difference.empty(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be of the same case; %s", path.c_str(),
+             difference.c_str());
   if (good) hierarchy.SetCopies({copies[0] != 0, {copies[1], copies[2]}});
   if (good) PetscCall(ReadTotals(file, hierarchy, same_ranks, &good));
   for (int l = 0; l < hierarchy.Levels() && good; ++l) PetscCall(ReadLevel(file, hierarchy, l, *same_ranks, &good));

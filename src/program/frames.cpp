@@ -116,10 +116,10 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) con
   static const struct {
     const char *name, *kind, *number;
     int components;
-  } attributes[] = {{"velocity", "Matrix", "Float", 2},     {"stress", "Matrix", "Float", 4},
-                    {"deformation_gradient", "Matrix", "Float", 4}, {"volume", "Scalar", "Float", 1},
-                    {"mass", "Scalar", "Float", 1},         {"half_size", "Matrix", "Float", 2},
-                    {"body", "Scalar", "Int", 1},           {"id", "Scalar", "Int", 1}};
+  } attributes[] = {
+      {"velocity", "Matrix", "Float", 2}, {"stress", "Matrix", "Float", 4}, {"deformation_gradient", "Matrix", "Float", 4},
+      {"volume", "Scalar", "Float", 1},   {"mass", "Scalar", "Float", 1},   {"half_size", "Matrix", "Float", 2},
+      {"body", "Scalar", "Int", 1},       {"id", "Scalar", "Int", 1}};
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -140,7 +140,8 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) con
             << " 2\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
         for (const auto &a : attributes) {
           const bool wide = a.number[0] == 'F' || a.name == std::string("id");
-          xml << "<Attribute Name=\"" << a.name << "\" AttributeType=\"" << a.kind << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
+          xml << "<Attribute Name=\"" << a.name << "\" AttributeType=\"" << a.kind << "\" Center=\"Node\"><DataItem Dimensions=\""
+              << n;
           if (a.components > 1) xml << " " << a.components;
           xml << "\" NumberType=\"" << a.number << "\" Precision=\"" << (wide ? 8 : 4) << "\" Format=\"HDF\">" << place << a.name
               << "</DataItem></Attribute>\n";

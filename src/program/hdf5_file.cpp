@@ -181,8 +181,10 @@ H5Handle H5Reader::OpenAttribute(const std::string &object, const std::string &n
 
 bool H5Reader::Attribute(const std::string &object, const std::string &name, double *value) const
 {
-  const H5Handle attribute = OpenAttribute(object, name);
-  return attribute.Valid() && H5Aread(attribute, H5T_NATIVE_DOUBLE, value) >= 0;
+  std::vector<double> values;
+  if (!Attribute(object, name, &values) || values.size() != 1) return false;
+  *value = values[0];
+  return true;
 }
 
 bool H5Reader::Attribute(const std::string &object, const std::string &name, std::string *value) const

@@ -8,10 +8,9 @@
 #include <cstdio>
 #include <new>
 
-static const char kHelp[] =
-    "mlgimp: explicit GIMP simulation of indentation and contact in plane strain.\n\n"
-    "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
-    "  mpiexec -n N bin/mlgimp -options_file options/NAME.opts\n\n";
+static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact in plane strain.\n\n"
+                            "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
+                            "  mpiexec -n N bin/mlgimp -options_file options/NAME.opts\n\n";
 
 namespace
 {
@@ -39,11 +38,13 @@ PetscErrorCode OneLineHandler(MPI_Comm comm, int line, const char *function, con
   if (type == PETSC_ERROR_REPEAT) return code;
   if (code == PETSC_ERR_MEM) return OutOfMemory();
   // What these files of PETSc find wrong is a value of one of its options; the last opens files on the first rank alone.
-  const bool petsc_option = code == PETSC_ERR_ARG_UNKNOWN_TYPE || EndsWith(file, {"options.c", "aoptions.c", "viewreg.c", "filev.c"});
+  const bool petsc_option =
+      code == PETSC_ERR_ARG_UNKNOWN_TYPE || EndsWith(file, {"options.c", "aoptions.c", "viewreg.c", "filev.c"});
   if (code != PETSC_ERR_USER_INPUT && !petsc_option)
     return PetscTraceBackErrorHandler(comm, line, function, file, code, type, message, context);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  const char *what = petsc_option ? "a PETSc option, -log_view, -contact_ksp_... or another, has a value that is not allowed: " : "";
+  const char *what =
+      petsc_option ? "a PETSc option, -log_view, -contact_ksp_... or another, has a value that is not allowed: " : "";
   if (rank == 0 && !*of_user) std::fprintf(stderr, "mlgimp: error: %s%s\n", what, OneLine(message).c_str());
   *of_user = !EndsWith(file, {"filev.c"});
   return code;
@@ -87,7 +88,8 @@ int main(int argc, char **argv)
     MPI_Finalize();
     return 1;
   }
-  bool of_user = false; // the error: then it is that of all ranks alike, else it may be one rank's, for which the others would wait
+  bool of_user =
+      false; // the error: then it is that of all ranks alike, else it may be one rank's, for which the others would wait
   PetscErrorCode code = PetscPushErrorHandler(OneLineHandler, &of_user);
   if (!code) code = PetscInitialize(&argc, &argv, nullptr, kHelp);
   if (!code) {

@@ -49,7 +49,8 @@ PetscErrorCode BytesForRank(MPI_Comm comm, double *bytes)
   *bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (std::ifstream("/sys/fs/cgroup/memory.max") >> group) *bytes = std::min(*bytes, group); // "max" is no number
   *bytes /= ranks;
-  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) *bytes = std::min(*bytes, static_cast<double>(limit.rlim_cur));
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    *bytes = std::min(*bytes, static_cast<double>(limit.rlim_cur));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -68,7 +69,8 @@ PetscErrorCode CheckMemory(MPI_Comm comm, const Case &c)
   PetscCall(BytesForRank(comm, &bytes));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
   const double needed = (kPoint * points + kNode * nodes) / ranks + kNodeOnEveryRank * nodes;
-  PetscCheck(needed <= bytes, comm, PETSC_ERR_USER_INPUT, "-cell_size %s: must leave room in memory; %s points and %s nodes need about %s GB for each rank, which has %s GB",
+  PetscCheck(needed <= bytes, comm, PETSC_ERR_USER_INPUT,
+             "-cell_size %s: must leave room in memory; %s points and %s nodes need about %s GB for each rank, which has %s GB",
              FormatNumber(c.cell_size).c_str(), FormatRounded(points).c_str(), FormatRounded(nodes).c_str(),
              FormatRounded(needed / kGigabyte).c_str(), FormatRounded(bytes / kGigabyte).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);

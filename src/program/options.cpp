@@ -63,7 +63,8 @@ std::string Range::Text() const
 
 std::string OneLine(std::string text)
 {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c); }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c); }, '?');
   return text;
 }
 
@@ -95,7 +96,8 @@ PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fa
   auto PetscOptionsObject = items_;
   PetscFunctionBeginUser;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: must have one meaning; give the body, material or load another name", option.name.c_str());
+    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: must have one meaning; give the body, material or load another name",
+            option.name.c_str());
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   PetscCall(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &set));
   *given = set;
@@ -279,7 +281,8 @@ bool IsOptionName(const std::string &word)
 /// The text with a question mark for each character that is none.
 std::string Printable(std::string text)
 {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
   return text;
 }
 
@@ -288,7 +291,8 @@ std::string CheckOptionsFile(const std::string &path)
   if (path.size() > 5 && path.substr(path.size() - 5) == ".yaml")
     return "-options_file " + path + ": must hold lines '-name value'; YAML is not read";
   std::ifstream file(path);
-  if (!file || file.peek() == std::ifstream::traits_type::eof()) return "-options_file " + path + ": must be a readable file with options";
+  if (!file || file.peek() == std::ifstream::traits_type::eof())
+    return "-options_file " + path + ": must be a readable file with options";
   std::set<std::string> seen;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
@@ -299,13 +303,15 @@ std::string CheckOptionsFile(const std::string &path)
     const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
     if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
       return place + "must be text, found '" + Shortened(Printable(line)) + "'";
-    if (name.size() + value.size() > kLongestValue) return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
+    if (name.size() + value.size() > kLongestValue)
+      return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
     if (name.empty()) continue;
     if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
     if (name == "-options_file") return place + "must not name another options file; give both on the command line";
     if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
-    if (!seen.insert(name).second) return name + " " + Shortened(value) + ": must be given once, found again in line " +
-                                         std::to_string(number) + " of " + path;
+    if (!seen.insert(name).second)
+      return name + " " + Shortened(value) + ": must be given once, found again in line " + std::to_string(number) + " of " +
+             path;
   }
   return "";
 }
@@ -317,7 +323,8 @@ std::string CheckCommandLine(int argc, char **argv)
   std::set<std::string> seen;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
-    if (word.size() > kLongestValue) return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
+    if (word.size() > kLongestValue)
+      return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
     const bool after_option = k > 1 && IsOptionName(argv[k - 1]);
     if (!IsOptionName(word)) {
       if (!after_option) return "'" + word + "': must follow an option that takes it; options begin with a dash";
@@ -325,7 +332,7 @@ std::string CheckCommandLine(int argc, char **argv)
     }
     if (word == "-options_file") {
       const std::string path = k + 1 < argc ? argv[k + 1] : "";
-      const std::string message = CheckOptionsFile(path);
+      std::string message = CheckOptionsFile(path);
       if (!message.empty()) return message;
     } else if (!seen.insert(word).second) {
       return word + ": must be given once on the command line";

@@ -16,7 +16,8 @@ namespace mlgimp
 namespace
 {
 
-constexpr std::size_t kSealSize = 33; ///< of "\nmlgimp checksum 0123456789abcdef"
+constexpr char kSealStart[] = "\nmlgimp checksum ";
+constexpr std::size_t kSealSize = sizeof kSealStart - 1 + 16; ///< with the digits of the checksum
 
 /// 64 bits of all bytes. A step is one to one in the sum as well as in the word, so that no change of a single word is missed.
 class Checksum
@@ -36,7 +37,7 @@ public:
   {
     char line[kSealSize + 1];
     AddWord(size_);
-    std::snprintf(line, sizeof line, "\nmlgimp checksum %016llx", static_cast<unsigned long long>(sum_));
+    std::snprintf(line, sizeof line, "%s%016llx", kSealStart, static_cast<unsigned long long>(sum_));
     return line;
   }
 
@@ -79,13 +80,15 @@ bool Seal(const std::string &path)
   return !seal.empty() && WriteAll(file, seal) && file.Close();
 }
 
-bool IsSealed(const std::string &path)
+SealState FindSeal(const std::string &path)
 {
-  char found[kSealSize];
+  char last[kSealSize];
   Descriptor file(open(path.c_str(), O_RDONLY));
   const off_t size = file.Valid() ? lseek(file, 0, SEEK_END) - static_cast<off_t>(kSealSize) : -1;
-  if (size < 0 || pread(file, found, kSealSize, size) != static_cast<ssize_t>(kSealSize)) return false;
-  return SealOf(file, size) == std::string(found, kSealSize);
+  if (size < 0 || pread(file, last, kSealSize, size) != static_cast<ssize_t>(kSealSize)) return SealState::kNone;
+  const std::string found(last, kSealSize);
+  if (found.rfind(kSealStart, 0) != 0) return SealState::kNone;
+  return SealOf(file, size) == found ? SealState::kWhole : SealState::kBroken;
 }
 
 } // namespace mlgimp

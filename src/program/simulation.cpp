@@ -27,8 +27,9 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
   PetscCall(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
     PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_, &same_ranks));
-    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
-               case_.output.restart.c_str(), FormatNumber(state_.time).c_str(), state_.step);
+    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT,
+               "-restart %s: must be from before the end of the run; it is at time %s, step %ld", case_.output.restart.c_str(),
+               FormatNumber(state_.time).c_str(), state_.step);
     hierarchy_.At(0).Contacts().penetration = state_.penetration;
     start_step_ = state_.step;
   } else {
@@ -62,7 +63,8 @@ PetscErrorCode Simulation::CheckBodies()
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_DOUBLE, MPI_SUM, comm_));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, faces.data(), static_cast<int>(faces.size()), MPI_DOUBLE, MPI_SUM, comm_));
   for (std::size_t b = 0; b < points.size(); ++b)
-    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT, "-bodies %s: must hold at least one material point; it is too small for -cell_size %s",
+    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT,
+               "-bodies %s: must hold at least one material point; it is too small for -cell_size %s",
                model.bodies[b].name.c_str(), FormatNumber(case_.cell_size).c_str());
   for (std::size_t k = 0; k < faces.size(); ++k)
     PetscCheck(faces[k] > 0, comm_, PETSC_ERR_USER_INPUT, "-loads %s: must cover a free face of body %s; see its side and span",
@@ -127,7 +129,8 @@ PetscErrorCode Simulation::CheckOutputFolder()
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   if (rank == 0) {
     std::error_code error;
-    if (fs::exists(out.directory, error) && !fs::is_directory(out.directory, error)) state = 2;
+    if (fs::exists(out.directory, error) && !fs::is_directory(out.directory, error))
+      state = 2;
     else if (fs::is_directory(out.directory, error) && !GoesOn())
       for (const auto &entry : fs::directory_iterator(out.directory, error))
         if (IsResult(entry.path().filename().string())) state = 1;
@@ -151,7 +154,8 @@ PetscErrorCode Simulation::PrepareOutputFolder()
     std::error_code error, ignored;
     std::vector<fs::path> old;
     fs::create_directories(out.directory, error);
-    if (!fs::is_directory(out.directory, ignored)) problem = "-output_dir " + out.directory + ": must be a folder that can be created: " + error.message();
+    if (!fs::is_directory(out.directory, ignored))
+      problem = "-output_dir " + out.directory + ": must be a folder that can be created: " + error.message();
     goes_on = GoesOn();
     for (const auto &entry : fs::directory_iterator(out.directory, ignored)) {
       const std::string name = entry.path().filename().string();
@@ -216,8 +220,9 @@ PetscErrorCode Simulation::Run()
   PetscFunctionBeginUser;
   PetscCall(PrepareOutputFolder());
   if (case_.model.indenter && case_.model.contact == "point_pressure")
-    PetscCall(PetscFPrintf(comm_, PETSC_STDERR, "mlgimp: warning: -contact point_pressure: is rank deficient, its diagonal is raised by "
-                                                "1 %%; single pressures mean little and contact comes late\n"));
+    PetscCall(PetscFPrintf(comm_, PETSC_STDERR,
+                           "mlgimp: warning: -contact point_pressure: is rank deficient, its diagonal is raised by "
+                           "1 %%; single pressures mean little and contact comes late\n"));
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
   if (state_.step == 0) PetscCall(WriteHistoryRow());
@@ -255,8 +260,7 @@ PetscErrorCode Simulation::WriteDue()
     PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step, &problem));
     PetscCall(CheckWritten(problem));
   }
-  if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0)
-    PetscCall(WriteState());
+  if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0) PetscCall(WriteState());
   PetscCall(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -367,15 +371,23 @@ PetscErrorCode Simulation::ShowProgress(bool last)
   double points = point_steps_;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_));
   const double depth = case_.model.indenter ? case_.model.indenter->Depth(state_.time) : 0;
-  PetscCall(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s", state_.step,
-                        state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left, last ? "\n" : ""));
+  PetscCall(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
+                        state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
+                        last ? "\n" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Simulation::WriteSummary(const std::string &status, std::string *problem)
 {
-  SummaryInput input{status,       case_,          state_, hierarchy_, MPI_Wtime() - start_wall_, level_seconds_,
-                     point_steps_, events_, state_.step - start_step_};
+  SummaryInput input{status,
+                     case_,
+                     state_,
+                     hierarchy_,
+                     MPI_Wtime() - start_wall_,
+                     level_seconds_,
+                     point_steps_,
+                     events_,
+                     state_.step - start_step_};
   PetscFunctionBeginUser;
   PetscCall(mlgimp::WriteSummary(input, problem));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -50,7 +50,8 @@ std::string Versions()
   MPI_Get_library_version(library, &length);
   const std::string name(library, std::min<std::size_t>(std::string(library).find(','), static_cast<std::size_t>(length)));
   json << "{\"mlgimp\": " << Quoted(kVersion) << ", \"PETSc\": \"" << PETSC_VERSION_MAJOR << '.' << PETSC_VERSION_MINOR << '.'
-       << PETSC_VERSION_SUBMINOR << "\", \"MPI\": " << Quoted(name) << ", \"HDF5\": \"" << major << '.' << minor << '.' << release << "\"}";
+       << PETSC_VERSION_SUBMINOR << "\", \"MPI\": " << Quoted(name) << ", \"HDF5\": \"" << major << '.' << minor << '.' << release
+       << "\"}";
   return json.str();
 }
 
@@ -63,8 +64,8 @@ std::string LevelJson(const Level &level, double points, double largest, double 
        << Pair(grid.lower + grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])})
        << ", \"cell_size\": " << FormatNumber(grid.spacing) << ", \"points\": " << FormatNumber(points)
        << ", \"cells\": " << static_cast<long>(grid.cells[0]) * grid.cells[1] << ", \"steps\": " << level.Steps()
-       << ", \"time_step\": " << FormatNumber(time_step) << ", \"imbalance\": " << FormatNumber(points > 0 ? largest * ranks / points : 1)
-       << ", \"ranks\": " << ranks << "}";
+       << ", \"time_step\": " << FormatNumber(time_step)
+       << ", \"imbalance\": " << FormatNumber(points > 0 ? largest * ranks / points : 1) << ", \"ranks\": " << ranks << "}";
   return json.str();
 }
 
@@ -101,14 +102,17 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
   json << "\n  ],\n  \"steps\": " << in.state.step << ",\n  \"simulated_time\": " << FormatNumber(in.state.time)
        << ",\n  \"wall_seconds\": " << FormatNumber(in.wall_seconds)
        << ",\n  \"seconds_per_point_step\": " << FormatNumber(times[4] > 0 ? times[0] / times[4] : 0)
-       << ",\n  \"contact_share\": " << FormatNumber(times[1] / total) << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
-       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total) << ",\n  \"coupling_share\": " << FormatNumber(times[5] / total)
+       << ",\n  \"contact_share\": " << FormatNumber(times[1] / total)
+       << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
+       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total)
+       << ",\n  \"coupling_share\": " << FormatNumber(times[5] / total)
        << ",\n  \"bytes_between_levels\": {\"mapped\": " << FormatNumber(mapped) << ", \"unmapped\": " << FormatNumber(unmapped)
-       << "},\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1) << ",\n  \"points_created\": " << FormatNumber(created)
+       << "},\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1)
+       << ",\n  \"points_created\": " << FormatNumber(created)
        << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points + created - books.points)
-       << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered) << ", \"left\": " << FormatNumber(books.points_left)
-       << ", \"split\": " << FormatNumber(books.points_split) << ", \"merged\": " << FormatNumber(books.points_merged)
-       << ", \"mass_error\": " << FormatNumber(books.transfer_mass_error)
+       << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered)
+       << ", \"left\": " << FormatNumber(books.points_left) << ", \"split\": " << FormatNumber(books.points_split)
+       << ", \"merged\": " << FormatNumber(books.points_merged) << ", \"mass_error\": " << FormatNumber(books.transfer_mass_error)
        << ", \"momentum_error\": " << FormatNumber(books.transfer_momentum_error)
        << ", \"points_adrift\": " << FormatNumber(books.points_adrift) << ", \"mass_adrift\": " << FormatNumber(books.mass_adrift)
        << ", \"momentum_adrift\": " << Pair({books.momentum_adrift[0], books.momentum_adrift[1]}) << "}"

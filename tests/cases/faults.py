@@ -44,7 +44,7 @@ def ranks_of(process):
 
 def kill_at(case, ranks, folder, rows, delay):
     """Runs until it is killed with all its ranks, so many seconds after a row of the history; false where it ended before."""
-    process = subprocess.Popen(harness.command(words_of(case, folder), ranks), env=harness.ENVIRONMENT, cwd=harness.ROOT,
+    process = subprocess.Popen(harness.command(words_of(case, folder), ranks), env=harness.environment(ranks), cwd=harness.ROOT,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     history = folder / "history.csv"
     while process.poll() is None and not (history.exists() and len(rows_of(folder)) > rows):
@@ -107,8 +107,7 @@ def expect_kills(report, name, case, ranks, other_ranks, count, seed):
                for number in range(count)]
     problems = [problem for problem, _, _ in results if problem]
     killed = sum(killed for _, killed, _ in results)
-    report.note(f"killed {killed} of {count} times, {name}, {ranks} ranks: equal to the last bit; on {other_ranks} to {SAME}",
-                not problems, " | ".join(problems))
+    report.note(f"{count} runs with a kill, {name}, {ranks} ranks: go on to the last bit; on {other_ranks} to {SAME}", not problems, " | ".join(problems))
     return killed, sum(writing for _, _, writing in results)
 
 
@@ -129,6 +128,12 @@ def test_kill(report):
 
 
 def verify_kill(report):
+    """Kills at any moment.
+
+    Runs that write a checkpoint every other step are killed with all their ranks (SIGKILL) at a random moment, and go on in the same folder from the last
+    checkpoint there: history, last frame and the list of frames must be those of a run that was not killed, and no temporary file may be left. Every fourth
+    goes on from the same checkpoint on another number of ranks as well.
+    """
     report.expect("kills while a file was being written", kill_all(report, 5 * KILLS), at_least=1)
 
 
@@ -164,7 +169,7 @@ def problem_of_refusal(case, damaged, ranks, folder):
     """What is wrong with the way a damaged checkpoint is refused; empty where nothing is."""
     before = contents(folder)
     done = subprocess.run(harness.command(words_of({**case, "restart": damaged}, folder), ranks), capture_output=True, text=True,
-                          env=harness.ENVIRONMENT, cwd=harness.ROOT, timeout=60)
+                          env=harness.environment(ranks), cwd=harness.ROOT, timeout=60)
     lines = done.stderr.strip("\n").split("\n")
     if done.returncode <= 0 or len(lines) != 1 or not lines[0].startswith(f"mlgimp: error: -restart {damaged}: must be a whole checkpoint"):
         return f"exit status {done.returncode}: " + " | ".join(lines)[:300]
@@ -229,7 +234,7 @@ def limit_files(process, ranks, size, history):
 def problems_of_full(case, folder, ranks, file_limit=None):
     """(what is wrong with the way a run ends that cannot write, its line)."""
     process = subprocess.Popen(harness.command(words_of(case, folder), ranks), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                               text=True, env=harness.ENVIRONMENT, cwd=harness.ROOT)
+                               text=True, env=harness.environment(ranks), cwd=harness.ROOT)
     if file_limit:
         limit_files(process, ranks, file_limit, folder / "history.csv")
     try:
@@ -344,7 +349,7 @@ def test_folder_read_only(report):
         for name, folder, more, word in (("new", place / "new", {}, f"-output_dir {place / 'new'}: must be a folder that can be created"),
                                          ("old", place / "results", {"overwrite": None}, f"cannot write {place / 'results'}/history.csv")):
             done = subprocess.run(harness.command(words_of({**LIGHT, **more}, folder), 1), capture_output=True, text=True,
-                                  env=harness.ENVIRONMENT, cwd=harness.ROOT, timeout=60)
+                                  env=harness.environment(1), cwd=harness.ROOT, timeout=60)
             line = done.stderr.strip("\n")
             report.note(f"read-only disk, {name} folder", done.returncode == 1 and line.startswith("mlgimp: error: " + word)
                         and "Read-only file system" in line and "\n" not in line, done.stderr)

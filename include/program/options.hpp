@@ -82,6 +82,9 @@ std::vector<std::string> Split(const std::string &text, char separator);
 /// A message as one line that no terminal takes for orders: other characters become question marks.
 std::string OneLine(std::string text);
 
+/// A value as messages show it: the first 200 characters.
+std::string Shortened(const std::string &value);
+
 /// Looks at the command line before PETSc does: options files that cannot be read or parsed, options given twice.
 /// Returns an empty string, or the message.
 std::string CheckCommandLine(int argc, char **argv);

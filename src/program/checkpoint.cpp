@@ -146,7 +146,7 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 {
   for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
     const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
-    if (a != b) return "this run has '" + a + "' where the checkpoint has '" + b + "'";
+    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
   }
   return "";
 }
@@ -305,11 +305,11 @@ PetscErrorCode OpenCheckpoint(MPI_Comm comm, const std::string &path, H5Reader *
   PetscCheck(
       version > 0, comm, PETSC_ERR_USER_INPUT,
       "-restart %s: must be a whole checkpoint of this version of mlgimp; it is missing, cut short, damaged or something else",
-      path.c_str());
+      Shortened(path).c_str());
   PetscCheck(version == kFormatVersion, comm, PETSC_ERR_USER_INPUT, "-restart %s: must have format version %g; it has %g",
-             path.c_str(), kFormatVersion, version);
+             Shortened(path).c_str(), kFormatVersion, version);
   PetscCheck(file->Open(comm, path), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be a file that every rank can read",
-             path.c_str());
+             Shortened(path).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -327,13 +327,14 @@ PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::st
   bool good = file.Attribute("/", "identity", &then) && file.Attribute("/", "state", &state) &&
               file.Attribute("/", "copies", &copies) && state.size() == StateAsNumbers({}).size() && copies.size() == 3;
   const std::string difference = good ? FirstDifference(identity, Split(then, '\n')) : "";
-  PetscCheck(difference.empty(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be of the same case; %s", path.c_str(),
+  PetscCheck(difference.empty(), comm, PETSC_ERR_USER_INPUT, "-restart %s: must be of the same case; %s", Shortened(path).c_str(),
              difference.c_str());
   if (good) hierarchy.SetCopies({copies[0] != 0, {copies[1], copies[2]}});
   if (good) PetscCall(ReadTotals(file, hierarchy, same_ranks, &good));
   for (int l = 0; l < hierarchy.Levels() && good; ++l) PetscCall(ReadLevel(file, hierarchy, l, *same_ranks, &good));
   for (int b = 0; b + 1 < hierarchy.Levels() && good; ++b) PetscCall(ReadBorder(file, hierarchy, b, &good));
-  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "-restart %s: must be a whole checkpoint; parts of it are missing", path.c_str());
+  PetscCheck(good, comm, PETSC_ERR_USER_INPUT, "-restart %s: must be a whole checkpoint; parts of it are missing",
+             Shortened(path).c_str());
   *s = StateFromNumbers(state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -68,8 +68,7 @@ std::string OneLine(std::string text)
   return text;
 }
 
-/// A value as messages show it.
-static std::string Shortened(const std::string &value)
+std::string Shortened(const std::string &value)
 {
   constexpr std::size_t kMost = 200;
   return value.size() <= kMost ? value : value.substr(0, kMost) + "... (" + std::to_string(value.size()) + " characters)";

@@ -28,8 +28,8 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
   if (restart) {
     PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_, &same_ranks));
     PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT,
-               "-restart %s: must be from before the end of the run; it is at time %s, step %ld", case_.output.restart.c_str(),
-               FormatNumber(state_.time).c_str(), state_.step);
+               "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
+               Shortened(case_.output.restart).c_str(), FormatNumber(state_.time).c_str(), state_.step);
     hierarchy_.At(0).Contacts().penetration = state_.penetration;
     start_step_ = state_.step;
   } else {
@@ -136,9 +136,10 @@ PetscErrorCode Simulation::CheckOutputFolder()
         if (IsResult(entry.path().filename().string())) state = 1;
   }
   PetscCallMPI(MPI_Bcast(&state, 1, MPI_INT, 0, comm_));
-  PetscCheck(state != 2, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder; it is a file", out.directory.c_str());
+  PetscCheck(state != 2, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder; it is a file",
+             Shortened(out.directory).c_str());
   PetscCheck(state != 1 || out.overwrite, comm_, PETSC_ERR_USER_INPUT,
-             "-output_dir %s: must hold no results, or -overwrite be given", out.directory.c_str());
+             "-output_dir %s: must hold no results, or -overwrite be given", Shortened(out.directory).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,7 +156,7 @@ PetscErrorCode Simulation::PrepareOutputFolder()
     std::vector<fs::path> old;
     fs::create_directories(out.directory, error);
     if (!fs::is_directory(out.directory, ignored))
-      problem = "-output_dir " + out.directory + ": must be a folder that can be created: " + error.message();
+      problem = "-output_dir " + Shortened(out.directory) + ": must be a folder that can be created: " + error.message();
     goes_on = GoesOn();
     for (const auto &entry : fs::directory_iterator(out.directory, ignored)) {
       const std::string name = entry.path().filename().string();

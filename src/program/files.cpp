@@ -40,7 +40,7 @@ PetscErrorCode ShareText(MPI_Comm comm, std::string *text)
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
   text->resize(length);
-  PetscCallMPI(MPI_Bcast(text->data(), length, MPI_CHAR, 0, comm));
+  if (length > 0) PetscCallMPI(MPI_Bcast(text->data(), length, MPI_CHAR, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,14 +47,20 @@ static void AddPoints(const PointArrays &points, int first, int end, const Mater
   double energy[kBlock];
   const double *history = points.history ? points.history + points.history_components * first : nullptr;
   material.StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
+  double kinetic = 0, strain = 0, mass = 0, momentum_x = 0, momentum_y = 0;
+#pragma omp simd reduction(+ : kinetic, strain, mass, momentum_x, momentum_y)
   for (int p = first; p < end; ++p) {
     const double m = points.mass[p], *v = points.velocity + 2 * p;
-    tally->kinetic_energy += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
-    tally->strain_energy += energy[p - first] * m / material.Density();
-    tally->mass += m;
-    tally->momentum[0] += m * v[0];
-    tally->momentum[1] += m * v[1];
+    kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
+    strain += energy[p - first] * m;
+    mass += m;
+    momentum_x += m * v[0];
+    momentum_y += m * v[1];
   }
+  tally->kinetic_energy += kinetic;
+  tally->strain_energy += strain / material.Density();
+  tally->mass += mass;
+  tally->momentum = tally->momentum + Vec2{momentum_x, momentum_y};
   tally->count += end - first;
 }
 

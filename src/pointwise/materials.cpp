@@ -94,10 +94,12 @@ public:
 
   void StoredEnergy(int count, const double *F, const double *, const double *, int, double *energy) const override
   {
+    const double lambda = lambda_, mu = mu_;
+#pragma omp simd
     for (int p = 0; p < count; ++p) {
       const double *f = F + 4 * p, log_J = Log(Determinant(f));
       const double trace = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3];
-      energy[p] = 0.5 * mu_ * (trace - 2 - 2 * log_J) + 0.5 * lambda_ * log_J * log_J;
+      energy[p] = 0.5 * mu * (trace - 2 - 2 * log_J) + 0.5 * lambda * log_J * log_J;
     }
   }
 

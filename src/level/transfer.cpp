@@ -151,6 +151,7 @@ public:
     ForEachBlock(view, [&](const Block &b) {
       double *grid_velocity = view.grid_velocity + 2 * b.start;
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+      double power = 0; // of the short-wave stress, W
       if (plan.strain_rate) Volumes(b, volume);
       for (int p = 0; p < b.count; ++p) {
         const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kVelocity);
@@ -161,10 +162,10 @@ public:
           b.velocity[2 * p + d] += sum.value[2 + d];
         }
         if (plan.strain) StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
-        if (plan.strain_rate)
-          totals.short_wave_dissipation += plan.dt * volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
+        if (plan.strain_rate) power += volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
         if (plan.scatter) ScatterRates(view.grid, w, b, p, sum.value);
       }
+      totals.short_wave_dissipation += plan.dt * power;
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.move) Move(b, view.grid, plan.dt, grid_velocity, failure);
     });

@@ -87,6 +87,8 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   if (has_unload && unload == 0) PetscCall(reader.Refuse("-indenter_unload_velocity", "0", "not zero"));
   if (!has_depth || reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const double travel = depth + indenter.tip[1] - indenter.initial_surface;
+  if (travel <= 0)
+    PetscCall(reader.Refuse("-indenter_tip", FormatVector(indenter.tip), "above the depth that -indenter_max_depth gives"));
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {

@@ -88,13 +88,12 @@ int main(int argc, char **argv)
     MPI_Finalize();
     return 1;
   }
-  bool of_user =
-      false; // the error: then it is that of all ranks alike, else it may be one rank's, for which the others would wait
+  bool of_user = false; // such an error is that of all ranks alike; any other may be one rank's, and the others would wait
   PetscErrorCode code = PetscPushErrorHandler(OneLineHandler, &of_user);
   if (!code) code = PetscInitialize(&argc, &argv, nullptr, kHelp);
   if (!code) {
     try {
-      if (!code) code = Main();
+      code = Main();
     } catch (const std::bad_alloc &) {
       code = OutOfMemory();
     }

@@ -52,7 +52,14 @@ void Divide(int columns, int rows, const std::vector<double> &by_column, const s
   layout->widths[1] = DivideByWeight(by_row, rows, kHaloWidth);
 }
 
-/// Work of the busiest block in points: a halo node costs about as much as a point.
+/// Work of a block in points: a halo node costs about as much as a point.
+double Work(const PointMap &map, int i, int j, int columns, int rows)
+{
+  const double halo = 2.0 * kHaloWidth * ((columns < map.Width()) * rows + (rows < map.Height()) * columns);
+  return halo + map.In(i, j, columns, rows);
+}
+
+/// Work of the busiest block.
 double LargestWork(const PointMap &map, const GridLayout &layout)
 {
   double largest = 0;
@@ -60,8 +67,7 @@ double LargestWork(const PointMap &map, const GridLayout &layout)
   for (const PetscInt rows : layout.widths[1]) {
     int i = 0;
     for (const PetscInt columns : layout.widths[0]) {
-      const double halo = 2.0 * kHaloWidth * ((columns < map.Width()) * rows + (rows < map.Height()) * columns);
-      largest = std::max(largest, halo + map.In(i, j, columns, rows));
+      largest = std::max(largest, Work(map, i, j, columns, rows));
       i += columns;
     }
     j += rows;
@@ -69,25 +75,52 @@ double LargestWork(const PointMap &map, const GridLayout &layout)
   return largest;
 }
 
-/// Moves single cuts by a node while that takes work from the busiest block.
-void ShiftCuts(const PointMap &map, GridLayout *layout)
+/// Work of columns [i, i + columns) in the busiest of the rows of blocks that `layout` has; of rows, where axis is 1.
+double LargestWork(const PointMap &map, const GridLayout &layout, int axis, int i, int columns)
 {
-  constexpr int kMostSweeps = 100;
-  double work = LargestWork(map, *layout);
-  bool better = true;
-  for (int sweep = 0; better && sweep < kMostSweeps; ++sweep) {
-    better = false;
-    for (auto &widths : layout->widths)
-      for (std::size_t k = 0; k + 1 < widths.size(); ++k)
-        for (const int step : {-1, 1}) {
-          if (widths[k] + step < kHaloWidth || widths[k + 1] - step < kHaloWidth) continue;
-          widths[k] += step, widths[k + 1] -= step;
-          const double now = LargestWork(map, *layout);
-          if (now < work)
-            work = now, better = true;
-          else
-            widths[k] -= step, widths[k + 1] += step;
-        }
+  double largest = 0;
+  int j = 0;
+  for (const PetscInt rows : layout.widths[1 - axis]) {
+    largest = std::max(largest, axis == 0 ? Work(map, i, j, columns, rows) : Work(map, j, i, rows, columns));
+    j += rows;
+  }
+  return largest;
+}
+
+/// Cuts along an axis into as many ranges as `layout` has, none with more work than `limit`; false where that cannot be.
+bool CutWithin(const PointMap &map, int axis, double limit, GridLayout *layout)
+{
+  const int nodes = axis == 0 ? map.Width() : map.Height();
+  std::vector<PetscInt> widths;
+  int start = 0;
+  for (int left = static_cast<int>(layout->widths[axis].size()) - 1; left >= 0; --left) {
+    const int most = nodes - start - left * kHaloWidth; // leaves room for the ranges to come
+    int width = std::min(kHaloWidth, most);
+    while (width < most && LargestWork(map, *layout, axis, start, width + 1) <= limit) ++width;
+    if (LargestWork(map, *layout, axis, start, width) > limit) return false;
+    widths.push_back(width);
+    start += width;
+  }
+  if (start < nodes) return false;
+  layout->widths[axis] = widths;
+  return true;
+}
+
+/// Takes work from the busiest block by the best cuts along each axis in turn, those along the other being kept.
+void ImproveCuts(const PointMap &map, GridLayout *layout)
+{
+  constexpr double kTolerance = 1e-4;
+  double before = HUGE_VAL, work = LargestWork(map, *layout);
+  while (work < before) {
+    before = work;
+    for (const int axis : {0, 1}) {
+      double lower = 0, upper = work;
+      while (upper - lower > kTolerance * work) {
+        const double middle = 0.5 * (lower + upper);
+        (CutWithin(map, axis, middle, layout) ? upper : lower) = middle;
+      }
+      work = LargestWork(map, *layout);
+    }
   }
 }
 
@@ -100,7 +133,7 @@ bool BestSplit(const PointMap &map, int blocks, GridLayout *best)
     GridLayout layout;
     if (blocks % columns || !FitsBlocks(map.Width(), columns) || !FitsBlocks(map.Height(), blocks / columns)) continue;
     Divide(columns, blocks / columns, by_column, by_row, &layout);
-    ShiftCuts(map, &layout);
+    ImproveCuts(map, &layout);
     if (const double work = LargestWork(map, layout); work < least) {
       least = work;
       *best = layout;
@@ -140,7 +173,7 @@ PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, b
   const PointMap map(counts, width);
   const auto &widths = grid.Layout().widths;
   Divide(static_cast<int>(widths[0].size()), static_cast<int>(widths[1].size()), map.Marginal(0), map.Marginal(1), layout);
-  ShiftCuts(map, layout);
+  ImproveCuts(map, layout);
   layout->ranks = grid.Layout().ranks;
   *changed = LargestWork(map, *layout) < kWorthWhile * LargestWork(map, grid.Layout());
   PetscFunctionReturn(PETSC_SUCCESS);

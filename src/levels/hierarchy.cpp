@@ -59,6 +59,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
   for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1, nullptr));
+  for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,6 +8,7 @@
 #include "pointwise/material.hpp"
 #include "pointwise/point_fields.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +21,17 @@ namespace mlgimp
 struct BodyTable {
   std::vector<const Material *> material;
   const Material *only = nullptr; ///< where all bodies have the same
+
+  const Material &Of(const PointArrays &points, int p) const { return only ? *only : *material[points.body[p]]; }
+  /// End of the block that begins at a point: at most kBlock points of one material.
+  int BlockEnd(const PointArrays &points, int start) const
+  {
+    const int limit = std::min(start + kBlock, points.count);
+    if (only) return limit;
+    int end = start + 1;
+    while (end < limit && material[points.body[end]] == material[points.body[start]]) ++end;
+    return end;
+  }
 };
 
 /// h_p = min(0.3, a + b |E_p|^2), the strength of the short-wave viscosity; none where both are zero.

@@ -82,7 +82,7 @@ struct PointArrays {
 inline double CurrentHalfSize(const PointArrays &points, int p, int axis)
 {
   const double *F = points.F + 4 * p + 2 * axis, *l0 = points.half_size + 2 * p;
-  return std::hypot(F[0] * l0[0], F[1] * l0[1]);
+  return std::sqrt(F[0] * l0[0] * F[0] * l0[0] + F[1] * l0[1] * F[1] * l0[1]);
 }
 
 } // namespace mlgimp

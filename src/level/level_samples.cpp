@@ -71,9 +71,8 @@ PetscErrorCode Level::Tally(PointTally *tally)
   *tally = {};
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
-    const Material *material = bodies_.material[points.body[first]];
-    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
-    AddPoints(points, first, end, *material, tally);
+    end = bodies_.BlockEnd(points, first);
+    AddPoints(points, first, end, bodies_.Of(points, first), tally);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +83,7 @@ PetscErrorCode Level::Tally(const std::vector<int> &list, PointTally *tally)
   PetscFunctionBeginUser;
   *tally = {};
   PetscCall(points_.Arrays(&points));
-  for (int p : list) AddPoints(points, p, p + 1, *bodies_.material[points.body[p]], tally);
+  for (int p : list) AddPoints(points, p, p + 1, bodies_.Of(points, p), tally);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,14 +111,17 @@ PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
   *wave = *point = 0;
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
-    const Material *material = bodies_.material[points.body[first]];
-    for (end = first + 1; end < std::min(points.count, first + kBlock) && bodies_.material[points.body[end]] == material;) ++end;
-    material->WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
+    end = bodies_.BlockEnd(points, first);
+    bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
+    double fastest_point = 0, fastest_wave = 0;
+#pragma omp simd reduction(max : fastest_point, fastest_wave)
     for (int p = first; p < end; ++p) {
-      const double v = std::hypot(points.velocity[2 * p], points.velocity[2 * p + 1]);
-      *point = std::max(*point, v);
-      *wave = std::max(*wave, v + std::sqrt(speed2[p - first]));
+      const double *v = points.velocity + 2 * p, speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
+      fastest_point = std::max(fastest_point, speed);
+      fastest_wave = std::max(fastest_wave, speed + std::sqrt(speed2[p - first]));
     }
+    *point = std::max(*point, fastest_point);
+    *wave = std::max(*wave, fastest_wave);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

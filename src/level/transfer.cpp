@@ -24,14 +24,8 @@ struct Block : PointArrays {
 Block CutBlock(const SweepView &view, int start)
 {
   const PointArrays &all = view.points;
-  const Material *material = view.bodies.only ? view.bodies.only : view.bodies.material[all.body[start]];
-  int end = std::min(start + kBlock, all.count);
-  if (!view.bodies.only)
-    end = static_cast<int>(
-        std::find_if(all.body + start, all.body + end, [&](int body) { return view.bodies.material[body] != material; }) -
-        all.body);
-  Block b = {all, start, *material};
-  b.count = end - start;
+  Block b = {all, start, view.bodies.Of(all, start)};
+  b.count = view.bodies.BlockEnd(all, start) - start;
   b.id += start;
   b.position += 2 * start;
   b.velocity += 2 * start;

@@ -2,7 +2,7 @@
 #include "program/history.hpp"
 
 #include <cerrno>
-#include <cstdio>
+#include <charconv>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
@@ -112,8 +112,8 @@ PetscErrorCode History::Write(const HistoryRow &row, std::string *problem)
     std::string text = std::to_string(row.step);
     for (const Column &column : kColumns) {
       char number[32];
-      std::snprintf(number, sizeof number, ",%.15g", column.value(row));
-      text += number;
+      const auto end = std::to_chars(number, number + sizeof number, column.value(row), std::chars_format::general, 15).ptr;
+      text.append(1, ',').append(number, end);
     }
     *problem = Append(text + "\n");
   }

@@ -29,7 +29,7 @@ template <int dim> struct Lattice {
 /// and above the nearest one.
 template <int dim> struct AxisStencils {
   int node[kBlock];                            ///< nearest node, place in the ghosted array
-  double w[dim][3][kBlock], g[dim][3][kBlock]; ///< -, 1/m
+  alignas(64) double w[dim][3][kBlock], g[dim][3][kBlock]; ///< -, 1/m
 };
 
 /// Weights and slopes (per cell) of the nodes below, at and above the nearest one, along one axis.
@@ -166,24 +166,24 @@ template <int dim> struct PointStencil {
 };
 
 /// Sums of nodal values times weights, and times the slopes along each axis.
-template <int axes> struct Gathered {
-  Pack value{}, slope[axes]{};
+template <class Vector, int axes> struct Gathered {
+  Vector value{}, slope[axes]{};
 };
 
-/// Sums the four doubles at the nodes around `node`: rows along x first, then over the rows, so that products of
+/// Sums the doubles of a Vector at the nodes around `node`: rows along x first, then over the rows, so that products of
 /// weights are never formed.
-template <int axes, int dim> inline Gathered<axes> Gather(const PointStencil<dim> &at, const double *node)
+template <class Vector, int axes, int dim> inline Gathered<Vector, axes> Gather(const PointStencil<dim> &at, const double *node)
 {
   constexpr int axis = axes - 1;
-  Gathered<axes> sum;
+  Gathered<Vector, axes> sum;
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
     const double *row = node + (k - 1) * at.stride[axis];
-    Pack value;
+    Vector value;
     if constexpr (axis == 0) {
-      value = LoadPack(row);
+      value = LoadVector<Vector>(row);
     } else {
-      const Gathered<axis> inner = Gather<axis>(at, row);
+      const Gathered<Vector, axis> inner = Gather<Vector, axis>(at, row);
       value = inner.value;
 #pragma GCC unroll 3
       for (int a = 0; a < axis; ++a) sum.slope[a] += at.w[axis][k] * inner.slope[a];
@@ -194,9 +194,10 @@ template <int axes, int dim> inline Gathered<axes> Gather(const PointStencil<dim
   return sum;
 }
 
-/// What a point adds to the eight doubles of each of its nodes: S first, S second + grad S . flux.
+/// What a point adds to the eight doubles of each of its nodes: S value + grad S . flux, the latter to the last four.
 template <int axes> struct Share {
-  Pack first, second, flux[axes];
+  WidePack value;
+  HighPack flux[axes];
 };
 
 /// Adds a point's share to the nodes around `node`, products by rows as in Gather. Without `with_flux`, flux is zero.
@@ -207,14 +208,12 @@ inline void Scatter(const PointStencil<dim> &at, const Share<axes> &share, doubl
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
     double *row = node + (k - 1) * at.stride[axis];
-    const Pack first = at.w[axis][k] * share.first;
-    Pack second = at.w[axis][k] * share.second;
-    if constexpr (with_flux) second += at.g[axis][k] * share.flux[axis];
+    WidePack value = at.w[axis][k] * share.value;
+    if constexpr (with_flux) value += at.g[axis][k] * share.flux[axis];
     if constexpr (axis == 0) {
-      AddPack(row, first);
-      AddPack(row + 4, second);
+      StoreVector(row, LoadVector<WidePack>(row) + value);
     } else {
-      Share<axis> inner = {first, second, {}};
+      Share<axis> inner = {value, {}};
 #pragma GCC unroll 3
       for (int a = 0; with_flux && a < axis; ++a) inner.flux[a] = at.w[axis][k] * share.flux[a];
       Scatter<axis, with_flux>(at, inner, row);

@@ -67,7 +67,7 @@ void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b
 /// Advances F, stress and internal variables of a block. L [kBlock][4] in 1/s.
 void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals &totals, PointFailure &failure)
 {
-  double increment[kBlock][4], plastic[kBlock] = {};
+  alignas(64) double increment[kBlock][4], plastic[kBlock] = {};
   const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
   double sum = 0; // finite only if all of F is
 #pragma omp simd reduction(+ : sum)
@@ -119,7 +119,7 @@ public:
   void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, SweepTotals &totals) const override
   {
     Weights w;
-    double volume[kBlock], body_force[2 * kBlock] = {};
+    alignas(64) double volume[kBlock], body_force[2 * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
     ForEachBlock(view, [&](const Block &b) {
       totals.clamped_sizes += ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
@@ -127,10 +127,9 @@ public:
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
       for (int p = 0; p < b.count; ++p) {
         const double m = b.mass[p], *v = b.velocity + 2 * p, *a = body_force + 2 * p, *s = b.short_wave_stress + 3 * p;
-        const Pack force = -volume[p] * (LoadPack(b.stress + 4 * p) + Pack{s[0], s[1], 0, s[2]}); // xx, yy, zz, xy
-        const Share<2> share = {m * Pack{1, v[0], v[1], counts},
-                                m * Pack{a[0], a[1], counts * a[0], counts * a[1]},
-                                {Pack{force[0], force[3], 0, 0}, Pack{force[3], force[1], 0, 0}}};
+        const Pack force = -volume[p] * (LoadVector<Pack>(b.stress + 4 * p) + Pack{s[0], s[1], 0, s[2]}); // xx, yy, zz, xy
+        const Share<2> share = {Join(m * Pack{1, v[0], v[1], counts}, m * Pack{a[0], a[1], counts * a[0], counts * a[1]}),
+                                {MakeHigh(Pack{force[0], force[3], 0, 0}), MakeHigh(Pack{force[3], force[1], 0, 0})}};
         const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kSums);
         Scatter<2, true>(at, share, view.grid.Arrays().sums + at.nearest);
       }
@@ -141,7 +140,7 @@ public:
                     PointFailure &failure) const override
   {
     Weights w;
-    double L[kBlock][4], volume[kBlock];
+    alignas(64) double L[kBlock][4], volume[kBlock];
     ForEachBlock(view, [&](const Block &b) {
       double *grid_velocity = view.grid_velocity + 2 * b.start;
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
@@ -149,13 +148,13 @@ public:
       if (plan.strain_rate) Volumes(b, volume);
       for (int p = 0; p < b.count; ++p) {
         const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kVelocity);
-        const Gathered<2> sum = Gather<2>(at, view.grid.Arrays().velocity + at.nearest);
+        const auto sum = Gather<Pack, 2>(at, view.grid.Arrays().velocity + at.nearest);
         const Pack dx = sum.slope[0], dy = sum.slope[1];
         for (int d = 0; d < 2; ++d) {
           grid_velocity[2 * p + d] = sum.value[d];
           b.velocity[2 * p + d] += sum.value[2 + d];
         }
-        if (plan.strain) StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
+        if (plan.strain) StoreVector(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
         if (plan.strain_rate) power += volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
         if (plan.scatter) ScatterRates(view.grid, w, b, p, sum.value);
       }
@@ -199,7 +198,8 @@ public:
     ForEachBlock(view, [&](const Block &b) {
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
       for (int p = 0; p < b.count; ++p) {
-        const Share<2> share = {b.mass[p] * LoadPack(b.F + 4 * p), b.mass[p] * LoadPack(b.stress + 4 * p), {}};
+        const Share<2> share = {Join(b.mass[p] * LoadVector<Pack>(b.F + 4 * p), b.mass[p] * LoadVector<Pack>(b.stress + 4 * p)),
+                                {}};
         const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kRates);
         Scatter<2, false>(at, share, view.grid.Arrays().rates + at.nearest);
       }
@@ -212,14 +212,13 @@ public:
     StencilOf(view, point, w);
     const PointStencil<2> at(w, 0, view.grid.IndexSpace(), NodeArrays::kRates);
     const double *nearest = view.grid.Arrays().rates + at.nearest;
-    StorePack(tensors, Gather<2>(at, nearest).value);
-    StorePack(tensors + 4, Gather<2>(at, nearest + 4).value);
+    StoreVector(tensors, Gather<WidePack, 2>(at, nearest).value);
   }
 
   void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const override
   {
     Weights w;
-    double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
+    alignas(64) double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
     ForEachBlock(view, [&](const Block &b) {
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
       GatherRates(view.grid, w, b.count, L, velocity, plan.short_wave.On() ? smooth : nullptr);
@@ -246,11 +245,11 @@ private:
     for (int p = 0; p < count; ++p) {
       const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
       const double *nearest = grid.Arrays().rates + at.nearest;
-      const Gathered<2> sum = Gather<2>(at, nearest);
-      const Pack dx = sum.slope[0], dy = sum.slope[1];
-      StorePack(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
-      StorePack(velocity[p], sum.value);
-      if (smooth) StorePack(smooth[p], Gather<2>(at, nearest + 4).value);
+      const auto sum = Gather<WidePack, 2>(at, nearest);
+      const Pack dx = Low(sum.slope[0]), dy = Low(sum.slope[1]);
+      StoreVector(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
+      StoreVector(velocity[p], Low(sum.value));
+      if (smooth) StoreVector(smooth[p], High(sum.value));
     }
   }
 
@@ -268,7 +267,7 @@ private:
   static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, int p, Pack u)
   {
     const double m = b.mass[p], *v = b.velocity + 2 * p, *rate = b.short_wave_stress + 3 * p;
-    const Share<2> share = {m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}, {}};
+    const Share<2> share = {Join(m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}), {}};
     const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
     Scatter<2, false>(at, share, grid.Arrays().rates + at.nearest);
   }

@@ -28,7 +28,7 @@ template <int dim> struct Lattice {
 /// derivative of that along an axis has the slope g in the place of that axis' weight. Index k is the node below, at
 /// and above the nearest one.
 template <int dim> struct AxisStencils {
-  int node[kBlock];                            ///< nearest node, place in the ghosted array
+  int node[kBlock];                                        ///< nearest node, place in the ghosted array
   alignas(64) double w[dim][3][kBlock], g[dim][3][kBlock]; ///< -, 1/m
 };
 

@@ -50,6 +50,16 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
   }
 }
 
+/// Asks for what the next block's weights are made of while this block's point p is in work: that loop does little else
+/// than wait for it. The addresses may lie beyond the arrays.
+void PrefetchNext(const Block &b, int p)
+{
+  const int next = p + kBlock;
+  __builtin_prefetch(b.position + 2 * next);
+  __builtin_prefetch(b.half_size + 2 * next);
+  __builtin_prefetch(b.F + 4 * next);
+}
+
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
 void Volumes(const Block &b, double *volume)
 {
@@ -126,6 +136,7 @@ public:
       Volumes(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
       for (int p = 0; p < b.count; ++p) {
+        PrefetchNext(b, p);
         const double m = b.mass[p], *v = b.velocity + 2 * p, *a = body_force + 2 * p, *s = b.short_wave_stress + 3 * p;
         const Pack force = -volume[p] * (LoadVector<Pack>(b.stress + 4 * p) + Pack{s[0], s[1], 0, s[2]}); // xx, yy, zz, xy
         const Share<2> share = {Join(m * Pack{1, v[0], v[1], counts}, m * Pack{a[0], a[1], counts * a[0], counts * a[1]}),
@@ -147,6 +158,7 @@ public:
       double power = 0; // of the short-wave stress, W
       if (plan.strain_rate) Volumes(b, volume);
       for (int p = 0; p < b.count; ++p) {
+        PrefetchNext(b, p);
         const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kVelocity);
         const auto sum = Gather<Pack, 2>(at, view.grid.Arrays().velocity + at.nearest);
         const Pack dx = sum.slope[0], dy = sum.slope[1];
@@ -221,7 +233,7 @@ public:
     alignas(64) double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
     ForEachBlock(view, [&](const Block &b) {
       ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      GatherRates(view.grid, w, b.count, L, velocity, plan.short_wave.On() ? smooth : nullptr);
+      GatherRates(view.grid, w, b, L, velocity, plan.short_wave.On() ? smooth : nullptr);
       if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, velocity, totals);
@@ -239,10 +251,11 @@ private:
 
   /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy, if asked
   /// for.
-  static void GatherRates(const Grid &grid, const Weights &w, int count, double (*L)[4], double (*velocity)[4],
+  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, double (*L)[4], double (*velocity)[4],
                           double (*smooth)[4])
   {
-    for (int p = 0; p < count; ++p) {
+    for (int p = 0; p < b.count; ++p) {
+      PrefetchNext(b, p);
       const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
       const double *nearest = grid.Arrays().rates + at.nearest;
       const auto sum = Gather<WidePack, 2>(at, nearest);

@@ -79,9 +79,10 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals 
 {
   alignas(64) double increment[kBlock][4], plastic[kBlock] = {};
   const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
+  const double *const F = b.F;
   double sum = 0; // finite only if all of F is
 #pragma omp simd reduction(+ : sum)
-  for (int k = 0; k < 4 * b.count; ++k) sum += b.F[k];
+  for (int k = 0; k < 4 * b.count; ++k) sum += F[k];
   if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) {
     for (int p = 0; p < b.count; ++p) {
       double rate = 0;
@@ -108,13 +109,13 @@ void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_
     for (int p = 0; p < b.count; ++p) lower[2 * p + axis] = first, upper[2 * p + axis] = last;
   }
   const auto inside = [&](double x, int k) { return x >= lower[k] && x < upper[k]; }; // false for a NaN
-  double target[2 * kBlock], lost = 0;
+  double *const position = b.position, target[2 * kBlock], lost = 0;
 #pragma omp simd reduction(+ : lost)
   for (int k = 0; k < 2 * b.count; ++k) {
-    target[k] = b.position[k] + dt * grid_velocity[k];
+    target[k] = position[k] + dt * grid_velocity[k];
     const bool stays = inside(target[k], k);
     lost += stays ? 0.0 : 1.0;
-    b.position[k] = stays ? target[k] : b.position[k];
+    position[k] = stays ? target[k] : position[k];
   }
   for (int k = 0; lost > 0 && k < 2 * b.count; ++k)
     if (!inside(target[k], k))

@@ -110,6 +110,7 @@ private:
   PetscErrorCode RenewBorder(int b);
   PetscErrorCode Reconnect(int l);
   void HoldNodes(int l);
+  PetscErrorCode KeepBalance(int l);
   PetscErrorCode Rebalance(int l);
 
   MPI_Comm comm_ = MPI_COMM_NULL;

@@ -21,6 +21,7 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
   PetscCall(PetscLogEventRegister("Transfer", id, &events->transfer));
   PetscCall(PetscLogEventRegister("Migrate", id, &events->migrate));
   PetscCall(PetscLogEventRegister("Sort", id, &events->sort));
+  PetscCall(PetscLogEventRegister("Balance", id, &events->balance));
   PetscCall(PetscLogEventRegister("Output", id, &events->output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -310,14 +310,22 @@ PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int 
     travel += Norm(model_->indenter->Tip(time + (k + 1) * dt) - model_->indenter->Tip(time + k * dt));
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
-    double total = 0, largest = 0;
     const double h = settings_.levels[l].grid.spacing;
     const double drift = steps * std::max(kSafety * pulse.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
     levels_[l]->WatchContact(pulse.indenter_distance[l] < kPointRange * h + travel + drift);
-    PetscCall(PointsOn(l, &total, &largest));
-    if (largest * levels_[l]->Mesh().Layout().Blocks() > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
+    PetscCall(Logged(events_.balance, [&] { return KeepBalance(l); }));
     levels_[l]->PlanMigration(pulse.point_speed, dt / std::pow(settings_.ratio, l));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Cuts a level anew where a rank has too many of its points.
+PetscErrorCode Hierarchy::KeepBalance(int l)
+{
+  double total = 0, largest = 0;
+  PetscFunctionBeginUser;
+  PetscCall(PointsOn(l, &total, &largest));
+  if (largest * levels_[l]->Mesh().Layout().Blocks() > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

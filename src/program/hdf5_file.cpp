@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
 
 namespace mlgimp
 {
+
+void AvoidSharedFilePointers() { setenv("OMPI_MCA_io", "^ompio", 0); }
 
 static H5Handle ParallelAccess(MPI_Comm comm)
 {

@@ -1,6 +1,7 @@
 // mlgimp: multi-level generalized interpolation material point method for indentation and contact.
 #include "level/active_set.hpp"
 #include "program/case.hpp"
+#include "program/hdf5_file.hpp"
 #include "program/simulation.hpp"
 
 #include <algorithm>
@@ -77,6 +78,7 @@ int main(int argc, char **argv)
 {
   int rank = 0, ranks = 1;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is told like a full disk
+  AvoidSharedFilePointers();
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);

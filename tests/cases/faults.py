@@ -1,5 +1,6 @@
 """Faults from outside: kills, damaged checkpoints, full disks and folders that cannot be written."""
 import contextlib
+import ctypes
 import os
 import pathlib
 import random
@@ -156,6 +157,31 @@ def test_kill_while_writing(report):
     report.note("killed while writing: history", rows_of(folder) == rows_of(whole.folder))
     names = [sorted(path.name for path in place.iterdir()) for place in (folder, whole.folder)]
     report.note("killed while writing: the same files", names[0] == names[1], str(set(names[0]) ^ set(names[1])))
+
+
+@contextlib.contextmanager
+def locked_semaphore(name):
+    """A semaphore of that name on which every process waits, as one is left by a program that is killed while it holds it."""
+    library = ctypes.CDLL(None, use_errno=True)
+    library.sem_open.restype = ctypes.c_void_p
+    if library.sem_open(name, os.O_CREAT, 0o600, 0) is None:
+        raise OSError(ctypes.get_errno(), "sem_open")
+    try:
+        yield
+    finally:
+        library.sem_unlink(name)
+
+
+def test_lock_of_killed_run(report):
+    """A run killed while MPI opens a file must not keep later ones, anywhere, from a file of that name."""
+    for ranks in (1, 2):
+        with locked_semaphore(b"/OMPIO_points_000001.h5.part"):
+            try:
+                result = harness.run({**SMALL, "checkpoint_interval": 0}, ranks=ranks, timeout=60)
+                ended, wrong = result.summary["status"] == "completed", ""
+            except subprocess.TimeoutExpired:
+                ended, wrong = False, "waits for ever"
+        report.note(f"the lock of a killed run, {ranks} ranks", ended, wrong)
 
 
 # ---- Damaged checkpoints

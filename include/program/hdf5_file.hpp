@@ -15,9 +15,9 @@
 namespace mlgimp
 {
 
-/// Call before MPI_Init. Makes Open MPI open files without shared file pointers, which nobody needs here: its own layer
-/// (ompio) guards them by a semaphore named after the file, without the folder, that a killed run leaves locked for ever.
-/// A choice of the user's, in OMPI_MCA_io, stays.
+/// Call before MPI_Init. Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards
+/// shared file pointers, which nobody needs here, by a semaphore named after the file, without the folder, that a killed
+/// run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
 void AvoidSharedFilePointers();
 
 /// Owns one HDF5 identifier.

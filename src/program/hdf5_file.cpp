@@ -13,7 +13,7 @@
 namespace mlgimp
 {
 
-void AvoidSharedFilePointers() { setenv("OMPI_MCA_io", "^ompio", 0); }
+void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
 
 static H5Handle ParallelAccess(MPI_Comm comm)
 {

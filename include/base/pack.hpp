@@ -37,6 +37,8 @@ struct HighPack {
   Pack high;
 };
 
+template <> inline WidePack LoadVector<WidePack>(const double *x) { return {LoadVector<Pack>(x), LoadVector<Pack>(x + 4)}; }
+inline void StoreVector(double *x, WidePack value) { StoreVector(x, value.low), StoreVector(x + 4, value.high); }
 inline WidePack Join(Pack low, Pack high) { return {low, high}; }
 inline HighPack MakeHigh(Pack high) { return {high}; }
 inline Pack Low(WidePack x) { return x.low; }

@@ -118,6 +118,9 @@ def test_order(report):
     expect_equal(report, "order: bodies exchanged", harness.run({**case, "bodies": "shot,block", "materials": "hard,soft"}), reference)
     expect_equal(report, "order: sorted in each step", harness.run({**case, "sort_interval": 1}), reference)
     expect_equal(report, "order: never sorted", harness.run({**case, "sort_interval": 100000}), reference)
-    for threshold in (1.01, 1000):
-        expect_equal(report, f"cuts: threshold {threshold}, 3 ranks", harness.run({**case, "rebalance_threshold": threshold}, ranks=3),
-                     reference)
+    for threshold, least in ((1.01, 1), (1000, 1), (1000, 500)):  # the last leaves a level to fewer ranks, so that its cuts are others
+        name = f"cuts: threshold {threshold}, {least} points a rank, 3 ranks"
+        cut = harness.run({**case, "rebalance_threshold": threshold, "points_per_rank": least}, ranks=3)
+        used = [level["ranks"] for level in cut.summary["levels"]]
+        report.note(f"{name}: blocks of the levels {used}", (min(used) < 3) == (least > 1))
+        expect_equal(report, name, cut, reference)

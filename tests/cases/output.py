@@ -172,7 +172,7 @@ def test_log_view(report):
 
 
 def test_memory(report):
-    for ranks in (1, 2):
+    for ranks in (1, 3):
         for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):
             result = harness.run({**case, "malloc_dump": None, "end_time": 3e-10}, ranks=ranks)
             report.note(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not result.stderr,

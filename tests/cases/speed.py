@@ -55,6 +55,13 @@ def test_messages(report):
             report.expect(f"{name}, {ranks} ranks: {figure} a step", value, at_most=COUNT_MARGIN * count)
 
 
+def test_balance(report):
+    """Straight cuts divide the five levels well on eight ranks, also after points have crossed at the start."""
+    result = harness.run({"max_steps": 1, "frames": 0}, file="multiscale_5level.opts", ranks=8)
+    for number, level in enumerate(result.summary["levels"]):
+        report.expect(f"five levels, 8 ranks: largest over mean points of level {number}", level["imbalance"], at_most=1.05)
+
+
 def memory_of(options):
     """Largest resident size in kB, and page faults, of a run on one rank."""
     arguments = harness.to_arguments({"output_dir": tempfile.mkdtemp(dir=harness.scratch()), "overwrite": None,

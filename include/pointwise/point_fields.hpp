@@ -78,6 +78,30 @@ struct PointArrays {
   int history_components;
 };
 
+/// A run of consecutive points.
+struct PointRange {
+  int first, end;
+};
+
+/// The points of a run as arrays of their own.
+inline PointArrays Slice(PointArrays points, PointRange range)
+{
+  const std::ptrdiff_t first = range.first;
+  points.count = range.end - range.first;
+  points.id += first;
+  points.position += 2 * first;
+  points.velocity += 2 * first;
+  points.F += 4 * first;
+  points.stress += 4 * first;
+  points.short_wave_stress += 3 * first;
+  points.mass += first;
+  points.half_size += 2 * first;
+  points.body += first;
+  points.faces += first;
+  if (points.history) points.history += points.history_components * first;
+  return points;
+}
+
 /// Half size of a point's rectangle along an axis in the current configuration, m: the root of sum_b (F_ab l0_b)^2.
 inline double CurrentHalfSize(const PointArrays &points, int p, int axis)
 {

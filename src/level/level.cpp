@@ -109,12 +109,11 @@ PetscErrorCode Level::GatherForces(double time, double dt)
 
 PetscErrorCode Level::UpdateNodes(double dt)
 {
-  const int owned = (grid_->OwnedUpper(0) - grid_->OwnedLower(0)) * (grid_->OwnedUpper(1) - grid_->OwnedLower(1));
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   UpdateVelocities(*grid_, nodal_, dt, nodal_totals_);
-  PetscCall(PetscLogFlops(kNodeFlops * owned));
+  PetscCall(PetscLogFlops(kNodeFlops * grid_->OwnedNodes()));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,9 +123,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
-  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
-  PetscCall(grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity));
-  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
   if (contact_ && pace_.contact_awake) PetscCall(ApplyContact(time, dt));
   if (!pace_.contact_awake) contact_totals_.last = {};
   if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
@@ -164,11 +161,9 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
-  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
-  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(grid_->Arrays().sums); }));
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
-  PetscCall(grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates));
-  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates); }));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(
       ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
@@ -182,11 +177,12 @@ PetscErrorCode Level::ExchangeRates()
 {
   double *rates = grid_->Arrays().rates;
   PetscFunctionBeginUser;
-  PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
-  PetscCall(grid_->ReduceToOwners(rates));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(rates); }));
+  PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   UpdateRates(*grid_, geometry_.sides, nodal_, held_nodes_);
-  PetscCall(grid_->Broadcast(rates, NodeArrays::kRates));
-  PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  PetscCall(PetscLogFlops(kRatesFlops * grid_->OwnedNodes()));
+  PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
+  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(rates, NodeArrays::kRates); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

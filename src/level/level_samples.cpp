@@ -31,37 +31,35 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
   for (int p : points) {
     double mass = sign * all.mass[p];
-    PointArrays one = all;
-    one.count = 1, one.mass = &mass;
-    one.id += p, one.position += 2 * p, one.velocity += 2 * p, one.F += 4 * p, one.stress += 4 * p;
-    one.short_wave_stress += 3 * p, one.half_size += 2 * p, one.body += p, one.faces += p;
+    PointArrays one = Slice(all, {p, p + 1});
+    one.mass = &mass;
     transfer_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, unbooked);
   }
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds points `first` to `end`, at most kBlock, of one material.
-static void AddPoints(const PointArrays &points, int first, int end, const Material &material, PointTally *tally)
+/// Adds at most kBlock points of one material.
+static void AddPoints(const PointArrays &points, const Material &material, PointTally *tally)
 {
   double energy[kBlock];
-  const double *history = points.history ? points.history + points.history_components * first : nullptr;
-  material.StoredEnergy(end - first, points.F + 4 * first, points.stress + 4 * first, history, points.history_components, energy);
+  material.StoredEnergy(points.count, points.F, points.stress, points.history, points.history_components, energy);
+  const double *const masses = points.mass, *const velocity = points.velocity;
   double kinetic = 0, strain = 0, mass = 0, momentum_x = 0, momentum_y = 0;
 #pragma omp simd reduction(+ : kinetic, strain, mass, momentum_x, momentum_y)
-  for (int p = first; p < end; ++p) {
-    const double m = points.mass[p], *v = points.velocity + 2 * p;
-    kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1]);
-    strain += energy[p - first] * m;
+  for (int p = 0; p < points.count; ++p) {
+    const double m = masses[p], x = velocity[2 * p], y = velocity[2 * p + 1];
+    kinetic += 0.5 * m * (x * x + y * y);
+    strain += energy[p] * m;
     mass += m;
-    momentum_x += m * v[0];
-    momentum_y += m * v[1];
+    momentum_x += m * x;
+    momentum_y += m * y;
   }
   tally->kinetic_energy += kinetic;
   tally->strain_energy += strain / material.Density();
   tally->mass += mass;
   tally->momentum = tally->momentum + Vec2{momentum_x, momentum_y};
-  tally->count += end - first;
+  tally->count += points.count;
 }
 
 PetscErrorCode Level::Tally(PointTally *tally)
@@ -72,7 +70,7 @@ PetscErrorCode Level::Tally(PointTally *tally)
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    AddPoints(points, first, end, bodies_.Of(points, first), tally);
+    AddPoints(Slice(points, {first, end}), bodies_.Of(points, first), tally);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -83,7 +81,7 @@ PetscErrorCode Level::Tally(const std::vector<int> &list, PointTally *tally)
   PetscFunctionBeginUser;
   *tally = {};
   PetscCall(points_.Arrays(&points));
-  for (int p : list) AddPoints(points, p, p + 1, bodies_.Of(points, p), tally);
+  for (int p : list) AddPoints(Slice(points, {p, p + 1}), bodies_.Of(points, p), tally);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,20 +24,7 @@ struct Block : PointArrays {
 Block CutBlock(const SweepView &view, int start)
 {
   const PointArrays &all = view.points;
-  Block b = {all, start, view.bodies.Of(all, start)};
-  b.count = view.bodies.BlockEnd(all, start) - start;
-  b.id += start;
-  b.position += 2 * start;
-  b.velocity += 2 * start;
-  b.F += 4 * start;
-  b.stress += 4 * start;
-  b.short_wave_stress += 3 * start;
-  b.mass += start;
-  b.half_size += 2 * start;
-  b.body += start;
-  b.faces += start;
-  if (b.history) b.history += all.history_components * start;
-  return b;
+  return {Slice(all, {start, view.bodies.BlockEnd(all, start)}), start, view.bodies.Of(all, start)};
 }
 
 /// Calls `work(block)` for all points, block by block.

@@ -11,16 +11,6 @@
 namespace mlgimp
 {
 
-/// Calls `work` as a log event.
-template <class Work> static PetscErrorCode Logged(PetscLogEvent event, Work work)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
-  PetscCall(work());
-  PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// The log stage of a level, which hierarchies created one after the other share.
 static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
 {

@@ -15,11 +15,25 @@ namespace mlgimp
 
 void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
 
+/// Makes ROMIO hand a file to the system in small pieces where one process writes it: for large ones Linux takes large
+/// pages that nobody has used for long, and which a virtual machine must then get from its host, ten times slower.
+static void AskForSmallPieces(MPI_Info info)
+{
+  MPI_Info_set(info, "romio_cb_write", "enable");
+  MPI_Info_set(info, "cb_buffer_size", "65536");
+}
+
 static H5Handle ParallelAccess(MPI_Comm comm)
 {
+  int size = 1;
+  MPI_Info info;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
   H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  MPI_Comm_size(comm, &size);
+  MPI_Info_create(&info);
+  if (size == 1) AskForSmallPieces(info);
+  H5Pset_fapl_mpio(access, comm, info);
+  MPI_Info_free(&info);
   return access;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <new>
 
 static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact in plane strain.\n\n"
@@ -74,11 +75,19 @@ PetscErrorCode Main()
 
 } // namespace
 
+/// Call before MPI_Init. What the user has chosen stays.
+static void ChooseLayersOfMpi()
+{
+  AvoidSharedFilePointers();
+  // Halos are small: copying them through shared memory takes less than asking the kernel to copy, which containers forbid.
+  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
+}
+
 int main(int argc, char **argv)
 {
   int rank = 0, ranks = 1;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is told like a full disk
-  AvoidSharedFilePointers();
+  ChooseLayersOfMpi();
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);

@@ -82,6 +82,8 @@ public:
            j < ghost_lower_[1] + ghost_size_[1];
   }
   bool Owns(int i, int j) const { return i >= OwnedLower(0) && i < OwnedUpper(0) && j >= OwnedLower(1) && j < OwnedUpper(1); }
+  /// False where one rank has the whole grid.
+  bool HasGhosts() const { return layout_.Blocks() > 1; }
   int OwnedNodes() const { return (OwnedUpper(0) - OwnedLower(0)) * (OwnedUpper(1) - OwnedLower(1)); }
   int GhostedNodes() const { return ghost_size_[0] * ghost_size_[1]; }
   int GhostLower(int axis) const { return ghost_lower_[axis]; }

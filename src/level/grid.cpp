@@ -141,6 +141,7 @@ int Grid::IndexInBlock(int block, int i, int j) const
 PetscErrorCode Grid::ReduceToOwners(double *array)
 {
   PetscFunctionBeginUser;
+  if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFReduceBegin(halo_, unit8_, array, array, MPI_SUM));
   PetscCall(PetscSFReduceEnd(halo_, unit8_, array, array, MPI_SUM));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,6 +150,7 @@ PetscErrorCode Grid::ReduceToOwners(double *array)
 PetscErrorCode Grid::Broadcast(double *array, int components)
 {
   PetscFunctionBeginUser;
+  if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFBcastBegin(halo_, Unit(components), array, array, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(halo_, Unit(components), array, array, MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,9 +5,10 @@ usage: scripts/bench.py        after `make bench` has built bin/mlgimp and bin/b
 
 The yardstick is the memory floor: the time in which the points' fields stream through memory twice, for two sweeps a
 step. Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each figure is a median,
-with least and greatest. Figures of two ranks mean little unless the row of the cores' worth says nearly 2. Results go to
-a temporary folder.
+with least and greatest. What two ranks can gain is what two runs at once are worth, in the row before. Results go to a
+temporary folder.
 """
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -140,7 +141,11 @@ def size_rows():
 
 def parallel_rows():
     """Speed-up on two ranks, and what they spend on each other: the event of the halo holds the waiting."""
-    pairs = [[Run(block(250, 60), ranks) for ranks in (1, 2)] for _ in range(REPETITIONS)]
+    worth, pairs = [], []
+    for _ in range(REPETITIONS):
+        worth.append(cores_worth())
+        pairs.append([Run(block(250, 60), ranks) for ranks in (1, 2)])
+    row("two runs at once, 125k points each", Spread(worth), "cores' worth")
     gain = Spread(one.summary["wall_seconds"] / two.summary["wall_seconds"] for one, two in pairs)
     row("two ranks, 250k points", gain, "speed-up", 1.8, 1.8 / gain.median)
     row("two ranks: Halo with waiting, Migrate", Spread(two.percent("Halo") + two.percent("Migrate") for _, two in pairs), "%", 10)
@@ -162,12 +167,13 @@ def share_rows(runs):
         row(f"share of {event}", Spread(run.percent(event) for run in runs), "%", goal)
 
 
-def cores_row():
-    """What two programs at once get done, in units of one alone: nearly 2 where both cores are free."""
-    alone, command = machine()[1], [str(ROOT / "bin/bench_machine")]
-    pair = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    rates = [float(program.communicate()[0].split()[1]) for program in pair]
-    row("two programs at once", sum(rates) / alone, "cores' worth")
+def cores_worth():
+    """What two runs at once that know nothing of each other get done, in units of one alone: no two ranks can do more."""
+    options = block(177, 60)
+    alone = Run(options).summary["wall_seconds"]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        pair = [run.summary["wall_seconds"] for run in pool.map(Run, [options, options])]
+    return 2 * alone / max(pair)
 
 
 def level_share_rows():
@@ -201,7 +207,6 @@ def level_wall_rows():
         run = Run(case(name, max_steps=steps, frames=0), ranks)
         return run.summary["wall_seconds"] / run.summary["steps"]
 
-    cores_row()
     row("three levels, wedge to 450 nm, 2 ranks", Run(case("wedge_3level"), 2).summary["wall_seconds"], "s", 8)
     for name, steps in (("wedge_3level", 100), ("multiscale_5level", 15)):
         times = [[seconds(name, ranks, steps) for ranks in (1, 2)] for _ in range(3)]
@@ -223,7 +228,6 @@ def main():
     runs = sweep_rows()
     share_rows(runs)
     size_rows()
-    cores_row()
     parallel_rows()
     empty_step_rows()
     level_share_rows()

@@ -30,6 +30,7 @@ public:
     PetscFunctionBeginUser;
     rows_.clear();
     entries_.clear();
+    cell_ = {};
     loaded_.clear();
     *report = {};
     PetscCall(CollectSurface(view, report));
@@ -76,21 +77,37 @@ private:
       node[axis] = static_cast<int>(std::floor(a));
       part[axis] = a - node[axis];
     }
+    if (cell_.entries == 0 || node[0] != cell_.i || node[1] != cell_.j) OpenCell(grid, node[0], node[1]);
+    auto entry = entries_.end() - cell_.entries;
     for (int c = 0; c < 2; ++c) {
-      const double weight = (c ? part[0] : 1 - part[0]) * segment.length * view.thickness;
-      const std::int64_t column = node[0] + c;
-      const double x = grid.Coordinate(0, node[0] + c);
-      const double half = 0.5 * segment.length;
-      rows_.push_back(
-          {column, weight, weight * gap.distance, x, std::max(segment.x[0] - half, x - h), std::min(segment.x[0] + half, x + h)});
-      for (int k = 0; k < 4; ++k) {
-        const double N = (k % 2 ? part[0] : 1 - part[0]) * (k / 2 ? part[1] : 1 - part[1]);
-        const Vec2 B = weight * N * gap.normal;
-        if (grid.Holds(node[0] + k % 2, node[1] + k / 2)) entries_.push_back({column, node[0] + k % 2, node[1] + k / 2, B, B});
+      ContactRow &row = rows_[rows_.size() - 2 + c];
+      const double weight = (c ? part[0] : 1 - part[0]) * segment.length * view.thickness, half = 0.5 * segment.length;
+      row.weight += weight;
+      row.gap += weight * gap.distance;
+      row.left = std::min(row.left, std::max(segment.x[0] - half, row.x - h));
+      row.right = std::max(row.right, std::min(segment.x[0] + half, row.x + h));
+      for (; entry != entries_.end() && entry->key == row.key; ++entry) {
+        const double Nx = entry->i == node[0] ? 1 - part[0] : part[0], Ny = entry->j == node[1] ? 1 - part[1] : part[1];
+        const Vec2 B = weight * Nx * Ny * gap.normal;
+        entry->test = entry->test + B;
+        entry->force = entry->force + B;
       }
     }
     columns.first = std::min<std::int64_t>(columns.first, node[0]);
     columns.last = std::max<std::int64_t>(columns.last, node[0] + 1);
+  }
+
+  /// Two rows and an entry for each of their couplings with a node of the cell, for the segments to come: most lie in the
+  /// cell of the one before.
+  void OpenCell(const Grid &grid, int i, int j)
+  {
+    const std::size_t before = entries_.size();
+    for (int column = i; column < i + 2; ++column) {
+      rows_.push_back({column, 0, 0, grid.Coordinate(0, column), HUGE_VAL, -HUGE_VAL});
+      for (int k = 0; k < 4; ++k)
+        if (grid.Holds(i + k % 2, j + k / 2)) entries_.push_back({column, i + k % 2, j + k / 2, {}, {}});
+    }
+    cell_ = {i, j, static_cast<int>(entries_.size() - before)};
   }
 
   int CountLoadedPoints() const
@@ -105,6 +122,9 @@ private:
   ContactSystem system_;
   std::vector<ContactRow> rows_;
   std::vector<ContactEntry> entries_;
+  struct {
+    int i, j, entries; ///< the last ones in entries_
+  } cell_{};           ///< of the last segment
   std::vector<PointColumns> loaded_;
 };
 

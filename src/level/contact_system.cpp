@@ -250,12 +250,13 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
 {
   const Grid &grid = view.grid;
   const int width = grid.Geometry().Nodes(0), padding = grid.Geometry().padding;
-  PetscMPIInt rank;
+  PetscMPIInt rank, ranks;
   Problem problem;
   std::vector<RowRecord> my_rows;
   std::vector<EntryRecord> my_entries;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
+  PetscCallMPI(MPI_Comm_size(grid.Comm(), &ranks));
   for (const ContactRow &row : rows)
     my_rows.push_back({static_cast<double>(row.key), row.weight, row.gap, row.x, row.left, row.right});
   for (const ContactEntry &e : entries) {
@@ -277,7 +278,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
 
   std::vector<double> answer;
   if (rank == 0) {
-    problem.MergeRanks();
+    if (ranks > 1) problem.MergeRanks();
     PetscCall(SolveOnRoot(view, problem, drop_below, &answer));
   }
   int size = static_cast<int>(answer.size());

@@ -110,21 +110,25 @@ struct ContactSystem::Problem {
         });
   }
 
-  /// Leaves out weak unknowns and those that reach no mass; numbers the rest.
+  /// Leaves out weak unknowns and those that reach no mass; numbers the rest. Needs rows in the order of their keys.
   void NumberUnknowns(double drop_below)
   {
-    std::map<double, int> number;
-    for (const EntryRecord &e : entries) number[e.key] = -1;
-    std::vector<RowRecord> kept;
-    for (const RowRecord &row : rows) {
-      auto found = number.find(row.key);
-      if (row.weight < drop_below || found == number.end()) continue;
-      found->second = static_cast<int>(kept.size());
-      kept.push_back(row);
-    }
-    rows = kept;
+    const auto before = [](const RowRecord &row, double key) { return row.key < key; };
+    std::vector<int> number(rows.size(), -1);
+    std::vector<char> reaches_mass(rows.size(), 0);
     unknown.clear();
-    for (const EntryRecord &e : entries) unknown.push_back(number[e.key]);
+    for (const EntryRecord &e : entries) {
+      unknown.push_back(static_cast<int>(std::lower_bound(rows.begin(), rows.end(), e.key, before) - rows.begin()));
+      reaches_mass[unknown.back()] = 1;
+    }
+    int kept = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (rows[k].weight < drop_below || !reaches_mass[k]) continue;
+      number[k] = kept;
+      rows[kept++] = rows[k];
+    }
+    rows.resize(kept);
+    for (int &row : unknown) row = number[row];
   }
 
   /// Half the width of the part under pressure; where it lies on one side of the tip, all of its width.

@@ -19,8 +19,8 @@ from math import log2, sqrt
 from bench import Run, block, case
 
 LATENCY, BANDWIDTH = 2e-6, 10e9  # s, bytes/s
-POINT_SECONDS = 115e-9           # one core, default scheme, from `make bench`
-CONTACT_SECONDS = 0.7e-3         # in a step of the finest of five levels, mean of the whole run on one rank
+POINT_SECONDS = 60e-9            # one core, default scheme, from `make bench`
+CONTACT_SECONDS = 0.31e-3        # in a step of the finest of five levels, mean of the whole run on one rank
 STEPS = 4
 TARGETS = (64, 1024, 16384)
 

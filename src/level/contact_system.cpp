@@ -24,21 +24,19 @@ struct Header {
 };
 constexpr int kHeaderSize = sizeof(Header) / sizeof(double);
 
-/// Gathers arrays of plain records of doubles on rank 0; empty everywhere else, and where nobody has any.
-template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
+/// Adds plain records of doubles to the end of an array of doubles.
+template <class Record> void AppendRecords(const std::vector<Record> &records, std::vector<double> &doubles)
 {
-  constexpr int doubles = sizeof(Record) / sizeof(double);
-  PetscMPIInt rank, size;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  const int count = static_cast<int>(mine.size()) * doubles;
-  std::vector<int> counts(size), offsets(size + 1, 0);
-  PetscCallMPI(MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm));
-  for (int k = 0; k < size; ++k) offsets[k + 1] = offsets[k] + counts[k];
-  if (rank == 0) all->resize(offsets[size] / doubles);
-  PetscCallMPI(MPI_Gatherv(mine.data(), count, MPI_DOUBLE, all->data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const double *first = reinterpret_cast<const double *>(records.data());
+  doubles.insert(doubles.end(), first, first + records.size() * (sizeof(Record) / sizeof(double)));
+}
+
+/// Takes `count` records from the front of `doubles`, which moves on.
+template <class Record> void TakeRecords(const double *&doubles, int count, std::vector<Record> &records)
+{
+  const Record *first = reinterpret_cast<const Record *>(doubles);
+  records.insert(records.end(), first, first + count);
+  doubles += count * (sizeof(Record) / sizeof(double));
 }
 
 /// Adds up records that `same` finds equal, after sorting by `less`.
@@ -80,6 +78,8 @@ struct ContactSystem::Problem {
   std::vector<EntryRecord> entries; ///< those of one node stand together
   std::vector<int> unknown;         ///< number of each entry's unknown, or -1 where it was left out
 
+  /// The parts of all ranks on the first one; nothing on others. Collective.
+  PetscErrorCode Gather(MPI_Comm comm, Problem *all) const;
   void Assemble(double dt, double diagonal_shift, BandMatrix *A, std::vector<double> *r) const;
   std::vector<double> Answer(double dt, const std::vector<double> &lambda, Header header) const;
 
@@ -222,6 +222,34 @@ std::vector<double> ContactSystem::Problem::Answer(double dt, const std::vector<
   return answer;
 }
 
+PetscErrorCode ContactSystem::Problem::Gather(MPI_Comm comm, Problem *all) const
+{
+  PetscMPIInt rank, size;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  const int root = rank == 0, counts[2] = {static_cast<int>(rows.size()), static_cast<int>(entries.size())};
+  std::vector<int> all_counts(2 * size * root), lengths(size * root), offsets(size * root);
+  PetscCallMPI(MPI_Gather(counts, 2, MPI_INT, all_counts.data(), 2, MPI_INT, 0, comm));
+  int total = 0;
+  for (int k = 0; k < size * root; ++k) {
+    lengths[k] = (all_counts[2 * k] * sizeof(RowRecord) + all_counts[2 * k + 1] * sizeof(EntryRecord)) / sizeof(double);
+    offsets[k] = total;
+    total += lengths[k];
+  }
+  std::vector<double> mine, received(total);
+  AppendRecords(rows, mine);
+  AppendRecords(entries, mine);
+  PetscCallMPI(MPI_Gatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, received.data(), lengths.data(),
+                           offsets.data(), MPI_DOUBLE, 0, comm));
+  const double *next = received.data();
+  for (int k = 0; k < size * root; ++k) {
+    TakeRecords(next, all_counts[2 * k], all->rows);
+    TakeRecords(next, all_counts[2 * k + 1], all->entries);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ContactSystem::SolveOnRoot(const ContactView &view, Problem &problem, double drop_below,
                                           std::vector<double> *answer)
 {
@@ -277,8 +305,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   }
   Problem mine{std::move(my_rows), std::move(my_entries), {}};
   mine.MergeRanks();
-  PetscCall(GatherRecords(grid.Comm(), mine.rows, &problem.rows));
-  PetscCall(GatherRecords(grid.Comm(), mine.entries, &problem.entries));
+  PetscCall(mine.Gather(grid.Comm(), &problem));
 
   std::vector<double> answer;
   if (rank == 0) {

@@ -48,14 +48,22 @@ std::int64_t PointNumbers::Parent(std::int64_t id) const
 
 int PointNumbers::ChildIndex(std::int64_t id) const { return static_cast<int>((id - RangeOf(id).start) % children_); }
 
-/// The points of a level inside or outside a box.
+/// The points of a level inside or outside a box; in most blocks there are none.
 PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
 {
   PointArrays a;
   PetscFunctionBeginUser;
   PetscCall(level.PointStore().Arrays(&a));
-  for (int p = 0; p < a.count; ++p)
-    if (box.Contains({a.position[2 * p], a.position[2 * p + 1]}) == inside) points->push_back(p);
+  for (int first = 0; first < a.count; first += kBlock) {
+    const int count = std::min(kBlock, a.count - first);
+    const double *const x = a.position + 2 * static_cast<std::ptrdiff_t>(first);
+    const auto selected = [=](int p) { return box.Contains({x[2 * p], x[2 * p + 1]}) == inside; };
+    double found = 0;
+#pragma omp simd reduction(+ : found)
+    for (int p = 0; p < count; ++p) found += selected(p) ? 1.0 : 0.0;
+    for (int p = 0; found > 0 && p < count; ++p)
+      if (selected(p)) points->push_back(first + p);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

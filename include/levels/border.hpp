@@ -82,7 +82,8 @@ private:
   void ListBand();
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();
-  void Restrict();
+  /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
+  PetscErrorCode Restrict();
   void AdvanceInterface(int substep, double dt);
   void Prolong(double dt);
 

@@ -216,21 +216,24 @@ PetscErrorCode Border::Advance(int substep, double dt)
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  Restrict();
-  const MPI_Datatype sums = mesh.Unit(NodeArrays::kSums), velocity = mesh.Unit(NodeArrays::kVelocity);
-  PetscCall(PetscSFReduceBegin(exchange_, sums, sums_.data(), sums_.data(), MPI_SUM));
-  PetscCall(PetscSFReduceEnd(exchange_, sums, sums_.data(), sums_.data(), MPI_SUM));
+  const MPI_Datatype unit = mesh.Unit(NodeArrays::kVelocity);
+  PetscCall(Restrict());
   AdvanceInterface(substep, dt);
-  PetscCall(PetscSFBcastBegin(exchange_, velocity, velocity_.data(), velocity_.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(exchange_, velocity, velocity_.data(), velocity_.data(), MPI_REPLACE));
+  if (mesh.HasGhosts()) {
+    PetscCall(PetscSFBcastBegin(exchange_, unit, velocity_.data(), velocity_.data(), MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(exchange_, unit, velocity_.data(), velocity_.data(), MPI_REPLACE));
+  }
   Prolong(dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i
-void Border::Restrict()
+/// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, and the other nodal sums in the same way.
+PetscErrorCode Border::Restrict()
 {
-  const double *fine = fine_->Mesh().Arrays().sums;
+  const Grid &mesh = fine_->Mesh();
+  const MPI_Datatype unit = mesh.Unit(NodeArrays::kSums);
+  const double *fine = mesh.Arrays().sums;
+  PetscFunctionBeginUser;
   std::fill(sums_.begin(), sums_.end(), 0.0);
   for (const BandNode &band : band_) {
     const double *from = fine + NodeArrays::kSums * static_cast<std::ptrdiff_t>(band.node);
@@ -238,9 +241,13 @@ void Border::Restrict()
     for (int a = 0; a < band.count; ++a) {
       double *to = &sums_[NodeArrays::kSums * static_cast<std::size_t>(band.interface[a])];
       const double weight = (1 - band.beta) * band.weight[a];
-      for (int c = 0; c < 6; ++c) to[c] += weight * from[c];
+      for (int c = 0; c < NodeArrays::kSums; ++c) to[c] += weight * from[c];
     }
   }
+  if (!mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFReduceBegin(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
+  PetscCall(PetscSFReduceEnd(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Work of the other level's force on a node in a step: c . (v - dv/2) with c = m dv - dt f, as points are given dv.
@@ -302,17 +309,15 @@ void Border::Prolong(double dt)
 
 PetscErrorCode Border::ShiftForces(bool from_fine)
 {
-  const Grid &coarse = coarse_->Mesh(), &fine = fine_->Mesh();
+  const Grid &coarse = coarse_->Mesh();
   const MPI_Datatype unit = coarse.Unit(NodeArrays::kSums);
   std::vector<double> shift(coarse_sums_.size(), 0.0);
   PetscFunctionBeginUser;
   if (!from_fine) {
     PetscCall(PetscSFBcastBegin(transfer_, unit, coarse.Arrays().sums, shift.data(), MPI_REPLACE));
     PetscCall(PetscSFBcastEnd(transfer_, unit, coarse.Arrays().sums, shift.data(), MPI_REPLACE));
-  } else if (fine.Participates()) {
-    Restrict();
-    PetscCall(PetscSFReduceBegin(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
-    PetscCall(PetscSFReduceEnd(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
+  } else if (fine_->Mesh().Participates()) {
+    PetscCall(Restrict());
     std::copy_n(sums_.begin(), shift.size(), shift.begin());
   }
   for (std::size_t k = 0; k < shift.size(); k += NodeArrays::kSums)

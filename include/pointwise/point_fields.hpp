@@ -103,10 +103,10 @@ inline PointArrays Slice(PointArrays points, PointRange range)
 }
 
 /// Half size of a point's rectangle along an axis in the current configuration, m: the root of sum_b (F_ab l0_b)^2.
-inline double CurrentHalfSize(const PointArrays &points, int p, int axis)
+inline double CurrentHalfSize(const double F[4], const double l0[2], int axis)
 {
-  const double *F = points.F + 4 * p + 2 * axis, *l0 = points.half_size + 2 * p;
-  return std::sqrt(F[0] * l0[0] * F[0] * l0[0] + F[1] * l0[1] * F[1] * l0[1]);
+  const double a = F[2 * axis] * l0[0], b = F[2 * axis + 1] * l0[1];
+  return std::sqrt(a * a + b * b);
 }
 
 } // namespace mlgimp

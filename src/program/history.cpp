@@ -112,7 +112,7 @@ PetscErrorCode History::Write(const HistoryRow &row, std::string *problem)
     std::string text = std::to_string(row.step);
     for (const Column &column : kColumns) {
       char number[32];
-      const auto end = std::to_chars(number, number + sizeof number, column.value(row), std::chars_format::general, 15).ptr;
+      const auto end = std::to_chars(number, number + sizeof number, column.value(row)).ptr;
       text.append(1, ',').append(number, end);
     }
     *problem = Append(text + "\n");

@@ -5,8 +5,8 @@ usage: scripts/bench.py        after `make bench` has built bin/mlgimp and bin/b
 
 The yardstick is the memory floor: the time in which the points' fields stream through memory twice, for two sweeps a
 step. Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each figure is a median,
-with least and greatest. What two ranks can gain is what two runs at once are worth, in the row before. Results go to a
-temporary folder.
+with least and greatest. The row of two runs at once, which know nothing of each other, tells what two ranks could gain.
+Results go to a temporary folder.
 """
 import concurrent.futures
 import json
@@ -166,7 +166,7 @@ def share_rows(runs):
 
 
 def cores_worth():
-    """What two runs at once that know nothing of each other get done, in units of one alone: no two ranks can do more."""
+    """What two runs at once that know nothing of each other get done, in units of one alone: to measure two ranks by."""
     options = block(177, 60)
     alone = Run(options).seconds
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
@@ -177,9 +177,8 @@ def cores_worth():
 def level_share_rows():
     """Shares of the wedge on three levels with the history and frames of a usual run."""
     runs = [Run(case("wedge_3level")) for _ in range(3)]
-    shares = {"Contact": (("Contact",), 10), "Coupling and Transfer": (("Coupling", "Transfer"), 8), "Sort": (("Sort",), 3),
-              "Output": (("Output",), 5)}
-    for name, (events, goal) in shares.items():
+    for name, goal in (("Contact", 10), ("Coupling and Transfer", 8), ("Sort", 3), ("Output", 5)):
+        events = name.split(" and ")
         row(f"three levels: {name}", Spread(sum(map(run.percent, events)) for run in runs), "%", goal)
 
 

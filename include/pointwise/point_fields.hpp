@@ -78,16 +78,11 @@ struct PointArrays {
   int history_components;
 };
 
-/// A run of consecutive points.
-struct PointRange {
-  int first, end;
-};
-
-/// The points of a run as arrays of their own.
-inline PointArrays Slice(PointArrays points, PointRange range)
+/// Points start to end as arrays of their own.
+inline PointArrays Slice(PointArrays points, int start, int end)
 {
-  const std::ptrdiff_t first = range.first;
-  points.count = range.end - range.first;
+  const std::ptrdiff_t first = start;
+  points.count = end - start;
   points.id += first;
   points.position += 2 * first;
   points.velocity += 2 * first;
@@ -103,10 +98,10 @@ inline PointArrays Slice(PointArrays points, PointRange range)
 }
 
 /// Half size of a point's rectangle along an axis in the current configuration, m: the root of sum_b (F_ab l0_b)^2.
-inline double CurrentHalfSize(const double F[4], const double l0[2], int axis)
+inline double CurrentHalfSize(const PointArrays &points, int p, int axis)
 {
-  const double a = F[2 * axis] * l0[0], b = F[2 * axis + 1] * l0[1];
-  return std::sqrt(a * a + b * b);
+  const double *F = points.F + 4 * p + 2 * axis, *l0 = points.half_size + 2 * p;
+  return std::sqrt(F[0] * l0[0] * F[0] * l0[0] + F[1] * l0[1] * F[1] * l0[1]);
 }
 
 } // namespace mlgimp

@@ -39,7 +39,7 @@ template <class Record> void TakeRecords(const double *&doubles, int count, std:
   doubles += count * (sizeof(Record) / sizeof(double));
 }
 
-/// Adds up records that `same` finds equal, after sorting by `less`.
+/// Sorts records by `less` and adds up those that it finds equal.
 template <class Record, class Less, class Add> void Merge(std::vector<Record> &records, Less less, Add add)
 {
   std::stable_sort(records.begin(), records.end(), less);
@@ -228,11 +228,11 @@ PetscErrorCode ContactSystem::Problem::Gather(MPI_Comm comm, Problem *all) const
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  const int root = rank == 0, counts[2] = {static_cast<int>(rows.size()), static_cast<int>(entries.size())};
-  std::vector<int> all_counts(2 * size * root), lengths(size * root), offsets(size * root);
+  const int sources = rank == 0 ? size : 0, counts[2] = {static_cast<int>(rows.size()), static_cast<int>(entries.size())};
+  std::vector<int> all_counts(2 * sources), lengths(sources), offsets(sources);
   PetscCallMPI(MPI_Gather(counts, 2, MPI_INT, all_counts.data(), 2, MPI_INT, 0, comm));
   int total = 0;
-  for (int k = 0; k < size * root; ++k) {
+  for (int k = 0; k < sources; ++k) {
     lengths[k] = (all_counts[2 * k] * sizeof(RowRecord) + all_counts[2 * k + 1] * sizeof(EntryRecord)) / sizeof(double);
     offsets[k] = total;
     total += lengths[k];
@@ -243,7 +243,7 @@ PetscErrorCode ContactSystem::Problem::Gather(MPI_Comm comm, Problem *all) const
   PetscCallMPI(MPI_Gatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, received.data(), lengths.data(),
                            offsets.data(), MPI_DOUBLE, 0, comm));
   const double *next = received.data();
-  for (int k = 0; k < size * root; ++k) {
+  for (int k = 0; k < sources; ++k) {
     TakeRecords(next, all_counts[2 * k], all->rows);
     TakeRecords(next, all_counts[2 * k + 1], all->entries);
   }

@@ -31,7 +31,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
   for (int p : points) {
     double mass = sign * all.mass[p];
-    PointArrays one = Slice(all, {p, p + 1});
+    PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
     transfer_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, unbooked);
   }
@@ -70,7 +70,7 @@ PetscErrorCode Level::Tally(PointTally *tally)
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    AddPoints(Slice(points, {first, end}), bodies_.Of(points, first), tally);
+    AddPoints(Slice(points, first, end), bodies_.Of(points, first), tally);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -81,7 +81,7 @@ PetscErrorCode Level::Tally(const std::vector<int> &list, PointTally *tally)
   PetscFunctionBeginUser;
   *tally = {};
   PetscCall(points_.Arrays(&points));
-  for (int p : list) AddPoints(Slice(points, {p, p + 1}), bodies_.Of(points, p), tally);
+  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), tally);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,7 +24,7 @@ struct Block : PointArrays {
 Block CutBlock(const SweepView &view, int start)
 {
   const PointArrays &all = view.points;
-  return {Slice(all, {start, view.bodies.BlockEnd(all, start)}), start, view.bodies.Of(all, start)};
+  return {Slice(all, start, view.bodies.BlockEnd(all, start)), start, view.bodies.Of(all, start)};
 }
 
 /// Calls `work(block)` for all points, block by block.

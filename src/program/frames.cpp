@@ -38,17 +38,10 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
 {
   const BodyTable bodies = model.Table();
   std::vector<double> volume(points.count), half_size(2 * static_cast<std::size_t>(points.count));
-  for (int first = 0, end; first < points.count; first = end) {
-    end = bodies.BlockEnd(points, first);
-    const double density = bodies.Of(points, first).Density(), *const mass = points.mass;
-    const double *const deformation = points.F, *const initial_half_size = points.half_size;
-    double *const volumes = volume.data(), *const half_sizes = half_size.data();
-#pragma omp simd
-    for (int p = first; p < end; ++p) {
-      const double *F = deformation + 4 * p, *l0 = initial_half_size + 2 * p;
-      volumes[p] = (F[0] * F[3] - F[1] * F[2]) * mass[p] / density;
-      for (int axis = 0; axis < 2; ++axis) half_sizes[2 * p + axis] = CurrentHalfSize(F, l0, axis);
-    }
+  for (int p = 0; p < points.count; ++p) {
+    const double *F = points.F + 4 * p;
+    volume[p] = (F[0] * F[3] - F[1] * F[2]) * points.mass[p] / bodies.Of(points, p).Density();
+    for (int axis = 0; axis < 2; ++axis) half_size[2 * p + axis] = CurrentHalfSize(points, p, axis);
   }
   file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
   file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data());

@@ -49,7 +49,8 @@ struct LevelFailure {
 /// What a level carries from step to step beside points, totals and contact pressures.
 struct LevelPace {
   long steps = 0;
-  int migration_interval = 1; ///< steps
+  double drift = 0;          ///< how far points may have moved since they were last sent to their owners, cells
+  double drift_per_step = 1; ///< cells
   bool contact_awake = true;
 };
 
@@ -90,14 +91,20 @@ public:
   /// Collective on the level's ranks.
   PetscErrorCode SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors);
 
-  /// Sends points to the ranks that own their nearest nodes; `everywhere` where they may be on any rank. Collective.
+  /// Sends points to the ranks that own their nearest nodes; `everywhere` where they may be on any rank. A point beyond the
+  /// grid is a failure; it is put back to the grid's edge, so that it does no harm until the run ends. Collective.
   PetscErrorCode Migrate(bool everywhere = false);
-  /// Replaces the grid by one with another layout and moves the points to their new owners. Collective on all ranks.
+  /// Sends copies to the ranks that own their nearest nodes, from any rank. Collective on all ranks.
+  PetscErrorCode MigrateCopies();
+  /// The rank, among all, that owns the node nearest to point p of some level's arrays; -1, and a failure, where the point
+  /// lies beyond this level's grid.
+  PetscMPIInt OwnerOf(const PointArrays &points, int p);
+  /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Recut(const GridLayout &layout);
   /// Orders the points by their nearest node.
   PetscErrorCode Sort();
-  /// Steps between calls of Migrate that keep the drift of points within the halo, from the largest speed now.
-  void PlanMigration(double largest_speed, double dt);
+  /// Bounds the drift of points in a step by the largest speed now: they migrate before they drift out of the halo.
+  void BoundDrift(double largest_speed, double dt);
 
   /// Least distance of this rank's surface points from the indenter at a time, m; infinite where there is none.
   PetscErrorCode IndenterDistance(double time, double *distance);
@@ -132,6 +139,7 @@ public:
 
 private:
   PetscErrorCode ApplyContact(double time, double dt);
+  PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates();

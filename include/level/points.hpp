@@ -59,6 +59,13 @@ private:
 struct Departures {
   std::vector<int> points;        ///< indices, ascending
   std::vector<PetscMPIInt> ranks; ///< destination of each
+  /// A point without a destination (-1) stays where it is.
+  void Add(int point, PetscMPIInt rank)
+  {
+    if (rank < 0) return;
+    points.push_back(point);
+    ranks.push_back(rank);
+  }
 };
 
 /// Moves points out of `from` into `to` (the same object for migration within a level), across the ranks of `comm`.

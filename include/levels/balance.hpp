@@ -14,8 +14,12 @@ namespace mlgimp
 /// points [height][width]: per node, padding included.
 void MakeLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout);
 
-/// The layout that suits the points of a level now, on the same ranks; `changed` tells whether it differs from that in
-/// use. Collective on `world`.
-PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, bool *changed);
+/// True where a level with so many points should be on another number of ranks: where they have less than half or more
+/// than twice `least_points` each, and there are others to take.
+bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points);
+
+/// The layout that suits the points of a level now: on the same ranks, or, where NeedsOtherRanks, on as many as suit them,
+/// the first ones. `changed` tells whether it is better than that in use. Collective on `world`.
+PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed);
 
 } // namespace mlgimp

@@ -121,11 +121,11 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt)
 {
   PetscFunctionBeginUser;
+  if (!grid_->Participates() || !pace_.contact_awake) contact_totals_.last = {};
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
   PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
   if (contact_ && pace_.contact_awake) PetscCall(ApplyContact(time, dt));
-  if (!pace_.contact_awake) contact_totals_.last = {};
   if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -215,19 +215,30 @@ PetscErrorCode Level::AdvancePoints(double dt)
 PetscErrorCode Level::KeepOrder()
 {
   PetscFunctionBeginUser;
+  constexpr double kMostDrift = 0.9; // cells; the halo has room for one
   ++pace_.steps;
+  pace_.drift += pace_.drift_per_step;
+  const bool due = pace_.drift + pace_.drift_per_step > kMostDrift;
+  if (due) pace_.drift = 0; // on ranks without a part of the grid too, so that all tell the same
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (pace_.steps % pace_.migration_interval == 0) PetscCall(Migrate());
+  if (due) PetscCall(Migrate());
   if (pace_.steps % sort_interval_ == 0) PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Level::PlanMigration(double largest_speed, double dt)
+void Level::BoundDrift(double largest_speed, double dt)
 {
   // Speeds may double before they are measured again, and a body at rest may be set in motion.
-  constexpr double kDrift = 0.9, kSafety = 2, kSurprise = 0.02; // cells, -, cells a step
-  const double cells_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
-  pace_.migration_interval = std::max(1, static_cast<int>(kDrift / cells_per_step));
+  constexpr double kSafety = 2, kSurprise = 0.02; // -, cells a step
+  pace_.drift_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
+}
+
+PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
+{
+  const Vec2 x = {points.position[2 * p], points.position[2 * p + 1]};
+  const PetscMPIInt owner = grid_->OwnerOfNode(grid_->Nearest(0, x[0]), grid_->Nearest(1, x[1]));
+  if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
+  return owner;
 }
 
 PetscErrorCode Level::Migrate(bool everywhere)
@@ -241,17 +252,21 @@ PetscErrorCode Level::Migrate(bool everywhere)
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(points_.Arrays(&points));
+  pace_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
-    const double *x = points.position + 2 * p;
-    const int i = grid_->Nearest(0, x[0]), j = grid_->Nearest(1, x[1]);
-    const bool inside =
-        i >= geometry_.FirstNode(0) && i <= geometry_.LastNode(0) && j >= geometry_.FirstNode(1) && j <= geometry_.LastNode(1);
-    if (!inside) {
+    double *x = points.position + 2 * p;
+    int node[2];
+    for (int axis = 0; axis < 2; ++axis) {
+      const int nearest = grid_->Nearest(axis, x[axis]);
+      node[axis] = std::clamp(nearest, geometry_.FirstNode(axis), geometry_.LastNode(axis));
+      if (node[axis] == nearest) continue;
       if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], {x[0], x[1]}};
-    } else if (const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(i, j) : grid_->BlockOfNode(i, j); owner != rank) {
-      departures.points.push_back(p);
-      departures.ranks.push_back(owner);
+      x[axis] = grid_->Coordinate(axis, node[axis]);
     }
+    const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node[0], node[1]) : grid_->BlockOfNode(node[0], node[1]);
+    if (owner == rank) continue;
+    departures.points.push_back(p);
+    departures.ranks.push_back(owner);
   }
   NoteFailure(failure, time_);
   PetscCall(MovePoints(comm, points_, points_, departures));
@@ -259,14 +274,45 @@ PetscErrorCode Level::Migrate(bool everywhere)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Level::MigrateCopies()
+{
+  PetscFunctionBeginUser;
+  for (Points &copies : copies_) {
+    Departures departures;
+    PointArrays points;
+    PetscCall(copies.Arrays(&points));
+    for (int p = 0; p < points.count; ++p) departures.Add(p, OwnerOf(points, p));
+    PetscCall(MovePoints(world_, copies, copies, departures));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Brings the contact pressures from the first rank of the grid to all, whichever will hold the grid next.
+PetscErrorCode Level::SharePressures()
+{
+  const PetscMPIInt root = grid_->Layout().ranks[0];
+  std::vector<std::pair<std::int64_t, double>> list;
+  PetscFunctionBeginUser;
+  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const auto &pressure : contact_->Pressures()) list.push_back(pressure);
+  int bytes = static_cast<int>(list.size() * sizeof list[0]);
+  PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world_));
+  list.resize(bytes / sizeof list[0]);
+  PetscCallMPI(MPI_Bcast(list.data(), bytes, MPI_BYTE, root, world_));
+  contact_->SetPressures(ContactPressures(list.begin(), list.end()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::Recut(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
+  PetscCall(SharePressures());
   auto grid = std::make_unique<Grid>();
   PetscCall(grid->Create(world_, geometry_.grid, layout));
   grid_ = std::move(grid);
   held_nodes_.clear();
   PetscCall(Migrate(true));
+  PetscCall(MigrateCopies());
   PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

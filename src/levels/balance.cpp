@@ -144,17 +144,29 @@ bool BestSplit(const PointMap &map, int blocks, GridLayout *best)
 
 } // namespace
 
+/// How many ranks suit a number of points.
+static int SuitableRanks(double points, int ranks, double least_points)
+{
+  return static_cast<int>(std::clamp(points / least_points, 1.0, static_cast<double>(ranks)));
+}
+
 void MakeLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout)
 {
   const double total = std::accumulate(points.begin(), points.end(), 0.0);
-  int blocks = static_cast<int>(std::clamp(total / least_points, 1.0, static_cast<double>(ranks)));
+  int blocks = SuitableRanks(total, ranks, least_points);
   const PointMap map(points, width);
   while (!BestSplit(map, blocks, layout)) --blocks;
   layout->ranks.resize(blocks);
   std::iota(layout->ranks.begin(), layout->ranks.end(), 0);
 }
 
-PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, bool *changed)
+bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points)
+{
+  const double each = points / blocks;
+  return (each < 0.5 * least_points || each > 2 * least_points) && SuitableRanks(points, ranks, least_points) != blocks;
+}
+
+PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
   constexpr double kWorthWhile = 0.98; // of the busiest block's work
   const Grid &grid = level.Mesh();
@@ -162,7 +174,9 @@ PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, b
   const int width = geometry.Nodes(0);
   std::vector<double> counts(static_cast<std::size_t>(width) * geometry.Nodes(1), 0.0);
   PointArrays points;
+  PetscMPIInt ranks;
   PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(world, &ranks));
   PetscCall(level.PointStore().Arrays(&points));
   for (int p = 0; p < points.count; ++p) {
     const int i = grid.Nearest(0, points.position[2 * p]) + geometry.padding,
@@ -170,6 +184,12 @@ PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, GridLayout *layout, b
     ++counts[static_cast<std::size_t>(j) * width + i];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_DOUBLE, MPI_SUM, world));
+  const double total = std::accumulate(counts.begin(), counts.end(), 0.0);
+  if (NeedsOtherRanks(total, grid.Layout().Blocks(), ranks, least_points)) {
+    MakeLayout(ranks, least_points, counts, width, layout);
+    *changed = layout->Blocks() != grid.Layout().Blocks();
+    if (*changed) PetscFunctionReturn(PETSC_SUCCESS);
+  }
   const PointMap map(counts, width);
   const auto &widths = grid.Layout().widths;
   Divide(static_cast<int>(widths[0].size()), static_cast<int>(widths[1].size()), map.Marginal(0), map.Marginal(1), layout);

@@ -125,8 +125,7 @@ PetscErrorCode Crossing::SplitRing()
 
 PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift)
 {
-  const Grid &mesh = to.Mesh();
-  Departures departures{points, {}};
+  Departures departures;
   std::vector<Level::VelocitySample> samples;
   PointArrays a;
   PetscFunctionBeginUser;
@@ -134,17 +133,17 @@ PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &po
   PetscCall(from.PointStore().Arrays(&a));
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
-    departures.ranks.push_back(mesh.OwnerOfNode(mesh.Nearest(0, a.position[2 * p]), mesh.Nearest(1, a.position[2 * p + 1])));
+    departures.Add(p, to.OwnerOf(a, p));
     for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
   }
   PointTally sent, received;
   const int before = to.PointStore().Count();
-  PetscCall(from.Tally(points, &sent));
+  PetscCall(from.Tally(departures.points, &sent));
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), departures));
   std::vector<int> arrivals(to.PointStore().Count() - before); // at the end of the storage
   std::iota(arrivals.begin(), arrivals.end(), before);
   PetscCall(to.Tally(arrivals, &received));
-  totals_.points_adrift += static_cast<double>(points.size()) - static_cast<double>(arrivals.size());
+  totals_.points_adrift += static_cast<double>(departures.points.size()) - static_cast<double>(arrivals.size());
   totals_.mass_adrift += sent.mass - received.mass;
   for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent.momentum[d] - received.momentum[d];
   PetscFunctionReturn(PETSC_SUCCESS);

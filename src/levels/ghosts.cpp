@@ -37,7 +37,6 @@ int GhostCopies::StateSize() const { return 15 + from_->Physics().HistoryCompone
 /// The points to copy and the ranks they go to, ordered by rank.
 PetscErrorCode GhostCopies::FindSources(Departures *found)
 {
-  const Grid &mesh = to_->Mesh();
   PointArrays a;
   std::vector<std::pair<PetscMPIInt, int>> list;
   PetscFunctionBeginUser;
@@ -45,10 +44,10 @@ PetscErrorCode GhostCopies::FindSources(Departures *found)
   for (int p = 0; p < a.count; ++p) {
     const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
     if (!outer_.Contains(x) || inner_.Contains(x)) continue;
-    list.emplace_back(mesh.OwnerOfNode(mesh.Nearest(0, x[0]), mesh.Nearest(1, x[1])), p);
+    list.emplace_back(to_->OwnerOf(a, p), p);
   }
   std::sort(list.begin(), list.end());
-  for (const auto &[rank, p] : list) found->ranks.push_back(rank), found->points.push_back(p);
+  for (const auto &[rank, p] : list) found->Add(p, rank);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

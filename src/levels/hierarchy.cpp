@@ -304,18 +304,22 @@ PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int 
     const double drift = steps * std::max(kSafety * pulse.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
     levels_[l]->WatchContact(pulse.indenter_distance[l] < kPointRange * h + travel + drift);
     PetscCall(Logged(events_.balance, [&] { return KeepBalance(l); }));
-    levels_[l]->PlanMigration(pulse.point_speed, dt / std::pow(settings_.ratio, l));
+    levels_[l]->BoundDrift(pulse.point_speed, dt / std::pow(settings_.ratio, l));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Cuts a level anew where a rank has too many of its points.
+/// Cuts a level anew where a rank has too many of its points, or its points have become too many or too few for its ranks.
 PetscErrorCode Hierarchy::KeepBalance(int l)
 {
+  PetscMPIInt ranks;
   double total = 0, largest = 0;
   PetscFunctionBeginUser;
   PetscCall(PointsOn(l, &total, &largest));
-  if (largest * levels_[l]->Mesh().Layout().Blocks() > settings_.rebalance_threshold * total) PetscCall(Rebalance(l));
+  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
+  const int blocks = levels_[l]->Mesh().Layout().Blocks();
+  if (largest * blocks > settings_.rebalance_threshold * total || NeedsOtherRanks(total, blocks, ranks, settings_.points_per_rank))
+    PetscCall(Rebalance(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -333,10 +337,12 @@ PetscErrorCode Hierarchy::Rebalance(int l)
   GridLayout layout;
   bool changed = false;
   PetscFunctionBeginUser;
-  PetscCall(ProposeLayout(comm_, *levels_[l], &layout, &changed));
+  PetscCall(ProposeLayout(comm_, *levels_[l], settings_.points_per_rank, &layout, &changed));
   if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
+  const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Layout().Blocks();
   PetscCall(levels_[l]->Recut(layout));
   PetscCall(Reconnect(l));
+  if (other_ranks) PetscCall(MapRanks());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

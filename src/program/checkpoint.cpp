@@ -90,7 +90,7 @@ static PetscErrorCode WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
   PetscCall(WritePoints(file, hierarchy.Comm(), group, level.PointStore()));
   file.Attribute(group, "pace",
-                 std::vector<double>{double(pace.steps), double(pace.migration_interval), double(pace.contact_awake)});
+                 std::vector<double>{double(pace.steps), pace.drift, pace.drift_per_step, double(pace.contact_awake)});
   file.Attribute(group, "columns", std::vector<double>(layout.widths[0].begin(), layout.widths[0].end()));
   file.Attribute(group, "rows", std::vector<double>(layout.widths[1].begin(), layout.widths[1].end()));
   file.Attribute(group, "ranks", std::vector<double>(layout.ranks.begin(), layout.ranks.end()));
@@ -197,21 +197,6 @@ PetscErrorCode ReadPoints(const H5Reader &file, MPI_Comm comm, const std::string
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Sends copies to the ranks that own their nearest nodes.
-PetscErrorCode SendCopiesHome(MPI_Comm comm, const Grid &mesh, Points &copies)
-{
-  Departures departures;
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(copies.Arrays(&a));
-  for (int p = 0; p < a.count; ++p) {
-    departures.points.push_back(p);
-    departures.ranks.push_back(mesh.OwnerOfNode(mesh.Nearest(0, a.position[2 * p]), mesh.Nearest(1, a.position[2 * p + 1])));
-  }
-  PetscCall(MovePoints(comm, copies, copies, departures));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// The layout of a level's grid, where as many ranks wrote it.
 PetscErrorCode ReadLayout(const H5Reader &file, const std::string &group, Level &level, bool *good)
 {
@@ -235,20 +220,20 @@ PetscErrorCode ReadLevel(const H5Reader &file, Hierarchy &hierarchy, int l, bool
   std::vector<double> pace, pairs;
   ContactPressures pressures;
   PetscFunctionBeginUser;
-  *good = file.Has(group) && file.Attribute(group, "pace", &pace) && pace.size() == 3 &&
+  *good = file.Has(group) && file.Attribute(group, "pace", &pace) && pace.size() == 4 &&
           ReadPairs(file, group + "/pressures", &pairs);
   if (*good && same_ranks) PetscCall(ReadLayout(file, group, level, good));
   if (*good) PetscCall(ReadPoints(file, hierarchy.Comm(), group, level.PointStore(), good));
   for (int origin = 0; origin < 2 && *good && hierarchy.Copies().ready; ++origin) {
     PetscCall(ReadPoints(file, hierarchy.Comm(), CopiesName(l, origin), level.CopyStore(origin), good));
-    if (*good && !same_ranks) PetscCall(SendCopiesHome(hierarchy.Comm(), level.Mesh(), level.CopyStore(origin)));
   }
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   for (std::size_t k = 0; k < pairs.size(); k += 2) pressures[static_cast<std::int64_t>(pairs[k])] = pairs[k + 1];
   level.SetPressures(pressures);
-  level.SetPace({static_cast<long>(pace[0]), static_cast<int>(pace[1]), pace[2] != 0});
+  level.SetPace({static_cast<long>(pace[0]), pace[1], pace[2], pace[3] != 0});
   if (same_ranks) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(level.Migrate(true));
+  PetscCall(level.MigrateCopies());
   PetscCall(level.Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

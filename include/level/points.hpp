@@ -14,7 +14,7 @@ class Points
 {
 public:
   /// The storage of this rank alone; points move between ranks by MovePoints.
-  PetscErrorCode Create(int history_components);
+  PetscErrorCode Create(int loads, int history_components);
 
   int Count() const { return count_; }
   /// Changes whenever points come, go or change places in storage.

@@ -21,8 +21,9 @@ struct Seed {
 class Seeding
 {
 public:
-  /// `belongs`: true for places that this level owns; `first_id`: the least number of the level's points.
-  Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, std::function<bool(Vec2)> belongs,
+  /// cell_size_at: of all levels, different on each; the level owns the cells where it is that of `geometry`. ratio: of
+  /// neighbouring levels; first_id: the least number of the level's points.
+  Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, CellSizeAt cell_size_at, int ratio,
           std::int64_t first_id);
 
   /// Calls work for every seed with its cell within [lower, upper) along both axes, row by row.
@@ -39,13 +40,15 @@ public:
 
 private:
   void MakePoint(const Seed &seed, const PointArrays &arrays, int p) const;
+  bool IsInside(std::size_t body, const Tile &tile) const;
+  bool AtWall(const Seed &seed, Side side) const;
   int FaceBits(const Seed &seed) const;
   bool Occupied(Vec2 x) const;
 
   const Model &model_;
   GridGeometry geometry_;
   Sides sides_;
-  std::function<bool(Vec2)> belongs_;
+  CellSizeAt cell_size_at_;
   std::int64_t first_id_;
   int tiles_per_cell_ = 1; ///< the most of any body
   std::vector<Tiling> tilings_;

@@ -21,6 +21,7 @@ enum PointField : int {
   kHalfSize,
   kBody,
   kFaces,
+  kLoadShare,
   kHistory,
   kPointFields
 };
@@ -34,8 +35,8 @@ struct PointFieldInfo {
   const char *unit;
 };
 
-/// What a point carries. The number of internal variables depends on the materials; all else is fixed.
-inline std::array<PointFieldInfo, kPointFields> PointFieldTable(int history_components)
+/// What a point carries. The number of internal variables depends on the materials, that of shares on the loads.
+inline std::array<PointFieldInfo, kPointFields> PointFieldTable(int loads, int history_components)
 {
   return {{
       {"id", FieldType::kInt64, 1, ""},
@@ -47,7 +48,8 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(int history_comp
       {"mass", FieldType::kReal, 1, "kg"},
       {"initial_half_size", FieldType::kReal, 2, "m"},
       {"body", FieldType::kInt32, 1, ""},
-      {"faces", FieldType::kInt32, 1, ""}, // bits: see below
+      {"faces", FieldType::kInt32, 1, ""},          // bits: see below
+      {"load_share", FieldType::kReal, loads, ""},  // part of the point's face that each load acts on
       {"history", FieldType::kReal, history_components, ""},
   }};
 }
@@ -60,22 +62,24 @@ inline std::size_t FieldBytes(const PointFieldInfo &field)
 /// Sides of a point, of a body and of the domain, in this order everywhere.
 enum Side : int { kXLower, kXUpper, kYLower, kYUpper, kSides };
 
+/// As options name them.
+inline constexpr const char *kSideNames[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
+
 inline int AxisOf(Side side) { return side / 2; }
 inline int SignOf(Side side) { return side % 2 ? 1 : -1; }
 
-/// Bits of the field `faces`: the outer sides of the body that the point has, then one bit for each load.
+/// Bits of the field `faces`: the outer sides of the body that the point has.
 inline int OuterFaceBit(Side side) { return 1 << side; }
-inline int LoadBit(int load) { return 1 << (kSides + load); }
-inline constexpr int kMaxLoads = 31 - kSides;
 
-/// The fields of a rank's points as plain arrays [count][components]; history is null where no material has any.
+/// The fields of a rank's points as plain arrays [count][components]; history is null where no material has any, and
+/// load_share where there is no load.
 struct PointArrays {
   int count;
   std::int64_t *id;
   double *position, *velocity, *F, *stress, *short_wave_stress, *mass, *half_size;
   int *body, *faces;
-  double *history;
-  int history_components;
+  double *load_share, *history;
+  int loads, history_components;
 };
 
 /// Points start to end as arrays of their own.
@@ -93,6 +97,7 @@ inline PointArrays Slice(PointArrays points, int start, int end)
   points.half_size += 2 * first;
   points.body += first;
   points.faces += first;
+  if (points.load_share) points.load_share += points.loads * first;
   if (points.history) points.history += points.history_components * first;
   return points;
 }

@@ -4,6 +4,7 @@
 #include "base/tensor.hpp"
 #include "pointwise/point_fields.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,8 +26,10 @@ class Region
 {
 public:
   virtual ~Region() = default;
-  virtual bool Contains(Vec2 x) const = 0;
+  /// tolerance: places less than this far outside count as well, m; where it is negative, places near the outline do not.
+  virtual bool Contains(Vec2 x, double tolerance = 0) const = 0;
   virtual Box Bounds() const = 0;
+  virtual bool IsBox() const { return false; }
 };
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box);
@@ -39,15 +42,27 @@ struct Tile {
   Vec2 center{}, half_size{};
 };
 
+/// The edge of the cells of the level that a place belongs to, m.
+using CellSizeAt = std::function<double(Vec2)>;
+
+/// What is the same but for rounding, of the length in question.
+inline constexpr double kRounding = 1e-6;
+/// A piece of a body at a cell line that is thinner than this part of a point belongs to the cell on the other side.
+inline constexpr double kSliver = 0.1 + kRounding;
+
 /// Cuts the bounding box of a region along the cells of a grid and each piece into equal tiles, about
-/// `per_cell` x `per_cell` in a whole cell, so that a box is filled exactly wherever its sides lie.
+/// `per_cell` x `per_cell` in a whole cell, so that a box is filled exactly wherever its sides lie. How many tiles there
+/// are and where does not depend on rounding.
 class Tiling
 {
 public:
-  Tiling(const Box &bounds, Vec2 origin, double cell_size, int per_cell)
-      : bounds_(bounds), origin_(origin), cell_size_(cell_size), per_cell_(per_cell)
+  /// cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
+  /// cells there decide if that is a sliver.
+  Tiling(const Box &bounds, Vec2 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
+      : bounds_(bounds), origin_(origin), cell_size_(cell_size), per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
+  Vec2 CellCenter(int i, int j) const { return origin_ + cell_size_ * Vec2{i + 0.5, j + 0.5}; }
   /// Tiles in the cell with this index; empty where the cell does not meet the box.
   std::vector<Tile> InCell(int i, int j) const;
   /// The tile that contains x; false outside the box.
@@ -58,12 +73,17 @@ private:
     double start = 0, width = 0; ///< the part of the cell inside the box, and the width of its tiles
     int count = 0;
   };
-  Cut CutAxis(int axis, int cell) const;
+  double SliverAt(Vec2 x) const { return kSliver * (cell_size_at_ ? cell_size_at_(x) : cell_size_) / per_cell_; }
+  double Line(int axis, int line) const { return origin_[axis] + line * cell_size_; }
+  bool IsCut(int axis, int line, Vec2 cell_center) const;
+  /// cell_center: of the cell, or of one beside it along the axis.
+  Cut CutAxis(int axis, int cell, Vec2 cell_center) const;
 
   Box bounds_;
   Vec2 origin_;
   double cell_size_;
   int per_cell_;
+  CellSizeAt cell_size_at_;
 };
 
 } // namespace mlgimp

@@ -24,8 +24,6 @@ public:
   PetscErrorCode Run();
 
 private:
-  PetscErrorCode CheckBodies();
-  PetscErrorCode CheckIndenter();
   bool GoesOn() const;
   PetscErrorCode CheckOutputFolder();
   PetscErrorCode PrepareOutputFolder();

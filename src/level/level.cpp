@@ -35,8 +35,8 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   world_ = world;
   grid_ = std::make_unique<Grid>();
   PetscCall(grid_->Create(world, geometry.grid, layout));
-  PetscCall(points_.Create(model_.HistoryComponents()));
-  for (Points &copies : copies_) PetscCall(copies.Create(model_.HistoryComponents()));
+  for (Points *store : {&points_, &copies_[0], &copies_[1]})
+    PetscCall(store->Create(static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   transfer_ = CreateTransfer(model_.shape_function);
   if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
   bodies_ = model_.Table();

@@ -59,9 +59,10 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
   PetscCall(points.SurfacePoints(&surface));
   for (int p : *surface)
     for (std::size_t k = 0; k < loads.size(); ++k) {
-      if (!(arrays.faces[p] & LoadBit(static_cast<int>(k)))) continue;
+      const double share = arrays.load_share[loads.size() * p + k];
+      if (share == 0) continue;
       const Face face = PointFace(arrays, p, loads[k].side);
-      AddFaceForce(grid, owned, face, -pressure[k] * thickness * face.area_normal);
+      AddFaceForce(grid, owned, face, -pressure[k] * share * thickness * face.area_normal);
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

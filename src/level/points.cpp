@@ -20,11 +20,11 @@ static PetscDataType PetscType(FieldType type)
   }
 }
 
-PetscErrorCode Points::Create(int history_components)
+PetscErrorCode Points::Create(int loads, int history_components)
 {
   static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
   PetscFunctionBeginUser;
-  table_ = PointFieldTable(history_components);
+  table_ = PointFieldTable(loads, history_components);
   PetscCall(DMCreate(PETSC_COMM_SELF, swarm_.Out()));
   PetscCall(DMSetType(swarm_, DMSWARM));
   PetscCall(DMSetDimension(swarm_, 2));
@@ -85,7 +85,9 @@ PetscErrorCode Points::Arrays(PointArrays *arrays)
              real(kHalfSize),
              integer(kBody),
              integer(kFaces),
+             real(kLoadShare),
              real(kHistory),
+             table_[kLoadShare].components,
              table_[kHistory].components};
   PetscFunctionReturn(PETSC_SUCCESS);
 }

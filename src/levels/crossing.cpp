@@ -201,8 +201,10 @@ void Crossing::MakeChild(const PointArrays &a, int parent, int target, int child
     const Side side = static_cast<Side>(s);
     if (place[AxisOf(side)] == (SignOf(side) < 0 ? 0 : ratio_ - 1)) continue;
     faces &= ~OuterFaceBit(side);
-    for (std::size_t k = 0; k < coarse_.Physics().loads.size(); ++k)
-      if (coarse_.Physics().loads[k].side == side) faces &= ~LoadBit(static_cast<int>(k));
+  }
+  for (int k = 0; k < a.loads; ++k) {
+    const bool at_load = faces & OuterFaceBit(coarse_.Physics().loads[k].side);
+    a.load_share[a.loads * target + k] = at_load ? a.load_share[a.loads * parent + k] : 0;
   }
   a.id[target] = numbers_.Child(a.id[parent], child);
   a.mass[target] = a.mass[parent] / (ratio_ * ratio_);

@@ -26,6 +26,11 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 {
   std::int64_t first_id = 0;
   std::vector<Seeding> seedings;
+  const auto cell_size_at = [levels = settings.levels](Vec2 x) {
+    std::size_t l = levels.size() - 1;
+    while (l > 0 && !WidenedBox(levels[l], 0).Contains(x)) --l;
+    return levels[l].grid.spacing;
+  };
   PetscFunctionBeginUser;
   comm_ = comm;
   model_ = &model;
@@ -34,11 +39,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   levels_.resize(settings.levels.size());
   for (int l = 0; l < Levels(); ++l) {
     const LevelGeometry &geometry = settings.levels[l];
-    const Box here = WidenedBox(geometry, 0);
-    const bool has_finer = l + 1 < Levels();
-    const Box finer = has_finer ? WidenedBox(settings.levels[l + 1], 0) : Box{};
-    const auto belongs = [=](Vec2 x) { return here.Contains(x) && !(has_finer && finer.Contains(x)); };
-    seedings.emplace_back(model, geometry.grid, geometry.sides, belongs, first_id);
+    seedings.emplace_back(model, geometry.grid, geometry.sides, cell_size_at, settings.ratio, first_id);
     first_id = seedings.back().EndId();
     PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));

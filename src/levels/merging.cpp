@@ -79,6 +79,10 @@ void MakeParent(const PointArrays &a, const std::vector<Sibling> &family, std::i
   for (const Sibling &s : family) {
     mass += a.mass[s.point];
     a.faces[first] |= a.faces[s.point];
+    for (int k = 0; k < a.loads; ++k) {
+      double &share = a.load_share[a.loads * first + k];
+      share = std::max(share, a.load_share[a.loads * s.point + k]);
+    }
   }
   a.id[first] = id;
   a.mass[first] = mass;

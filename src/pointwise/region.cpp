@@ -2,6 +2,7 @@
 #include "pointwise/region.hpp"
 
 #include <algorithm>
+#include <cfloat>
 
 namespace mlgimp
 {
@@ -13,8 +14,13 @@ class BoxRegion : public Region
 {
 public:
   explicit BoxRegion(const Box &box) : box_(box) {}
-  bool Contains(Vec2 x) const override { return box_.Contains(x); }
+  bool Contains(Vec2 x, double tolerance) const override
+  {
+    const Vec2 margin = {tolerance, tolerance};
+    return Box{box_.lower - margin, box_.upper + margin}.Contains(x);
+  }
   Box Bounds() const override { return box_; }
+  bool IsBox() const override { return true; }
 
 private:
   Box box_;
@@ -24,7 +30,7 @@ class DiskRegion : public Region
 {
 public:
   DiskRegion(Vec2 center, double radius) : center_(center), radius_(radius) {}
-  bool Contains(Vec2 x) const override { return Norm(x - center_) < radius_; }
+  bool Contains(Vec2 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
   Box Bounds() const override
   {
     const Vec2 r = {radius_, radius_};
@@ -41,15 +47,16 @@ class PolygonRegion : public Region
 public:
   explicit PolygonRegion(std::vector<Vec2> vertices) : vertices_(std::move(vertices)) {}
 
-  /// Counts the edges that a ray to the right crosses.
-  bool Contains(Vec2 x) const override
+  /// Counts the edges that a ray to the right crosses; near an edge the tolerance decides.
+  bool Contains(Vec2 x, double tolerance) const override
   {
-    bool inside = false;
+    bool inside = false, near = false;
     for (std::size_t k = 0, last = vertices_.size() - 1; k < vertices_.size(); last = k++) {
       const Vec2 a = vertices_[k], b = vertices_[last];
       if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])) inside = !inside;
+      near = near || DistanceToEdge(x, a, b) <= std::abs(tolerance);
     }
-    return inside;
+    return near && tolerance != 0 ? tolerance > 0 : inside;
   }
 
   Box Bounds() const override
@@ -64,10 +71,14 @@ public:
   }
 
 private:
+  static double DistanceToEdge(Vec2 x, Vec2 a, Vec2 b)
+  {
+    const Vec2 edge = b - a, from = x - a;
+    const double place = std::clamp(Dot(from, edge) / std::max(Dot(edge, edge), DBL_MIN), 0.0, 1.0);
+    return Norm(from - place * edge);
+  }
   std::vector<Vec2> vertices_;
 };
-
-constexpr double kSliver = 1e-6; ///< pieces thinner than this part of a cell are rounding errors
 
 } // namespace
 
@@ -78,19 +89,35 @@ std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec2> vertices)
   return std::make_unique<PolygonRegion>(std::move(vertices));
 }
 
-Tiling::Cut Tiling::CutAxis(int axis, int cell) const
+/// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
+bool Tiling::IsCut(int axis, int line, Vec2 cell_center) const
 {
-  const double start = std::max(origin_[axis] + cell * cell_size_, bounds_.lower[axis]);
-  const double end = std::min(origin_[axis] + (cell + 1) * cell_size_, bounds_.upper[axis]);
-  if (end - start < kSliver * cell_size_) return {};
-  const int count = std::max(1, static_cast<int>(std::lround(per_cell_ * (end - start) / cell_size_)));
+  const double place = Line(axis, line);
+  Vec2 below = cell_center, above = cell_center;
+  below[axis] = place - 0.5 * cell_size_;
+  above[axis] = place + 0.5 * cell_size_;
+  return place - bounds_.lower[axis] > SliverAt(below) && bounds_.upper[axis] - place > SliverAt(above);
+}
+
+Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec2 cell_center) const
+{
+  const double rounding = kRounding * cell_size_;
+  if (bounds_.upper[axis] < Line(axis, cell) - rounding || bounds_.lower[axis] > Line(axis, cell + 1) + rounding) return {};
+  const double start = IsCut(axis, cell, cell_center) ? Line(axis, cell) : bounds_.lower[axis];
+  const double end = IsCut(axis, cell + 1, cell_center) ? Line(axis, cell + 1) : bounds_.upper[axis];
+  const double middle = 0.5 * (start + end) + rounding;
+  if (middle < Line(axis, cell) || middle >= Line(axis, cell + 1)) return {}; // a neighbour's
+  const int count = std::max(1, static_cast<int>(std::floor(per_cell_ * (end - start) / cell_size_ + 0.5 + kRounding)));
   return {start, (end - start) / count, count};
 }
 
 std::vector<Tile> Tiling::InCell(int i, int j) const
 {
-  const Cut x = CutAxis(0, i), y = CutAxis(1, j);
   std::vector<Tile> tiles;
+  const Vec2 center = CellCenter(i, j);
+  const Cut x = CutAxis(0, i, center);
+  if (x.count == 0) return tiles;
+  const Cut y = CutAxis(1, j, center);
   for (int b = 0; b < y.count; ++b)
     for (int a = 0; a < x.count; ++a)
       tiles.push_back({{x.start + (a + 0.5) * x.width, y.start + (b + 0.5) * y.width}, {0.5 * x.width, 0.5 * y.width}});
@@ -99,13 +126,20 @@ std::vector<Tile> Tiling::InCell(int i, int j) const
 
 bool Tiling::At(Vec2 x, Tile &tile) const
 {
+  const int cell[2] = {static_cast<int>(std::floor((x[0] - origin_[0]) / cell_size_)),
+                       static_cast<int>(std::floor((x[1] - origin_[1]) / cell_size_))};
+  const Vec2 center = CellCenter(cell[0], cell[1]);
   for (int axis = 0; axis < 2; ++axis) {
-    const int cell = static_cast<int>(std::floor((x[axis] - origin_[axis]) / cell_size_));
-    const Cut cut = CutAxis(axis, cell);
-    const double place = cut.count ? std::floor((x[axis] - cut.start) / cut.width) : -1;
-    if (place < 0 || place >= cut.count) return false;
-    tile.center[axis] = cut.start + (place + 0.5) * cut.width;
-    tile.half_size[axis] = 0.5 * cut.width;
+    bool found = false;
+    for (int neighbour : {0, -1, 1}) { // a sliver is a neighbour's
+      const Cut cut = CutAxis(axis, cell[axis] + neighbour, center);
+      const double place = cut.count ? std::floor((x[axis] - cut.start) / cut.width) : -1;
+      if (found || place < 0 || place >= cut.count) continue;
+      found = true;
+      tile.center[axis] = cut.start + (place + 0.5) * cut.width;
+      tile.half_size[axis] = 0.5 * cut.width;
+    }
+    if (!found) return false;
   }
   return true;
 }

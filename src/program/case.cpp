@@ -26,10 +26,9 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   PetscCall(reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper));
   PetscCall(reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size));
   for (int s = 0; s < kSides; ++s) {
-    const std::string names[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
     std::string kind = "free";
-    PetscCall(reader.Choice({"-boundary_" + names[s], "side of the domain", ""}, kinds, &kind));
+    PetscCall(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain", ""}, kinds, &kind));
     c->model.sides[s] = static_cast<SideKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
   }
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);

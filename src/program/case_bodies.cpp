@@ -154,11 +154,9 @@ PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, 
 PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c)
 {
   std::vector<std::string> names;
-  const std::vector<std::string> sides = {"x_lower", "x_upper", "y_lower", "y_upper"};
+  const std::vector<std::string> sides(kSideNames, kSideNames + kSides);
   PetscFunctionBeginUser;
   PetscCall(reader.Names({"-loads", "names of pressures on sides of bodies", ""}, false, &names));
-  if (names.size() > kMaxLoads)
-    PetscCall(reader.Refuse("-loads", std::to_string(names.size()) + " names", "at most " + std::to_string(kMaxLoads)));
   for (const std::string &name : names) {
     const std::string prefix = "-" + name + "_";
     Load load{0, kXLower, {-HUGE_VAL, HUGE_VAL}, {}};

@@ -12,8 +12,6 @@ namespace
 
 constexpr double kOnLine = 1e-6; ///< cells, within which a place counts as on a grid line
 
-const char *const kSideNames[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper"};
-
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
 PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec2 corner, double cell)
 {

@@ -2,6 +2,7 @@
 #include "program/simulation.hpp"
 
 #include "program/memory.hpp"
+#include "program/start_checks.hpp"
 #include "program/summary.hpp"
 
 #include <algorithm>
@@ -33,8 +34,8 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     hierarchy_.At(0).Contacts().penetration = state_.penetration;
     start_step_ = state_.step;
   } else {
-    PetscCall(CheckBodies());
-    PetscCall(CheckIndenter());
+    PetscCall(CheckBodies(hierarchy_, case_));
+    PetscCall(CheckIndenter(hierarchy_, case_));
     PetscCall(hierarchy_.ReduceBooks(&books_));
     state_.initial_mass = books_.mass;
     state_.initial_points = books_.points;
@@ -44,56 +45,6 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
   // A run that goes on as it was keeps the step and the pace of its levels until it would have looked at them.
   if (!same_ranks || state_.step_settings != StepSettings()) PetscCall(ControlStep());
   state_.step_settings = StepSettings();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Simulation::CheckBodies()
-{
-  const Model &model = case_.model;
-  std::vector<double> points(model.bodies.size(), 0.0), faces(model.loads.size(), 0.0);
-  PetscFunctionBeginUser;
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    PointArrays a;
-    PetscCall(hierarchy_.At(l).PointStore().Arrays(&a));
-    for (int p = 0; p < a.count; ++p) {
-      ++points[a.body[p]];
-      for (std::size_t k = 0; k < faces.size(); ++k) faces[k] += (a.faces[p] & LoadBit(static_cast<int>(k))) != 0;
-    }
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_DOUBLE, MPI_SUM, comm_));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, faces.data(), static_cast<int>(faces.size()), MPI_DOUBLE, MPI_SUM, comm_));
-  for (std::size_t b = 0; b < points.size(); ++b)
-    PetscCheck(points[b] > 0, comm_, PETSC_ERR_USER_INPUT,
-               "-bodies %s: must hold at least one material point; it is too small for -cell_size %s",
-               model.bodies[b].name.c_str(), FormatNumber(case_.cell_size).c_str());
-  for (std::size_t k = 0; k < faces.size(); ++k)
-    PetscCheck(faces[k] > 0, comm_, PETSC_ERR_USER_INPUT, "-loads %s: must cover a free face of body %s; see its side and span",
-               case_.load_names[k].c_str(), model.bodies[model.loads[k].body].name.c_str());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Simulation::CheckIndenter()
-{
-  double deepest = 0;
-  PetscFunctionBeginUser;
-  if (!case_.model.indenter) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    PointArrays a;
-    const std::vector<int> *surface = nullptr;
-    PetscCall(hierarchy_.At(l).PointStore().Arrays(&a));
-    PetscCall(hierarchy_.At(l).PointStore().SurfacePoints(&surface));
-    for (int p : *surface)
-      for (int corner = 0; corner < 4; ++corner) {
-        const Vec2 x = {a.position[2 * p] + (corner % 2 ? 1 : -1) * a.half_size[2 * p],
-                        a.position[2 * p + 1] + (corner / 2 ? 1 : -1) * a.half_size[2 * p + 1]};
-        deepest = std::max(deepest, -case_.model.indenter->Gap(x, 0).distance);
-      }
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, comm_));
-  const Vec2 tip = case_.model.indenter->tip;
-  PetscCheck(deepest <= 1e-6 * case_.cell_size, comm_, PETSC_ERR_USER_INPUT,
-             "-indenter_tip %s: must leave the indenter outside every body; it starts %s m inside one", FormatVector(tip).c_str(),
-             FormatRounded(deepest).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,16 @@
+// What only the points at the start can tell about a case: whether bodies, loads and the indenter are as the options say.
+#pragma once
+
+#include "program/case.hpp"
+
+namespace mlgimp
+{
+
+/// Ends the run with one line where a body has no points, where its mass or its outer faces are not those of its shape, or
+/// where a load acts on no face; warns where a load acts on a part of its side only. Collective.
+PetscErrorCode CheckBodies(Hierarchy &hierarchy, const Case &settings);
+
+/// Ends the run with one line where the indenter starts inside a body. Collective.
+PetscErrorCode CheckIndenter(Hierarchy &hierarchy, const Case &settings);
+
+} // namespace mlgimp

@@ -77,8 +77,14 @@ inline constexpr double kPointRange = kContactRange + 1.5;
 /// The segments of all outer faces of a point; returns their number.
 int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSides * kSegmentsPerFace]);
 
+/// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
+inline constexpr double kLeastFacing = 0.1;
+
 /// True where a segment faces the indenter, so that it can be pressed by it.
-inline bool Faces(const SurfaceSegment &segment, Vec2 indenter_normal) { return Dot(segment.normal, indenter_normal) < -0.1; }
+inline bool Faces(const SurfaceSegment &segment, Vec2 indenter_normal)
+{
+  return Dot(segment.normal, indenter_normal) < -kLeastFacing;
+}
 
 /// True where a point is far enough from the indenter to be left out without looking at its faces.
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p);

@@ -76,8 +76,8 @@ public:
   /// Counts the step; migrates and sorts where due.
   PetscErrorCode KeepOrder();
 
-  /// Owned nodes, as places in the ghosted arrays, whose velocity is the same in the second extrapolation.
-  void SetHeldNodes(std::vector<int> nodes) { held_nodes_ = std::move(nodes); }
+  /// Owned nodes whose velocities neighbouring levels have a part in.
+  void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes); }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
@@ -142,7 +142,7 @@ private:
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
-  PetscErrorCode ExchangeRates();
+  PetscErrorCode ExchangeRates(double dt);
   /// Calls sweep(view, totals, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not booked. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
@@ -158,7 +158,7 @@ private:
   Points points_, copies_[2];
   std::unique_ptr<Transfer> transfer_;
   std::unique_ptr<Contact> contact_;
-  std::vector<int> held_nodes_;
+  std::vector<CoupledNode> coupled_nodes_;
   std::vector<double> grid_velocity_[3]; ///< [points][2] between two sweeps of a step, for each store
   NodalTotals nodal_totals_;
   SweepTotals sweep_totals_;

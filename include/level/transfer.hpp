@@ -54,6 +54,7 @@ struct PointFailure {
 /// Sums that the sweeps collect on this rank.
 struct SweepTotals {
   double short_wave_dissipation = 0, plastic_dissipation = 0, xpic_dissipation = 0; ///< J
+  Vec2 xpic_impulse{};    ///< change of the points' momentum by XPIC, N s
   long clamped_sizes = 0; ///< half sizes that were clamped, counted once a step
 };
 

@@ -9,6 +9,7 @@
 #include "level/level.hpp"
 #include "levels/mapping.hpp"
 
+#include <array>
 #include <vector>
 
 namespace mlgimp
@@ -27,7 +28,6 @@ struct BandNode {
 struct BorderTotals {
   Vec2 support_impulse{}; ///< at interface nodes on held sides, N s
   Vec2 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
-  double work = 0;        ///< of the forces that the two levels exert on each other, J: what the coupling injects
 };
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
@@ -53,14 +53,17 @@ public:
   /// extrapolate: what is in `sums` of the coarse level, or of the fine level's slaves. Collective on all.
   PetscErrorCode ShiftForces(bool from_fine);
 
-  /// Owned nodes of this rank whose second velocity is the first: interface nodes on the coarse level, slaves on the fine.
-  const std::vector<int> &HeldCoarse() const { return held_coarse_; }
-  const std::vector<int> &HeldFine() const { return held_fine_; }
+  /// Owned nodes of this rank that the border acts on: interface nodes on the coarse level, all of them held, and those of
+  /// the band on the fine, of which slaves are.
+  const std::vector<CoupledNode> &CoarseNodes() const { return coarse_nodes_; }
+  const std::vector<CoupledNode> &FineNodes() const { return fine_nodes_; }
 
-  /// The coarse forces of the step before, [interface nodes][2], the same on every rank: for a change of layout or a
+  /// What the last step leaves to the next, [interface nodes][kState], the same on every rank: for a change of layout or a
   /// restart. Empty where there has been no step. Collective on all.
-  PetscErrorCode GatherForces(std::vector<double> *forces) const;
-  void RestoreForces(const std::vector<double> &forces);
+  PetscErrorCode GatherState(std::vector<double> *state) const;
+  void RestoreState(const std::vector<double> &state);
+  /// Of an interface node: coarse force (2), velocity of the last substep (2), mean velocity of the step (2).
+  static constexpr int kState = 6;
 
   const BorderTotals &Totals() const { return totals_; }
   void SetTotals(const BorderTotals &totals) { totals_ = totals; }
@@ -85,7 +88,8 @@ private:
   /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
   PetscErrorCode Restrict();
   void AdvanceInterface(int substep, double dt);
-  void Prolong(double dt);
+  std::array<double, NodeArrays::kVelocity> Interpolate(const BandNode &band) const;
+  void Prolong();
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;
@@ -96,7 +100,8 @@ private:
   int owned_ = 0;
   std::vector<BandNode> band_;           ///< of owned fine nodes
   std::vector<unsigned char> held_axes_; ///< [owned_] bit per axis held by a side
-  std::vector<int> held_coarse_, held_fine_;
+  std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
+  std::vector<int> coarse_numbers_;                    ///< of coarse_nodes_ among interface_
   SFHandle exchange_, transfer_;
   std::vector<double> coarse_sums_;    ///< [owned_][kSums]: of the coarse points
   std::vector<double> previous_force_; ///< [owned_][2]

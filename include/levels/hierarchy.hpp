@@ -40,7 +40,7 @@ struct Books {
   double points_entered, points_left, points_split, points_merged, transfer_mass_error, transfer_momentum_error, points_adrift,
       mass_adrift, momentum_adrift[2];
   double contact_work;    ///< of the contact forces on the body; less than indenter_work by what contact takes up
-  double exchange_energy; ///< that the coupling of levels through nodes has added: the work of its forces
+  double exchange_energy; ///< kinetic and strain energy that points got by the coupling of levels through nodes
   double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
   double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
@@ -69,11 +69,11 @@ public:
   PetscErrorCode Advance(double time, double dt);
 
   PetscErrorCode MeasurePulse(double time, Pulse *pulse);
-  /// The coarse forces that border b of levels b and b + 1 keeps from one step to the next, [interface nodes][2], the
-  /// same on every rank; empty before the first step. Collective.
-  PetscErrorCode GatherBorderForces(int b, std::vector<double> *forces) { return borders_[b]->GatherForces(forces); }
-  /// Connects the levels as their layouts are now, with forces from GatherBorderForces. Collective.
-  PetscErrorCode RestoreBorderForces(int b, const std::vector<double> &forces);
+  /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][Border::kState], the same on
+  /// every rank; empty before the first step. Collective.
+  PetscErrorCode GatherBorderState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
+  /// Connects the levels as their layouts are now, with the state from GatherBorderState. Collective.
+  PetscErrorCode RestoreBorderState(int b, const std::vector<double> &state);
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const Pulse &pulse, double time, double dt, int steps);
@@ -108,8 +108,8 @@ private:
   std::vector<BlockTraffic> Traffic() const;
   RankMap RanksInUse() const;
   PetscErrorCode RenewBorder(int b);
-  PetscErrorCode Reconnect(int l);
-  void HoldNodes(int l);
+  PetscErrorCode Reconnect();
+  void CoupleNodes(int l);
   PetscErrorCode KeepBalance(int l);
   PetscErrorCode Rebalance(int l);
 

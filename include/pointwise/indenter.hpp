@@ -3,6 +3,7 @@
 
 #include "base/tensor.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,8 @@ class IndenterSurface
 public:
   virtual ~IndenterSurface() = default;
   virtual SurfaceGap Gap(Vec2 x) const = 0;
+  /// Largest extent along x up to a height above the tip, which may be infinite, m.
+  virtual double Width(double height) const = 0;
 };
 
 /// y = tan(b) (sqrt(x^2 + r^2) - r), b = 90 degrees - half_angle, r = tip_radius tan(b), half_angle in degrees from
@@ -40,6 +43,7 @@ public:
   PiecewiseLinear(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
   double Value(double t) const;
   double Integral(double t) const; ///< from 0 to t
+  double LargestMagnitude(double from, double to) const;
   /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
   double TimeOfIntegral(double target, double end) const;
 
@@ -53,6 +57,12 @@ struct IndenterMotion {
   double turning_time = HUGE_VAL; ///< s
   double unload_speed = 0;        ///< upward from turning_time on, m/s
 
+  /// Largest speed, up or down, between two times.
+  double Fastest(double from, double to) const
+  {
+    const double before = from < turning_time ? speed.LargestMagnitude(from, std::min(to, turning_time)) : 0;
+    return to < turning_time ? before : std::max(before, unload_speed);
+  }
   double Speed(double t) const { return t < turning_time ? speed.Value(t) : -unload_speed; }
   double Travel(double t) const
   {

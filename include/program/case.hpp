@@ -43,6 +43,18 @@ struct Case {
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity;   ///< options that a restart must share
 
+  /// The finest level whose box holds a place.
+  int LevelAt(Vec2 x) const
+  {
+    int level = 0;
+    while (level + 1 < levels && boxes[level + 1].Contains(x)) ++level;
+    return level;
+  }
+  /// The finest level at the surface that the indenter's tip meets.
+  int LevelAtTip() const
+  {
+    return LevelAt({model.indenter->tip[0], model.indenter->initial_surface - 1e-6 * CellSize(levels - 1)});
+  }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
   bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }

@@ -32,6 +32,7 @@ private:
   PetscErrorCode WriteHistoryRow();
   PetscErrorCode WriteState();
   PetscErrorCode LargestContact(HistoryRow *row);
+  PetscErrorCode WarnOfPenetration(double penetration);
   PetscErrorCode WriteSummary(const std::string &status, std::string *problem);
   PetscErrorCode Fail(const std::string &message);
   PetscErrorCode CheckWritten(const std::string &problem);
@@ -41,7 +42,11 @@ private:
   PetscErrorCode SettleFailure();
   bool AtEnd() const;
   double Progress() const;
-  double StepLength(double wave_speed) const;
+  double TimeScale(double speed) const;
+  double StepLength(double speed) const;
+  double FastestSignal(const Pulse &pulse) const;
+  PetscErrorCode CheckStep(double speed);
+  PetscErrorCode FailOrRefuse(const std::string &message);
 
   const Case &case_;
   MPI_Comm comm_ = MPI_COMM_NULL;
@@ -54,6 +59,7 @@ private:
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0;
+  bool warned_ = false; ///< of a surface deep inside the indenter
 };
 
 } // namespace mlgimp

@@ -68,8 +68,9 @@ private:
     const Grid &grid = view.grid;
     const double h = grid.Geometry().spacing;
     const SurfaceGap gap = view.indenter.Gap(segment.x, view.time + view.dt);
-    if (gap.distance > kContactRange * h || !Faces(segment, gap.normal)) return;
+    if (gap.distance > kContactRange * h) return;
     report->penetration = std::max(report->penetration, -view.indenter.Gap(segment.x, view.time).distance);
+    if (!Faces(segment, gap.normal)) return;
     int node[2];
     double part[2];
     for (int axis = 0; axis < 2; ++axis) {

@@ -28,7 +28,6 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
 
 PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout)
 {
-  constexpr double kEmptyNode = 1e-24; // of the mass of a full cell; forces on lighter nodes are lost
   double density = HUGE_VAL;
   PetscFunctionBeginUser;
   geometry_ = geometry;
@@ -123,6 +122,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates() || !pace_.contact_awake) contact_totals_.last = {};
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
   PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
   if (contact_ && pace_.contact_awake) PetscCall(ApplyContact(time, dt));
@@ -173,13 +173,14 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::ExchangeRates()
+PetscErrorCode Level::ExchangeRates(double dt)
 {
   double *rates = grid_->Arrays().rates;
   PetscFunctionBeginUser;
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(rates); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateRates(*grid_, geometry_.sides, nodal_, held_nodes_);
+  BookCoupling(*grid_, nodal_, true, dt, coupled_nodes_, nodal_totals_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
   PetscCall(PetscLogFlops(kRatesFlops * grid_->OwnedNodes()));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(rates, NodeArrays::kRates); }));
@@ -202,8 +203,9 @@ PetscErrorCode Level::AdvancePoints(double dt)
     transfer_->GridToPoints(view, first, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  if (!rates) BookCoupling(*grid_, nodal_, false, dt, coupled_nodes_, nodal_totals_);
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ExchangeRates());
+  PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(second_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
     transfer_->ApplyRates(view, second, totals, failure);
@@ -310,7 +312,7 @@ PetscErrorCode Level::Recut(const GridLayout &layout)
   auto grid = std::make_unique<Grid>();
   PetscCall(grid->Create(world_, geometry_.grid, layout));
   grid_ = std::move(grid);
-  held_nodes_.clear();
+  coupled_nodes_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   PetscCall(Sort());

@@ -108,14 +108,56 @@ void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalT
   totals.damping_dissipation += dt * settings.damping * damped;
 }
 
-/// Zero normal velocities of the second extrapolation at the sides.
-static void BindRates(const Grid &grid, const Sides &sides)
+void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
 {
+  for (CoupledNode &coupled : nodes) {
+    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(coupled.node);
+    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(coupled.node);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double now = velocity[axis], change = velocity[2 + axis];
+      const double before = coupled.held && coupled.has_previous ? coupled.velocity[axis] : now - change;
+      coupled.mean[axis] = 0.5 * (before + now);
+      coupled.velocity[axis] = now;
+      coupled.change[axis] = sums[0] > settings.mass_cutoff ? change - dt * sums[4 + axis] / sums[0] : 0;
+    }
+    coupled.has_previous = true;
+  }
+}
+
+void BookCoupling(const Grid &grid, const NodalSettings &settings, bool has_rates, double dt,
+                  const std::vector<CoupledNode> &nodes, NodalTotals &totals)
+{
+  // Weights on a node of little mass change much in a step, and so does its force: the mean of two steps says nothing.
+  const double light = kLightNode / kEmptyNode * settings.mass_cutoff;
+  for (const CoupledNode &coupled : nodes) {
+    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(coupled.node);
+    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(coupled.node);
+    const double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(coupled.node);
+    if (sums[0] <= settings.mass_cutoff) continue;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double before = sums[1 + axis], after = has_rates ? rates[axis] : before + sums[0] * velocity[2 + axis];
+      const double mean_momentum = 0.5 * (before + after);
+      totals.exchange_work += coupled.change[axis] * mean_momentum;
+      if ((coupled.held || !settings.second_extrapolation) && sums[0] > light)
+        totals.exchange_work += dt * sums[4 + axis] * (mean_momentum / sums[0] - coupled.mean[axis]);
+    }
+  }
+}
+
+/// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
+static Vec2 BindRates(const Grid &grid, const Sides &sides)
+{
+  Vec2 impulse{};
   ForEachBound(grid, sides, [&](int index, Side side) {
+    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-    for (int axis = 0; axis < 2; ++axis)
-      if (sides.Binds(side, axis)) rates[axis] = rates[2 + axis] = 0;
+    for (int axis = 0; axis < 2; ++axis) {
+      if (!sides.Binds(side, axis)) continue;
+      impulse[axis] -= sums[3] * rates[2 + axis];
+      rates[axis] = rates[2 + axis] = 0;
+    }
   });
+  return impulse;
 }
 
 void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings)
@@ -132,7 +174,8 @@ void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSetting
   BindRates(grid, sides);
 }
 
-void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<int> &held)
+void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<CoupledNode> &coupled,
+                 NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
   ForEachOwned(grid, [&](int index) {
@@ -153,12 +196,12 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
         rates[axis] = velocity[axis];
     }
   });
-  for (const int index : held)
-    for (int axis = 0; axis < 2; ++axis) {
-      double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-      rates[axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index) + axis];
+  for (const CoupledNode &node : coupled)
+    for (int axis = 0; node.held && axis < 2; ++axis) {
+      double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(node.node);
+      rates[axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(node.node) + axis];
     }
-  BindRates(grid, sides);
+  totals.xpic_side_impulse = totals.xpic_side_impulse + settings.xpic_fraction * BindRates(grid, sides);
 }
 
 } // namespace mlgimp

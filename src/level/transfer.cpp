@@ -292,18 +292,22 @@ private:
     }
   }
 
-  /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost.
+  /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost and the momentum.
   static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4], SweepTotals &totals)
   {
     double lost = 0;
-#pragma omp simd reduction(+ : lost)
-    for (int p = 0; p < b.count; ++p)
-      for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < 2; ++axis) {
+      double impulse = 0;
+#pragma omp simd reduction(+ : lost, impulse)
+      for (int p = 0; p < b.count; ++p) {
         double &v = b.velocity[2 * p + axis];
         const double mixed = v + fraction * (velocity[p][2 + axis] - v);
         lost += 0.5 * b.mass[p] * (v - mixed) * (v + mixed);
+        impulse += b.mass[p] * (mixed - v);
         v = mixed;
       }
+      totals.xpic_impulse[axis] += impulse;
+    }
     totals.xpic_dissipation += lost;
   }
 };

@@ -110,14 +110,17 @@ void Border::ListBand()
   const auto [oi, oj] = Offset(*coarse_, *fine_);
   std::map<std::pair<int, int>, int> number, place; // of interface nodes: among all, among those known here
   PetscMPIInt block = -1;
-  local_.clear(), band_.clear(), held_axes_.clear(), held_fine_.clear(), held_coarse_.clear();
+  local_.clear(), band_.clear(), held_axes_.clear(), fine_nodes_.clear(), coarse_nodes_.clear(), coarse_numbers_.clear();
   if (mesh.Participates()) MPI_Comm_rank(mesh.Comm(), &block);
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
     number[{node.i, node.j}] = k;
     if (coarse.Participates() && node.i >= coarse.OwnedLower(0) && node.i < coarse.OwnedUpper(0) &&
         node.j >= coarse.OwnedLower(1) && node.j < coarse.OwnedUpper(1))
-      held_coarse_.push_back(coarse.Index(node.i, node.j));
+    {
+      coarse_nodes_.push_back({coarse.Index(node.i, node.j), true});
+      coarse_numbers_.push_back(k);
+    }
     if (node.block != block) continue;
     place[{node.i, node.j}] = static_cast<int>(local_.size());
     local_.push_back(k);
@@ -143,7 +146,7 @@ void Border::ListBand()
           node.interface[node.count] = at->second;
           node.weight[node.count++] = weight;
         }
-      if (node.beta == 0) held_fine_.push_back(node.node);
+      fine_nodes_.push_back({node.node, node.beta == 0});
       band_.push_back(node);
     }
 }
@@ -223,7 +226,7 @@ PetscErrorCode Border::Advance(int substep, double dt)
     PetscCall(PetscSFBcastBegin(exchange_, unit, velocity_.data(), velocity_.data(), MPI_REPLACE));
     PetscCall(PetscSFBcastEnd(exchange_, unit, velocity_.data(), velocity_.data(), MPI_REPLACE));
   }
-  Prolong(dt);
+  Prolong();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -248,15 +251,6 @@ PetscErrorCode Border::Restrict()
   PetscCall(PetscSFReduceBegin(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
   PetscCall(PetscSFReduceEnd(exchange_, unit, sums_.data(), sums_.data(), MPI_SUM));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Work of the other level's force on a node in a step: c . (v - dv/2) with c = m dv - dt f, as points are given dv.
-static double CouplingWork(const double *sums, const double *velocity, double dt)
-{
-  double work = 0;
-  for (int axis = 0; axis < 2; ++axis)
-    work += (sums[0] * velocity[2 + axis] - dt * sums[4 + axis]) * (velocity[axis] - 0.5 * velocity[2 + axis]);
-  return work;
 }
 
 /// old = (p^c + p^f)/m, dv = dt (F_k + f^f)/m with m = m^c + m^f and F_k = f^c + (k/r)(f^c - f^c of the step before);
@@ -287,23 +281,28 @@ void Border::AdvanceInterface(int substep, double dt)
       mean[axis] += velocity[axis] / ratio_;
       mean[2 + axis] += dv;
     }
-    totals_.work += CouplingWork(coarse, velocity, dt);
   }
 }
 
-/// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i
-void Border::Prolong(double dt)
+/// sum_I N_I(x_i) (v, dv)_I
+std::array<double, NodeArrays::kVelocity> Border::Interpolate(const BandNode &band) const
 {
-  const double *sums = fine_->Mesh().Arrays().sums;
+  std::array<double, NodeArrays::kVelocity> sum{};
+  for (int a = 0; a < band.count; ++a) {
+    const double *from = &velocity_[NodeArrays::kVelocity * static_cast<std::size_t>(band.interface[a])];
+    for (int c = 0; c < NodeArrays::kVelocity; ++c) sum[c] += band.weight[a] * from[c];
+  }
+  return sum;
+}
+
+/// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i
+void Border::Prolong()
+{
   double *fine = fine_->Mesh().Arrays().velocity;
   for (const BandNode &band : band_) {
-    double *to = fine + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(band.node), sum[NodeArrays::kVelocity] = {};
-    for (int a = 0; a < band.count; ++a) {
-      const double *from = &velocity_[NodeArrays::kVelocity * static_cast<std::size_t>(band.interface[a])];
-      for (int c = 0; c < NodeArrays::kVelocity; ++c) sum[c] += band.weight[a] * from[c];
-    }
+    double *to = fine + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(band.node);
+    const std::array<double, NodeArrays::kVelocity> sum = Interpolate(band);
     for (int c = 0; c < NodeArrays::kVelocity; ++c) to[c] = (1 - band.beta) * sum[c] + band.beta * to[c];
-    totals_.work += CouplingWork(sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(band.node), to, dt);
   }
 }
 
@@ -335,28 +334,44 @@ PetscErrorCode Border::SendUp()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Border::GatherForces(std::vector<double> *forces) const
+PetscErrorCode Border::GatherState(std::vector<double> *state) const
 {
   PetscFunctionBeginUser;
-  forces->clear();
+  state->clear();
   if (!has_previous_) PetscFunctionReturn(PETSC_SUCCESS);
-  forces->assign(2 * interface_.size(), 0.0);
+  state->assign(kState * interface_.size(), 0.0);
   for (int k = 0; k < owned_; ++k)
-    for (int axis = 0; axis < 2; ++axis)
-      (*forces)[2 * static_cast<std::size_t>(local_[k]) + axis] =
-          coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis];
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, forces->data(), static_cast<int>(forces->size()), MPI_DOUBLE, MPI_SUM, world_));
+    for (int axis = 0; axis < 2; ++axis) {
+      double *node = &(*state)[kState * static_cast<std::size_t>(local_[k])];
+      node[axis] = coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis];
+      node[2 + axis] = velocity_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis];
+      node[4 + axis] = mean_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis];
+    }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, state->data(), static_cast<int>(state->size()), MPI_DOUBLE, MPI_SUM, world_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Border::RestoreForces(const std::vector<double> &forces)
+void Border::RestoreState(const std::vector<double> &state)
 {
-  has_previous_ = !forces.empty();
+  has_previous_ = !state.empty();
   if (!has_previous_) return;
+  const auto at = [&](int number, int component) { return state[kState * static_cast<std::size_t>(number) + component]; };
+  for (std::size_t k = 0; k < local_.size(); ++k)
+    for (int axis = 0; axis < 2; ++axis) velocity_[NodeArrays::kVelocity * k + axis] = at(local_[k], 2 + axis);
   for (int k = 0; k < owned_; ++k)
-    for (int axis = 0; axis < 2; ++axis)
-      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] =
-          forces[2 * static_cast<std::size_t>(local_[k]) + axis];
+    for (int axis = 0; axis < 2; ++axis) {
+      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] = at(local_[k], axis);
+      mean_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis] = at(local_[k], 4 + axis);
+    }
+  for (std::size_t k = 0; k < coarse_nodes_.size(); ++k) {
+    coarse_nodes_[k].velocity = {at(coarse_numbers_[k], 4), at(coarse_numbers_[k], 5)};
+    coarse_nodes_[k].has_previous = true;
+  }
+  for (std::size_t k = 0; k < band_.size(); ++k) {
+    const std::array<double, NodeArrays::kVelocity> velocity = Interpolate(band_[k]);
+    fine_nodes_[k].velocity = {velocity[0], velocity[1]};
+    fine_nodes_[k].has_previous = true;
+  }
 }
 
 } // namespace mlgimp

@@ -46,7 +46,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   }
   PetscCall(CreateBorders(first_id));
   PetscCall(MapRanks());
-  for (int l = 0; l < Levels(); ++l) HoldNodes(l);
+  for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
   for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1, nullptr));
@@ -120,7 +120,7 @@ PetscErrorCode Hierarchy::MapRanks()
     GridLayout layout = levels_[l]->Mesh().Layout();
     layout.ranks = better[l];
     PetscCall(levels_[l]->Recut(layout));
-    PetscCall(Reconnect(l));
+    PetscCall(Reconnect());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -134,44 +134,44 @@ void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
   *unmapped = BytesBetweenRanks(traffic, map);
 }
 
-/// Creates a border anew, with the forces and totals it had.
+/// Creates a border anew, with the state and totals it had.
 PetscErrorCode Hierarchy::RenewBorder(int b)
 {
-  std::vector<double> forces;
+  std::vector<double> state;
   auto border = std::make_unique<Border>();
   PetscFunctionBeginUser;
-  PetscCall(borders_[b]->GatherForces(&forces));
+  PetscCall(borders_[b]->GatherState(&state));
   const double width = settings_.blend_widths.empty() ? kBlendWidth : settings_.blend_widths[b];
   PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, width));
-  border->RestoreForces(forces);
+  border->RestoreState(state);
   border->SetTotals(borders_[b]->Totals());
   borders_[b] = std::move(border);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Hierarchy::HoldNodes(int l)
+void Hierarchy::CoupleNodes(int l)
 {
-  std::vector<int> nodes;
+  std::vector<CoupledNode> nodes;
   if (settings_.coupling == LevelCoupling::kPoints) return;
-  if (l > 0) nodes = borders_[l - 1]->HeldFine();
-  if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->HeldCoarse().begin(), borders_[l]->HeldCoarse().end());
-  levels_[l]->SetHeldNodes(std::move(nodes));
+  if (l > 0) nodes = borders_[l - 1]->FineNodes();
+  if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
+  levels_[l]->SetCoupledNodes(std::move(nodes));
 }
 
-PetscErrorCode Hierarchy::Reconnect(int l)
+PetscErrorCode Hierarchy::Reconnect()
 {
   PetscFunctionBeginUser;
-  for (int b = std::max(l - 1, 0); b <= l && b + 1 < Levels(); ++b) PetscCall(RenewBorder(b));
-  for (int k = std::max(l - 1, 0); k <= l + 1 && k < Levels(); ++k) HoldNodes(k);
+  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewBorder(b));
+  for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::RestoreBorderForces(int b, const std::vector<double> &forces)
+PetscErrorCode Hierarchy::RestoreBorderState(int b, const std::vector<double> &state)
 {
   PetscFunctionBeginUser;
   PetscCall(RenewBorder(b));
-  borders_[b]->RestoreForces(forces);
-  HoldNodes(b), HoldNodes(b + 1);
+  borders_[b]->RestoreState(state);
+  CoupleNodes(b), CoupleNodes(b + 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,7 +342,7 @@ PetscErrorCode Hierarchy::Rebalance(int l)
   if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
   const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Layout().Blocks();
   PetscCall(levels_[l]->Recut(layout));
-  PetscCall(Reconnect(l));
+  PetscCall(Reconnect());
   if (other_ranks) PetscCall(MapRanks());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

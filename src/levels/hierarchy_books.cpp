@@ -28,6 +28,7 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
   b->clamped_sizes += static_cast<double>(sweeps.clamped_sizes);
   b->damping_dissipation += nodal.damping_dissipation;
   b->external_work += nodal.external_work;
+  b->exchange_energy += nodal.exchange_work;
   b->indenter_work += contact.indenter_work;
   b->contact_work += contact.work;
   b->contact_steps += contact.steps;
@@ -35,7 +36,8 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
   b->contact_fallbacks += contact.fallbacks;
   for (int d = 0; d < 2; ++d) {
     b->momentum[d] += tally.momentum[d];
-    b->support_impulse[d] += nodal.support_impulse[d];
+    b->support_impulse[d] += nodal.support_impulse[d] + nodal.xpic_side_impulse[d];
+    b->stagger_impulse[d] += sweeps.xpic_impulse[d] - nodal.xpic_side_impulse[d]; // between levels; nothing on one
     b->contact_impulse[d] += contact.impulse[d];
     b->load_impulse[d] += nodal.load_impulse[d];
     b->gravity_impulse[d] += nodal.gravity_impulse[d];
@@ -51,7 +53,6 @@ static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossi
     b->support_impulse[d] += border.support_impulse[d];
     b->stagger_impulse[d] += border.stagger_impulse[d];
   }
-  b->exchange_energy += border.work;
   b->transfer_energy += crossing.energy;
   b->points_entered += crossing.entered;
   b->points_left += crossing.left;
@@ -83,9 +84,10 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     NodalTotals &n = level->Nodal();
     SweepTotals &s = level->Sweeps();
     ContactTotals &c = level->Contacts();
-    for (Vec2 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &c.impulse})
+    for (Vec2 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &n.xpic_side_impulse,
+                          &s.xpic_impulse, &c.impulse})
       each((*impulse)[0], (*impulse)[1]);
-    each(n.external_work, n.damping_dissipation);
+    each(n.external_work, n.exchange_work, n.damping_dissipation);
     each(s.short_wave_dissipation, s.plastic_dissipation, s.xpic_dissipation, s.clamped_sizes);
     each(c.indenter_work, c.work, c.steps, c.set_updates, c.fallbacks);
   }
@@ -93,7 +95,7 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     BorderTotals border = borders_[b]->Totals();
     CrossingTotals crossing = crossings_[b]->Totals();
     for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
-    each(border.work, crossing.energy);
+    each(crossing.energy);
     each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.mass_error, crossing.momentum_error);
     each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);
     borders_[b]->SetTotals(border);

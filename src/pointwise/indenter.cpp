@@ -21,6 +21,11 @@ public:
     const double scale = 1 / std::hypot(slope, 1.0);
     return {scale * (slope_ * (root - rounding_) - x[1]), {scale * slope, -scale}};
   }
+  double Width(double height) const override
+  {
+    const double root = height / slope_ + rounding_;
+    return 2 * std::sqrt((root - rounding_) * (root + rounding_));
+  }
 
 private:
   double slope_, rounding_;
@@ -35,6 +40,10 @@ public:
     const Vec2 r = x - Vec2{0, radius_};
     const double distance = Norm(r);
     return {distance - radius_, distance > 0 ? (1 / distance) * r : Vec2{0, -1}};
+  }
+  double Width(double height) const override
+  {
+    return height < radius_ ? 2 * std::sqrt(height * (2 * radius_ - height)) : 2 * radius_;
   }
 
 private:
@@ -60,6 +69,19 @@ public:
       if (distance > gap.distance) gap = {distance, plane.normal};
     }
     return gap;
+  }
+
+  double Width(double height) const override
+  {
+    double left = HUGE_VAL, right = -HUGE_VAL;
+    for (std::size_t k = 0; k < planes_.size(); ++k) { // the edge from one vertex to the next, below the height
+      const Vec2 a = planes_[k].point, b = planes_[(k + 1) % planes_.size()].point;
+      if (std::min(a[1], b[1]) > height) continue;
+      const double part = std::abs(b[1] - a[1]) > 0 ? std::clamp((height - a[1]) / (b[1] - a[1]), 0.0, 1.0) : 1;
+      for (const double x : {a[1] <= height ? a[0] : b[0], a[0] + part * (b[0] - a[0])})
+        left = std::min(left, x), right = std::max(right, x);
+    }
+    return right - left;
   }
 
 private:
@@ -138,6 +160,14 @@ double PiecewiseLinear::Integral(double t) const
       from = knot;
     }
   return sum + 0.5 * (Value(from) + Value(t)) * (t - from);
+}
+
+double PiecewiseLinear::LargestMagnitude(double from, double to) const
+{
+  double largest = std::max(std::abs(Value(from)), std::abs(Value(to)));
+  for (std::size_t k = 0; k < times_.size(); ++k)
+    if (times_[k] > from && times_[k] < to) largest = std::max(largest, std::abs(values_[k]));
+  return largest;
 }
 
 double PiecewiseLinear::TimeOfIntegral(double target, double end) const

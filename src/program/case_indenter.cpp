@@ -20,6 +20,9 @@ PetscErrorCode ReadSurface(OptionReader &reader, const std::string &kind, std::u
     PetscCall(reader.Number({"-indenter_half_angle", "angle of a wedge's face from its axis", "degrees"}, Open(0, 90), true,
                             &half_angle));
     PetscCall(reader.Number({"-indenter_tip_radius", "radius of a wedge's rounded tip", "m"}, kNotNegative, false, &tip_radius));
+    if (!reader.Help() && std::sin(half_angle * M_PI / 180) <= kLeastFacing)
+      PetscCall(reader.Refuse("-indenter_half_angle", FormatNumber(half_angle),
+                              "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones"));
     if (!reader.Help()) *surface = CreateWedge(half_angle, tip_radius);
   }
   if (kind == "cylinder" || reader.Help()) {
@@ -151,6 +154,26 @@ double LowestTip(const Indenter &indenter, double end_time)
   return lowest;
 }
 
+/// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
+PetscErrorCode CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const int level = c.LevelAtTip();
+  const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
+  PetscFunctionBeginUser;
+  if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
+    PetscCall(reader.Refuse("-indenter", kind, "at least as wide as " + cell + "; it is " +
+                                                   FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide"));
+  if (c.model.contact != "none" && depth > 0 && indenter.surface->Width(depth) < h)
+    PetscCall(PetscFPrintf(reader.Comm(), PETSC_STDERR,
+                           "mlgimp: warning: -indenter %s: at its largest depth of %s m it is %s m wide, less than %s: the load is "
+                           "that of the cells\n",
+                           kind.c_str(), FormatRounded(depth).c_str(), FormatRounded(indenter.surface->Width(depth)).c_str(),
+                           cell.c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// A level that the tip meets must hold it with the band of its border for the whole run.
 PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
 {
@@ -203,7 +226,9 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
       indenter.initial_surface = std::max(indenter.initial_surface, body.region->Bounds().upper[1]);
   }
   PetscCall(ReadTurningPoint(reader, c));
-  if (!reader.Help()) PetscCall(CheckIndenterPath(reader, *c));
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CheckIndenterPath(reader, *c));
+  PetscCall(CheckIndenterSize(reader, *c, kind));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -109,7 +109,7 @@ static PetscErrorCode WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
-  PetscCall(hierarchy.GatherBorderForces(b, &forces));
+  PetscCall(hierarchy.GatherBorderState(b, &forces));
   if (rank != 0) forces.clear();
   PetscCall(WritePairs(file, hierarchy.Comm(), BorderName(b), forces));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -243,7 +243,7 @@ PetscErrorCode ReadBorder(const H5Reader &file, Hierarchy &hierarchy, int b, boo
   std::vector<double> forces;
   PetscFunctionBeginUser;
   *good = ReadPairs(file, BorderName(b), &forces);
-  if (*good) PetscCall(hierarchy.RestoreBorderForces(b, forces));
+  if (*good) PetscCall(hierarchy.RestoreBorderState(b, forces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

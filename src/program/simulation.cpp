@@ -137,13 +137,56 @@ double Simulation::Progress() const
   return AtEnd() ? 1 : std::max(by_steps, state_.time / time.end_time);
 }
 
+/// What a step must be a fraction of: the time that the fastest signal takes through a cell, or that of the damping, which
+/// the nodal update takes explicitly.
+double Simulation::TimeScale(double speed) const
+{
+  const double damping = case_.model.nodal.damping, crossing = case_.cell_size / speed;
+  return damping > 0 ? std::min(crossing, 1 / damping) : crossing;
+}
+
 /// The user's step or that of the CFL number, shortened so that a whole number of steps leads to the end.
-double Simulation::StepLength(double wave_speed) const
+double Simulation::StepLength(double speed) const
 {
   const TimeSettings &time = case_.time;
-  const double longest = time.time_step > 0 ? time.time_step : time.cfl * case_.cell_size / wave_speed;
+  const double longest = time.time_step > 0 ? time.time_step : time.cfl * TimeScale(speed);
   const double left = time.end_time - state_.time;
   return std::isfinite(left) ? left / std::max(1.0, std::ceil(left / longest - 1e-6)) : longest;
+}
+
+/// The fastest signal: waves, or points and the indenter that come toward each other.
+double Simulation::FastestSignal(const Pulse &pulse) const
+{
+  if (!case_.model.indenter) return pulse.wave_speed;
+  const double soon = state_.time + 2 * kControlInterval * StepLength(pulse.wave_speed);
+  return std::max(pulse.wave_speed, pulse.point_speed + case_.model.indenter->motion.Fastest(state_.time, soon));
+}
+
+/// Ends the run, before its first step as one with wrong input.
+PetscErrorCode Simulation::FailOrRefuse(const std::string &message)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
+  PetscCall(Fail(message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Ends the run where its steps are too long to be stable, or too short to lead anywhere.
+PetscErrorCode Simulation::CheckStep(double speed)
+{
+  const TimeSettings &time = case_.time;
+  const double scale = TimeScale(speed), limit = kLargestCfl * scale, step = StepLength(speed), left = time.end_time - state_.time;
+  const bool by_damping = scale < case_.cell_size / speed;
+  constexpr double kMostSteps = 1e15; // far fewer than a double counts, far more than a machine makes
+  PetscFunctionBeginUser;
+  if (time.time_step > limit)
+    PetscCall(FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
+                           (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
+                           (state_.step > start_step_ ? " by now" : "")));
+  if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMostSteps * step)))
+    PetscCall(FailOrRefuse("-end_time " + FormatNumber(time.end_time) + ": must be in reach; a step is " + FormatRounded(step) +
+                           " s at time " + FormatRounded(state_.time) + " s, with a speed of " + FormatRounded(speed) + " m/s"));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Simulation::ControlStep()
@@ -152,15 +195,10 @@ PetscErrorCode Simulation::ControlStep()
   PetscFunctionBeginUser;
   PetscCall(hierarchy_.MeasurePulse(state_.time, &pulse));
   if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
-  const double limit = kLargestCfl * case_.cell_size / pulse.wave_speed;
-  if (case_.time.time_step > limit) {
-    const std::string message = "-time_step " + FormatNumber(case_.time.time_step) + ": must be <= " + FormatRounded(limit) +
-                                ", the cell size over the wave speed" + (state_.step > start_step_ ? " by now" : "");
-    PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
-    PetscCall(Fail(message));
-  }
-  // A restart goes on with the wave speed that its run last looked at, so that its steps are the same.
-  if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = pulse.wave_speed;
+  const double speed = FastestSignal(pulse);
+  PetscCall(CheckStep(speed));
+  // A restart goes on with the speed that its run last looked at, so that its steps are the same.
+  if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
   PetscCall(hierarchy_.Adapt(pulse, state_.time, state_.time_step, 2 * kControlInterval));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -274,6 +312,23 @@ PetscErrorCode Simulation::LargestContact(HistoryRow *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Warns, once, where the surface lies deeper inside the indenter than a sharp tip between two columns explains.
+PetscErrorCode Simulation::WarnOfPenetration(double penetration)
+{
+  PetscFunctionBeginUser;
+  if (warned_ || !case_.model.indenter || case_.model.contact == "none") PetscFunctionReturn(PETSC_SUCCESS);
+  const int level = case_.LevelAtTip();
+  const double cell = case_.CellSize(level);
+  if (penetration <= cell) PetscFunctionReturn(PETSC_SUCCESS);
+  warned_ = true;
+  PetscCall(PetscFPrintf(comm_, PETSC_STDERR,
+                         "mlgimp: warning: -cell_size %s: the surface lies %s m inside the indenter at time %s s, more than a cell "
+                         "of level %d: the indenter is too slender or too fast for the cells, and the load too small\n",
+                         FormatNumber(case_.cell_size).c_str(), FormatRounded(penetration).c_str(),
+                         FormatRounded(state_.time).c_str(), level));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Simulation::WriteState()
 {
   HistoryRow row{};
@@ -304,6 +359,7 @@ PetscErrorCode Simulation::WriteHistoryRow()
   row.load = load_;
   row.books = books_;
   PetscCall(LargestContact(&row));
+  PetscCall(WarnOfPenetration(row.penetration));
   PetscCall(history_.Write(row, &problem));
   PetscCall(CheckWritten(problem));
   PetscFunctionReturn(PETSC_SUCCESS);

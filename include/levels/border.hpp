@@ -61,6 +61,7 @@ public:
   /// restart. Empty where there has been no step. Collective on all.
   PetscErrorCode GatherForces(std::vector<double> *forces) const;
   void RestoreForces(const std::vector<double> &forces);
+  std::size_t InterfaceNodes() const { return interface_.size(); }
 
   const BorderTotals &Totals() const { return totals_; }
   void SetTotals(const BorderTotals &totals) { totals_ = totals; }

@@ -3,6 +3,7 @@
 
 #include "base/petsc.hpp"
 #include "base/tensor.hpp"
+#include "program/errors.hpp"
 
 #include <string>
 #include <vector>
@@ -78,9 +79,6 @@ std::string FormatVector(Vec2 x);
 std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
-
-/// A message as one line that no terminal takes for orders: other characters become question marks.
-std::string OneLine(std::string text);
 
 /// A value as messages show it: the first 200 characters.
 std::string Shortened(const std::string &value);

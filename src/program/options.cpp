@@ -61,13 +61,6 @@ std::string Range::Text() const
          (upper_open ? ")" : "]");
 }
 
-std::string OneLine(std::string text)
-{
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c); }, '?');
-  return text;
-}
-
 std::string Shortened(const std::string &value)
 {
   constexpr std::size_t kMost = 200;
@@ -85,7 +78,8 @@ PetscErrorCode OptionReader::Refuse(const std::string &name, const std::string &
 {
   PetscFunctionBeginUser;
   const std::string shown = value.empty() ? "" : " " + Shortened(value);
-  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s%s: must be %s", name.c_str(), shown.c_str(), allowed.c_str());
+  PetscCall(mlgimp::Refuse(comm_, name + shown + ": must be " + allowed));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given)
@@ -95,8 +89,7 @@ PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fa
   auto PetscOptionsObject = items_;
   PetscFunctionBeginUser;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: must have one meaning; give the body, material or load another name",
-            option.name.c_str());
+    PetscCall(Refuse(option.name, "", "an option of one meaning; give the body, material or load another name"));
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   PetscCall(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &set));
   *given = set;

@@ -1,6 +1,7 @@
 // Writing of summary.json.
 #include "program/summary.hpp"
 
+#include "program/agree.hpp"
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
@@ -121,7 +122,7 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
        << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)
        << ",\n  \"clamped_half_sizes\": " << FormatNumber(books.clamped_sizes) << ",\n  \"versions\": " << Versions() << "\n}\n";
   if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", json.str());
-  PetscCall(ShareText(hierarchy.Comm(), problem));
+  PetscCall(Agree(hierarchy.Comm(), "summary", problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

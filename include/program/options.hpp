@@ -11,6 +11,8 @@
 namespace mlgimp
 {
 
+inline constexpr std::size_t kLongestValue = 65535; ///< characters of an option's value
+
 /// The interval that a number must lie in.
 struct Range {
   double lower, upper;
@@ -60,10 +62,14 @@ public:
 
   /// Ends the run: "name value: must be allowed".
   PetscErrorCode Refuse(const std::string &name, const std::string &value, const std::string &allowed) const;
-  /// Ends the run if an option was given that nothing has read, with the nearest known name.
+  /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
+  /// later: what looks like one passes.
   PetscErrorCode RefuseUnused() const;
+  /// Tells of those at the end of a run.
+  PetscErrorCode WarnUnused() const;
 
 private:
+  static PetscErrorCode FindUnused(std::vector<std::string> *unused);
   PetscErrorCode Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given);
 
   MPI_Comm comm_;
@@ -82,9 +88,5 @@ std::vector<std::string> Split(const std::string &text, char separator);
 
 /// A value as messages show it: the first 200 characters.
 std::string Shortened(const std::string &value);
-
-/// Looks at the command line before PETSc does: options files that cannot be read or parsed, options given twice.
-/// Returns an empty string, or the message.
-std::string CheckCommandLine(int argc, char **argv);
 
 } // namespace mlgimp

@@ -1,6 +1,7 @@
 // mlgimp: multi-level generalized interpolation material point method for indentation and contact.
 #include "level/active_set.hpp"
 #include "program/case.hpp"
+#include "program/command_line.hpp"
 #include "program/errors.hpp"
 #include "program/hdf5_file.hpp"
 #include "program/signals.hpp"
@@ -23,7 +24,7 @@ using namespace mlgimp;
 /// For -fp_trap, whose handler prints eight lines about debuggers beside the error.
 PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 
-PetscErrorCode Main()
+PetscErrorCode Main(const std::string &name)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
@@ -33,6 +34,7 @@ PetscErrorCode Main()
   PetscCall(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
   if (traps) PetscErrorPrintf = PrintNothing;
   OptionReader reader(PETSC_COMM_WORLD, help);
+  settings.name = name;
   PetscCall(ReadCase(reader, &settings));
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
@@ -43,6 +45,7 @@ PetscErrorCode Main()
   PetscCall(simulation.SetUp(PETSC_COMM_WORLD));
   PetscCall(reader.RefuseUnused());
   PetscCall(simulation.Run());
+  PetscCall(reader.WarnUnused());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,14 +60,23 @@ static void ChooseLayersOfMpi()
 }
 
 /// Runs the program; any error has been printed when it returns.
-static PetscErrorCode Guarded(ErrorExit &errors)
+static PetscErrorCode Guarded(ErrorExit &errors, const std::string &name)
 {
   try {
-    return Main();
+    return Main(name);
   } catch (const std::exception &error) {
     errors.Meet(error.what());
   }
   return PETSC_ERR_LIB;
+}
+
+/// The words of a command line as main gets them; PETSc keeps the pointers.
+static std::vector<char *> Pointers(char *program, CommandLine &line)
+{
+  std::vector<char *> pointers = {program};
+  for (std::string &word : line.words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
 }
 
 int main(int argc, char **argv)
@@ -74,20 +86,22 @@ int main(int argc, char **argv)
   ChooseLayersOfMpi();
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  std::string message = rank == 0 ? CheckCommandLine(argc, argv) : "";
-  int bad = !message.empty();
-  MPI_Bcast(&bad, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (bad) {
-    if (rank == 0) std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(message).c_str());
+  CommandLine line = ReadCommandLine(argc, argv);
+  if (argc == 1 || !line.problem.empty()) {
+    if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
+    if (rank == 0 && argc > 1) std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line.problem).c_str());
     MPI_Finalize();
     return 1;
   }
+  std::vector<char *> words = Pointers(argv[0], line);
+  int count = static_cast<int>(words.size()) - 1;
+  char **first = words.data();
   ErrorExit errors;
   PetscErrorCode code = errors.Install();
-  if (!code) code = PetscInitialize(&argc, &argv, nullptr, kHelp);
+  if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
   if (!code) {
     InstallSignals(rank);
-    code = Guarded(errors);
+    code = Guarded(errors, line.name);
     if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // no news to whom has just been told of one
     const PetscErrorCode end = PetscFinalize();                        // reads options too
     if (!code) code = end;

@@ -64,6 +64,7 @@ public:
   void RestoreState(const std::vector<double> &state);
   /// Of an interface node: coarse force (2), velocity of the last substep (2), mean velocity of the step (2).
   static constexpr int kState = 6;
+  std::size_t InterfaceNodes() const { return interface_.size(); }
 
   const BorderTotals &Totals() const { return totals_; }
   void SetTotals(const BorderTotals &totals) { totals_ = totals; }

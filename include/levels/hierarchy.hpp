@@ -72,6 +72,8 @@ public:
   /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][Border::kState], the same on
   /// every rank; empty before the first step. Collective.
   PetscErrorCode GatherBorderState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
+  /// Number of interface nodes of border b.
+  std::size_t BorderNodes(int b) const { return borders_[b]->InterfaceNodes(); }
   /// Connects the levels as their layouts are now, with the state from GatherBorderState. Collective.
   PetscErrorCode RestoreBorderState(int b, const std::vector<double> &state);
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
@@ -81,7 +83,8 @@ public:
   /// This rank's parts of what the books count since the start, in a fixed order, and back. Their sums over ranks are
   /// those of the books, to the last bit where each rank gets its own back.
   std::vector<double> Totals();
-  void RestoreTotals(const std::vector<double> &totals);
+  /// RestoreTotals: false where a total that is a count is none.
+  bool RestoreTotals(const std::vector<double> &totals);
   /// One line about the first failure, the same on every rank; empty where there is none.
   PetscErrorCode DescribeFailure(std::string *message);
 

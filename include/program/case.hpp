@@ -30,7 +30,7 @@ struct OutputSettings {
 };
 
 struct Case {
-  std::string name;
+  std::string name; ///< given before the options are read
   Box domain;
   double cell_size = 0; ///< of level 0, m
   int levels = 1;

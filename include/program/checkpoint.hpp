@@ -1,7 +1,7 @@
 // Checkpoints: all that a restart needs, on any number of ranks.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "program/case.hpp"
 
 #include <array>
 #include <string>
@@ -23,14 +23,16 @@ struct RunState {
   double penetration = 0;                     ///< deepest so far, m
 };
 
-/// Writes directory/checkpoint_SSSSSS.h5. problem: empty, or why that failed, the same on every rank. Collective.
+/// directory/checkpoint_SSSSSS.h5
+std::string CheckpointPath(const std::string &directory, long step);
+
+/// Writes the checkpoint of a step. problem: empty, or why that failed, the same on every rank. Collective.
 PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
                                const RunState &state, std::string *problem);
 
-/// Fills the empty levels of a hierarchy; ends the run with one line where the file is not whole, of another format or
-/// of another case. same_ranks: as many ranks wrote it, and each has got its own back, so that the run goes on to the
-/// last bit as if it had not been interrupted. Collective.
-PetscErrorCode ReadCheckpoint(const std::string &path, const std::vector<std::string> &identity, Hierarchy &hierarchy,
-                              RunState *state, bool *same_ranks);
+/// Fills the empty levels of a hierarchy from -restart; ends the run with one line where the file is not whole, of another
+/// format or of another case, or means nothing that a run can go on from. same_ranks: as many ranks wrote it, and each has
+/// got its own back, so that the run goes on to the last bit as if it had not been interrupted. Collective.
+PetscErrorCode ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks);
 
 } // namespace mlgimp

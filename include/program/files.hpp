@@ -1,8 +1,6 @@
 // Files that one rank writes, whole or not at all, and the one line about those that cannot be written.
 #pragma once
 
-#include "base/petsc.hpp"
-
 #include <string>
 #include <unistd.h>
 
@@ -46,7 +44,7 @@ bool WriteAll(int file, const std::string &text);
 /// Writes a text file under another name and renames it when it is complete. Empty, or what CannotWrite says.
 std::string ReplaceFile(const std::string &path, const std::string &text);
 
-/// The first rank's text, on every rank. Collective.
-PetscErrorCode ShareText(MPI_Comm comm, std::string *text);
+/// True while a path leads to the file that is open: not where somebody has removed or replaced it.
+bool SameFile(int file, const std::string &path);
 
 } // namespace mlgimp

@@ -14,13 +14,14 @@ class FrameWriter
 public:
   FrameWriter(std::string directory, const Model &model) : directory_(std::move(directory)), model_(model) {}
 
-  /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on; removes others.
+  /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on.
   /// problem: empty, or what could not be written; here and below.
   PetscErrorCode Resume(MPI_Comm comm, int written, std::string *problem);
   /// Writes frame `number` (the first is 1) and the series with it. Collective.
   PetscErrorCode Write(Hierarchy &hierarchy, int number, double time, long step, std::string *problem);
-  /// Number of the last frame that is there; 0 for none.
+  /// Number of the last frame that was written, or found by Resume; 0 for none. First rank.
   int Last() const { return frames_.empty() ? 0 : frames_.back().number; }
+  std::string PathOf(int number) const { return directory_ + "/" + FileName(number); }
 
 private:
   struct Frame {
@@ -35,8 +36,5 @@ private:
   const Model &model_;
   std::vector<Frame> frames_;
 };
-
-/// This rank's rows among those of all ranks.
-PetscErrorCode MakeSlab(MPI_Comm comm, int count, struct Slab *slab);
 
 } // namespace mlgimp

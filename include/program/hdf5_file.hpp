@@ -1,4 +1,4 @@
-// A parallel HDF5 file: groups, attributes, and datasets that each rank holds a slab of.
+// An HDF5 file: groups, attributes, and datasets that each rank holds a slab of. Written in parallel; read by each rank alone.
 //
 // Files are written under another name and renamed when they are complete, so that a file with its final name is whole.
 // Room on the disk is reserved before MPI writes: MPI libraries do not return from a full disk on every rank, and hide why.
@@ -10,6 +10,7 @@
 #include <hdf5.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mlgimp
@@ -54,51 +55,60 @@ struct Slab {
   hsize_t start, count, total;
 };
 
-/// Writes one file. After any failure further calls do nothing; Finish tells.
+/// This rank's `count` rows among those of all ranks. Collective.
+PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab);
+
+/// Writes one file. After any failure, on whatever rank, further calls do nothing; Finish tells.
 class H5Writer
 {
 public:
-  /// Starts path + ".part". Collective, like all members.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &path);
-  void Group(const std::string &name);
-  void Attribute(const std::string &object, const std::string &name, double value);
-  void Attribute(const std::string &object, const std::string &name, const std::string &value);
-  void Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
+  /// Starts path + ".part". checked: with HDF5's checksums of all metadata and data, for files that are read back; such files
+  /// need HDF5 1.10 or later. Collective, like all members.
+  PetscErrorCode Open(MPI_Comm comm, const std::string &path, bool checked);
+  PetscErrorCode Group(const std::string &name);
+  /// A few numbers; one of them is a scalar.
+  PetscErrorCode Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
   /// Rows of `components` values; one component gives a dataset of rank 1.
-  void Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
-  /// Closes, seals where `sealed`, and renames. problem: empty, or why there is no such file, the same on every rank.
-  PetscErrorCode Finish(bool sealed, std::string *problem);
+  PetscErrorCode Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
+  /// A dataset of any length that one rank holds and the others give empty.
+  PetscErrorCode List(const std::string &name, const std::vector<double> &values);
+  PetscErrorCode Text(const std::string &name, const std::string &text);
+  /// Closes and renames. problem: empty, or why there is no such file, the same on every rank.
+  PetscErrorCode Finish(std::string *problem);
 
 private:
   void Note(bool success) { good_ = good_ && success; }
   void NoteSystem(bool success);
-  void Agree();
-  void Reserve(off_t size);
-  void WriteAttribute(const std::string &object, const std::string &name, hid_t type, hid_t space, const void *data);
+  PetscErrorCode Settle(const char *place);
+  PetscErrorCode Reserve(off_t size);
+  H5Handle Layout(int components, hsize_t rows, std::size_t row_size) const;
+  off_t EndOf(const H5Handle &set, hsize_t bytes) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   H5Handle file_;
   Descriptor part_;    ///< the same file on the first rank, by which room is reserved
   off_t reserved_ = 0; ///< bytes
-  bool good_ = true;
+  bool checked_ = false, good_ = true;
   int error_ = 0; ///< errno of the first call of the system that failed
 };
 
-/// Reads one file; every function returns false where what it asks for is not there.
+/// Reads one file on this rank alone, without MPI, so that no damage that one rank meets keeps the others waiting. Every
+/// function returns false where what it asks for is not there, not of the right kind, or damaged.
 class H5Reader
 {
 public:
-  bool Open(MPI_Comm comm, const std::string &path);
+  bool Open(const std::string &path);
   bool Has(const std::string &name) const { return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0; }
-  bool Attribute(const std::string &object, const std::string &name, double *value) const;
-  bool Attribute(const std::string &object, const std::string &name, std::string *value) const;
+  /// As many numbers as `values` has.
   bool Attribute(const std::string &object, const std::string &name, std::vector<double> *values) const;
-  bool Rows(const std::string &name, hsize_t *rows) const;
+  /// Rows of a dataset of values of this type; what is not all in the file is not there.
+  bool Rows(const std::string &name, hid_t type, int components, hsize_t *rows) const;
   bool Dataset(const std::string &name, hid_t type, int components, const Slab &slab, void *data) const;
+  bool List(const std::string &name, std::vector<double> *values) const;
+  bool Text(const std::string &name, std::string *text) const;
 
 private:
-  H5Handle OpenAttribute(const std::string &object, const std::string &name) const;
   H5Handle file_;
 };
 

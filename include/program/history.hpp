@@ -24,8 +24,10 @@ public:
   /// file cannot be written, the same on every rank. Collective.
   PetscErrorCode Open(MPI_Comm comm, const std::string &directory, long resume_step, std::string *problem);
   PetscErrorCode Write(const HistoryRow &row, std::string *problem);
-  /// Step of the last row that is there; -1 for none.
+  /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
+  /// False where somebody has removed the file. First rank.
+  bool IsThere() const { return SameFile(file_, path_); }
 
 private:
   std::string Append(const std::string &text) const;

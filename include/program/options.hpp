@@ -3,12 +3,15 @@
 
 #include "base/petsc.hpp"
 #include "base/tensor.hpp"
+#include "program/errors.hpp"
 
 #include <string>
 #include <vector>
 
 namespace mlgimp
 {
+
+inline constexpr std::size_t kLongestValue = 65535; ///< characters of an option's value
 
 /// The interval that a number must lie in.
 struct Range {
@@ -59,10 +62,14 @@ public:
 
   /// Ends the run: "name value: must be allowed".
   PetscErrorCode Refuse(const std::string &name, const std::string &value, const std::string &allowed) const;
-  /// Ends the run if an option was given that nothing has read, with the nearest known name.
+  /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
+  /// later: what looks like one passes.
   PetscErrorCode RefuseUnused() const;
+  /// Tells of those at the end of a run.
+  PetscErrorCode WarnUnused() const;
 
 private:
+  static PetscErrorCode FindUnused(std::vector<std::string> *unused);
   PetscErrorCode Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given);
 
   MPI_Comm comm_;
@@ -79,14 +86,7 @@ std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
 
-/// A message as one line that no terminal takes for orders: other characters become question marks.
-std::string OneLine(std::string text);
-
 /// A value as messages show it: the first 200 characters.
 std::string Shortened(const std::string &value);
-
-/// Looks at the command line before PETSc does: options files that cannot be read or parsed, options given twice.
-/// Returns an empty string, or the message.
-std::string CheckCommandLine(int argc, char **argv);
 
 } // namespace mlgimp

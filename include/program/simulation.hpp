@@ -6,6 +6,7 @@
 #include "program/checkpoint.hpp"
 #include "program/frames.hpp"
 #include "program/history.hpp"
+#include "program/output_folder.hpp"
 
 #include <string>
 
@@ -16,7 +17,10 @@ class Simulation
 {
 public:
   /// The case is kept by reference and must outlive the simulation.
-  explicit Simulation(const Case &settings) : case_(settings), frames_(settings.output.directory, settings.model) {}
+  explicit Simulation(const Case &settings)
+      : case_(settings), folder_(settings.output), frames_(settings.output.directory, settings.model)
+  {
+  }
 
   /// Creates levels and points, or reads them from a checkpoint, and checks what only they can tell. Collective.
   PetscErrorCode SetUp(MPI_Comm comm);
@@ -24,8 +28,6 @@ public:
   PetscErrorCode Run();
 
 private:
-  bool GoesOn() const;
-  PetscErrorCode CheckOutputFolder();
   PetscErrorCode PrepareOutputFolder();
   PetscErrorCode ControlStep();
   PetscErrorCode WriteDue();
@@ -36,10 +38,11 @@ private:
   PetscErrorCode WriteSummary(const std::string &status, std::string *problem);
   PetscErrorCode Fail(const std::string &message);
   PetscErrorCode CheckWritten(const std::string &problem);
-  std::string Kept() const;
+  PetscErrorCode FindKept(std::string *text);
   std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
   PetscErrorCode ShowProgress(bool last);
   PetscErrorCode SettleFailure();
+  PetscErrorCode SettleState();
   bool AtEnd() const;
   double Progress() const;
   double TimeScale(double speed) const;
@@ -54,6 +57,7 @@ private:
   Hierarchy hierarchy_;
   RunState state_;
   Books books_{}; ///< of the last history row
+  OutputFolder folder_;
   History history_;
   FrameWriter frames_;
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;

@@ -1,6 +1,7 @@
 // The books of a run and its failures, over all levels and ranks.
 #include "levels/hierarchy.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <type_traits>
@@ -110,10 +111,19 @@ std::vector<double> Hierarchy::Totals()
   return totals;
 }
 
-void Hierarchy::RestoreTotals(const std::vector<double> &totals)
+bool Hierarchy::RestoreTotals(const std::vector<double> &totals)
 {
+  constexpr double kLargestCount = 9007199254740992; // 2^53
   auto next = totals.begin();
-  ForEachTotal([&](auto &number) { number = static_cast<std::decay_t<decltype(number)>>(*next++); });
+  bool right = true;
+  ForEachTotal([&](auto &number) {
+    using Number = std::decay_t<decltype(number)>;
+    const double value = *next++;
+    const bool fits = !std::is_integral_v<Number> || (value >= 0 && value <= kLargestCount && value == std::floor(value));
+    number = fits ? static_cast<Number>(value) : Number{};
+    right = right && fits;
+  });
+  return right;
 }
 
 static std::string Describe(const LevelFailure &failure, int l)

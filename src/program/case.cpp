@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <unistd.h>
 
 namespace mlgimp
@@ -14,6 +15,8 @@ namespace mlgimp
 
 namespace
 {
+
+const Range kCellSizes = Closed(1e-100, 1e100); ///< m
 
 PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
 {
@@ -32,6 +35,8 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
     c->model.sides[s] = static_cast<SideKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
   }
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!kCellSizes.Contains(c->cell_size))
+    PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too"));
   for (int axis = 0; axis < 2; ++axis) {
     const double cells = (c->domain.upper[axis] - c->domain.lower[axis]) / c->cell_size;
     if (!(cells > 0))
@@ -89,6 +94,20 @@ PetscErrorCode ReadTime(OptionReader &reader, Case *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether somebody watches: mpiexec may give ranks a terminal of its own, whose lines end in a file. The first rank decides.
+PetscErrorCode OnTerminal(MPI_Comm comm, bool *yes)
+{
+  PetscMPIInt ranks;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  int watched = ranks == 1 && isatty(STDOUT_FILENO);
+  for (const char *set_by_mpiexec : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS"})
+    if (getenv(set_by_mpiexec)) watched = 0;
+  PetscCallMPI(MPI_Bcast(&watched, 1, MPI_INT, 0, comm));
+  *yes = watched;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
 {
   OutputSettings &out = c->output;
@@ -104,8 +123,8 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   PetscCall(reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", ""}, kNotNegative,
                            &out.checkpoint_interval));
   PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
-  out.monitor = isatty(STDOUT_FILENO);
-  PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal)", ""}, &out.monitor));
+  PetscCall(OnTerminal(reader.Comm(), &out.monitor));
+  PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)", ""}, &out.monitor));
   PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
   PetscCall(
       reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
@@ -113,22 +132,6 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
                           {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold));
   PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""},
                            Closed(1, 2e9), &c->hierarchy.points_per_rank));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The last options file's name without folder and ending.
-PetscErrorCode ReadName(Case *c)
-{
-  int count = 0;
-  char **words = nullptr;
-  std::string name;
-  PetscFunctionBeginUser;
-  PetscCall(PetscGetArgs(&count, &words));
-  for (int k = 1; k + 1 < count; ++k)
-    if (words[k] == std::string("-options_file")) name = words[k + 1];
-  name = name.substr(name.find_last_of('/') + 1);
-  name = name.substr(0, name.find_last_of('.'));
-  c->name = name.empty() ? "run" : name;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +152,6 @@ PetscErrorCode ReadCase(OptionReader &reader, Case *c)
 {
   std::vector<std::string> materials, bodies;
   PetscFunctionBeginUser;
-  PetscCall(ReadName(c));
   PetscCall(Group(reader, "Grid", [&] { return ReadGrid(reader, c); }));
   PetscCall(Group(reader, "Levels (1: each level but the coarsest)", [&] { return ReadLevels(reader, c); }));
   PetscCall(Group(reader, "Materials (NAME: each name in -materials)", [&] { return ReadMaterials(reader, c, &materials); }));

@@ -1,5 +1,6 @@
 // Options of materials, bodies and loads.
 #include "program/case_groups.hpp"
+#include "program/polygon.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,10 +24,10 @@ PetscErrorCode FindName(OptionReader &reader, const std::string &option, const s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::unique_ptr<Region> *region)
+PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::string *chosen, std::unique_ptr<Region> *region)
 {
   const std::string prefix = "-" + name + "_";
-  std::string shape = "box";
+  std::string &shape = *chosen = "box";
   PetscFunctionBeginUser;
   PetscCall(reader.Choice({prefix + "shape", "shape of the body", ""}, {"box", "disk", "polygon"}, &shape));
   if (shape == "box" || reader.Help()) {
@@ -52,28 +53,68 @@ PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::un
     if (numbers.size() % 2)
       PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
     for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
-    if (!reader.Help()) *region = CreatePolygonRegion(vertices);
+    if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+    if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
+      PetscCall(reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong));
+    *region = CreatePolygonRegion(vertices);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// A place inside both regions is looked for on a lattice over the common part of their bounds.
-bool Overlap(const Region &a, const Region &b)
+/// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
+/// with places a tenth of a cell apart where that is not too many.
+bool Overlap(const Region &a, const Region &b, bool boxes, double cell)
 {
-  constexpr int kLattice = 64;
+  constexpr double kPlaces = 10, kLeast = 64, kMost = 500; // in a cell; along an axis
   const Box A = a.Bounds(), B = b.Bounds();
   Vec2 lower, size;
+  int count[2];
   for (int d = 0; d < 2; ++d) {
     lower[d] = std::max(A.lower[d], B.lower[d]);
     size[d] = std::min(A.upper[d], B.upper[d]) - lower[d];
     if (size[d] <= 1e-9 * (A.upper[d] - A.lower[d])) return false;
+    count[d] = static_cast<int>(std::clamp(std::ceil(kPlaces * size[d] / cell), kLeast, kMost));
   }
-  for (int j = 0; j < kLattice; ++j)
-    for (int i = 0; i < kLattice; ++i) {
-      const Vec2 x = {lower[0] + (i + 0.5) / kLattice * size[0], lower[1] + (j + 0.5) / kLattice * size[1]};
+  if (boxes) return true;
+  for (int j = 0; j < count[1]; ++j)
+    for (int i = 0; i < count[0]; ++i) {
+      const Vec2 x = {lower[0] + (i + 0.5) / count[0] * size[0], lower[1] + (j + 0.5) / count[1] * size[1]};
       if (a.Contains(x) && b.Contains(x)) return true;
     }
   return false;
+}
+
+/// The option that places the side of a body that lies outside the domain; a region knows its bounds alone.
+std::string PlaceOption(const std::string &shape, bool upper)
+{
+  if (shape == "polygon") return "vertices";
+  if (shape == "disk") return "center";
+  return upper ? "upper" : "lower";
+}
+
+/// A body must lie inside the domain and clear of those before it.
+PetscErrorCode CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std::string &shape,
+                          const std::vector<std::string> &shapes)
+{
+  const Box bounds = body.region->Bounds();
+  const double tolerance = 1e-9 * c.cell_size;
+  PetscFunctionBeginUser;
+  for (int d = 0; d < 2; ++d)
+    for (const bool upper : {false, true}) {
+      const double beyond = upper ? bounds.upper[d] - c.domain.upper[d] : c.domain.lower[d] - bounds.lower[d];
+      if (beyond <= tolerance) continue;
+      const std::string option = "-" + body.name + "_" + PlaceOption(shape, upper);
+      PetscCall(reader.Refuse(option, shape == "box" ? FormatVector(upper ? bounds.upper : bounds.lower) : "",
+                              "inside the domain, " + FormatVector(c.domain.lower) + " to " + FormatVector(c.domain.upper) +
+                                  "; body " + body.name + " reaches from " + FormatVector(bounds.lower) + " to " +
+                                  FormatVector(bounds.upper)));
+    }
+  for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
+    const Body &other = c.model.bodies[k];
+    if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1)))
+      PetscCall(reader.Refuse("-bodies", body.name, "clear of body " + other.name + ": they overlap"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
@@ -104,30 +145,21 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
                           std::vector<std::string> *names)
 {
   PetscFunctionBeginUser;
+  std::vector<std::string> shapes;
   PetscCall(reader.Names({"-bodies", "names of the bodies", ""}, true, names));
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
     Body body{name, nullptr, 0, {0, 0}, 2};
-    std::string material = materials.size() == 1 ? materials[0] : "";
-    PetscCall(ReadRegion(reader, name, &body.region));
+    std::string shape, material = materials.size() == 1 ? materials[0] : "";
+    PetscCall(ReadRegion(reader, name, &shape, &body.region));
     PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""},
                           materials.size() > 1, &material));
     PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));
     PetscCall(reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity));
     PetscCall(reader.Integer({prefix + "points_per_cell", "material points per direction in a cell", ""}, Closed(1, 16),
                              &body.points_per_cell));
-    if (!reader.Help()) {
-      const Box bounds = body.region->Bounds();
-      const double tolerance = 1e-9 * c->cell_size;
-      for (int d = 0; d < 2; ++d)
-        if (bounds.lower[d] < c->domain.lower[d] - tolerance || bounds.upper[d] > c->domain.upper[d] + tolerance)
-          PetscCall(reader.Refuse("-bodies", name,
-                                  "inside the domain; it reaches from " + FormatVector(bounds.lower) + " to " +
-                                      FormatVector(bounds.upper)));
-      for (const Body &other : c->model.bodies)
-        if (Overlap(*body.region, *other.region))
-          PetscCall(reader.Refuse("-bodies", name, "clear of body " + other.name + ": they overlap"));
-    }
+    if (!reader.Help()) PetscCall(CheckPlace(reader, *c, body, shape, shapes));
+    shapes.push_back(shape);
     c->model.bodies.push_back(std::move(body));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

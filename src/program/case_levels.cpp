@@ -10,7 +10,8 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kOnLine = 1e-6; ///< cells, within which a place counts as on a grid line
+constexpr double kOnLine = 1e-6;  ///< cells, within which a place counts as on a grid line
+constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much its grid is shifted
 
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
 PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec2 corner, double cell)
@@ -18,7 +19,8 @@ PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string
   PetscFunctionBeginUser;
   for (int axis = 0; axis < 2; ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
-    if (std::abs(cells - std::round(cells)) > kOnLine * std::max(1.0, std::abs(cells)))
+    const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
+    if (std::abs(cells - std::round(cells)) > kOffLine && !at_side)
       PetscCall(reader.Refuse(option, FormatVector(corner),
                               "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
                                   " from -domain_lower " + FormatVector(c.domain.lower)));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 
 namespace mlgimp
 {
@@ -34,14 +35,11 @@ std::string ReplaceFile(const std::string &path, const std::string &text)
   return CannotWrite(path, error);
 }
 
-PetscErrorCode ShareText(MPI_Comm comm, std::string *text)
+bool SameFile(int file, const std::string &path)
 {
-  int length = static_cast<int>(text->size());
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
-  text->resize(length);
-  if (length > 0) PetscCallMPI(MPI_Bcast(text->data(), length, MPI_CHAR, 0, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  struct stat open_one, named;
+  return fstat(file, &open_one) == 0 && stat(path.c_str(), &named) == 0 && open_one.st_dev == named.st_dev &&
+         open_one.st_ino == named.st_ino;
 }
 
 } // namespace mlgimp

@@ -1,30 +1,16 @@
 // Point frames in HDF5 and their XDMF series.
 #include "program/frames.hpp"
 
+#include "program/agree.hpp"
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 namespace mlgimp
 {
-
-PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab)
-{
-  unsigned long long mine = static_cast<unsigned long long>(count), before = 0, total = 0;
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
-  *slab = {rank ? before : 0, mine, total};
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 std::string FrameWriter::FileName(int number) const
 {
@@ -34,17 +20,20 @@ std::string FrameWriter::FileName(int number) const
 }
 
 /// Datasets of a level that are not fields of the points: current volume and half size.
-static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model, const Slab &slab)
+static PetscErrorCode AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model,
+                                 const Slab &slab)
 {
   const BodyTable bodies = model.Table();
+  PetscFunctionBeginUser;
   std::vector<double> volume(points.count), half_size(2 * static_cast<std::size_t>(points.count));
   for (int p = 0; p < points.count; ++p) {
     const double *F = points.F + 4 * p;
     volume[p] = (F[0] * F[3] - F[1] * F[2]) * points.mass[p] / bodies.Of(points, p).Density();
     for (int axis = 0; axis < 2; ++axis) half_size[2 * p + axis] = CurrentHalfSize(points, p, axis);
   }
-  file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
-  file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data());
+  PetscCall(file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data()));
+  PetscCall(file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data()));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step, std::string *problem)
@@ -52,27 +41,27 @@ PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time,
   H5Writer file;
   Frame frame{number, time, {}};
   PetscFunctionBeginUser;
-  PetscCall(file.Open(hierarchy.Comm(), directory_ + "/" + FileName(number)));
-  file.Attribute("/", "time", time);
-  file.Attribute("/", "step", static_cast<double>(step));
+  PetscCall(file.Open(hierarchy.Comm(), PathOf(number), false));
+  PetscCall(file.Attribute("/", "time", {time}));
+  PetscCall(file.Attribute("/", "step", {static_cast<double>(step)}));
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
     PointArrays points;
     Slab slab;
     PetscCall(hierarchy.At(l).PointStore().Arrays(&points));
     PetscCall(MakeSlab(hierarchy.Comm(), points.count, &slab));
-    file.Group(group);
-    file.Dataset(group + "/id", H5T_NATIVE_INT64, 1, slab, points.id);
-    file.Dataset(group + "/position", H5T_NATIVE_DOUBLE, 2, slab, points.position);
-    file.Dataset(group + "/velocity", H5T_NATIVE_DOUBLE, 2, slab, points.velocity);
-    file.Dataset(group + "/stress", H5T_NATIVE_DOUBLE, 4, slab, points.stress);
-    file.Dataset(group + "/deformation_gradient", H5T_NATIVE_DOUBLE, 4, slab, points.F);
-    file.Dataset(group + "/mass", H5T_NATIVE_DOUBLE, 1, slab, points.mass);
-    file.Dataset(group + "/body", H5T_NATIVE_INT, 1, slab, points.body);
-    AddDerived(file, group, points, model_, slab);
+    PetscCall(file.Group(group));
+    PetscCall(file.Dataset(group + "/id", H5T_NATIVE_INT64, 1, slab, points.id));
+    PetscCall(file.Dataset(group + "/position", H5T_NATIVE_DOUBLE, 2, slab, points.position));
+    PetscCall(file.Dataset(group + "/velocity", H5T_NATIVE_DOUBLE, 2, slab, points.velocity));
+    PetscCall(file.Dataset(group + "/stress", H5T_NATIVE_DOUBLE, 4, slab, points.stress));
+    PetscCall(file.Dataset(group + "/deformation_gradient", H5T_NATIVE_DOUBLE, 4, slab, points.F));
+    PetscCall(file.Dataset(group + "/mass", H5T_NATIVE_DOUBLE, 1, slab, points.mass));
+    PetscCall(file.Dataset(group + "/body", H5T_NATIVE_INT, 1, slab, points.body));
+    PetscCall(AddDerived(file, group, points, model_, slab));
     frame.counts.push_back(slab.total);
   }
-  PetscCall(file.Finish(false, problem));
+  PetscCall(file.Finish(problem));
   if (!problem->empty()) PetscFunctionReturn(PETSC_SUCCESS);
   frames_.push_back(frame);
   PetscCall(WriteSeries(hierarchy.Comm(), problem));
@@ -81,33 +70,25 @@ PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time,
 
 PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written, std::string *problem)
 {
-  namespace fs = std::filesystem;
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  for (int number = 1; number <= written; ++number) { // some are absent where steps are fewer than frames
+  for (int number = 1; number <= written && rank == 0; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
     Frame frame{number, 0, {}};
-    if (!file.Open(comm, directory_ + "/" + FileName(number)) || !file.Attribute("/", "time", &frame.time)) continue;
+    std::vector<double> time(1);
+    if (!file.Open(PathOf(number)) || !file.Attribute("/", "time", &time)) continue;
+    frame.time = time[0];
     for (int l = 0; file.Has("level_" + std::to_string(l)); ++l) {
       hsize_t rows = 0;
-      file.Rows("/level_" + std::to_string(l) + "/id", &rows);
+      file.Rows("/level_" + std::to_string(l) + "/id", H5T_NATIVE_INT64, 1, &rows);
       frame.counts.push_back(rows);
     }
     frames_.push_back(frame);
   }
-  if (!frames_.empty()) PetscCall(WriteSeries(comm, problem)); // before the frames go that it may name
-  if (rank == 0 && problem->empty()) {
-    std::error_code error;
-    if (frames_.empty()) fs::remove(fs::path(directory_) / "points.xdmf", error);
-    std::vector<fs::path> later;
-    for (const auto &entry : fs::directory_iterator(directory_, error)) {
-      const std::string name = entry.path().filename().string();
-      if (name.rfind("points_", 0) == 0 && std::atoi(name.c_str() + 7) > written) later.push_back(entry.path());
-    }
-    for (const auto &path : later) fs::remove(path, error);
-  }
-  PetscCallMPI(MPI_Barrier(comm));
+  int found = static_cast<int>(frames_.size());
+  PetscCallMPI(MPI_Bcast(&found, 1, MPI_INT, 0, comm));
+  if (found > 0) PetscCall(WriteSeries(comm, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,7 +134,7 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) con
     xml << "</Grid>\n</Domain>\n</Xdmf>\n";
     *problem = ReplaceFile(directory_ + "/points.xdmf", xml.str());
   }
-  PetscCall(ShareText(comm, problem));
+  PetscCall(Agree(comm, "series", problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,7 +1,7 @@
-// Parallel HDF5 through its C interface.
+// HDF5 through its C interface.
 #include "program/hdf5_file.hpp"
 
-#include "program/seal.hpp"
+#include "program/agree.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -15,23 +15,16 @@ namespace mlgimp
 
 void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
 
-/// Bytes that the system gets at a time. For more Linux takes large pages that nobody has used for long, and which a virtual
-/// machine must then get from its host: ten times slower.
-static constexpr std::size_t kPiece = 1 << 16;
-
-static H5Handle ParallelAccess(MPI_Comm comm)
+PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab)
 {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
-  H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
-  return access;
-}
-
-static H5Handle CollectiveTransfer()
-{
-  H5Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
-  return transfer;
+  unsigned long long mine = static_cast<unsigned long long>(count), before = 0, total = 0;
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
+  *slab = {rank ? before : 0, mine, total};
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
@@ -56,17 +49,20 @@ void H5Writer::NoteSystem(bool success)
 }
 
 /// A failure of one rank becomes that of all, so that none waits for the others in a collective call.
-void H5Writer::Agree()
+PetscErrorCode H5Writer::Settle(const char *place)
 {
-  int good = good_;
-  MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, comm_);
-  good_ = good;
+  std::string problem = good_ ? "" : "failed";
+  PetscFunctionBeginUser;
+  PetscCall(Agree(comm_, place, &problem));
+  good_ = problem.empty();
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Makes sure of room for the first `size` bytes of the file, and for what the library adds to them.
-void H5Writer::Reserve(off_t size)
+PetscErrorCode H5Writer::Reserve(off_t size)
 {
-  constexpr off_t kOverhead = 1 << 16; // bytes for names, attributes and the seal
+  constexpr off_t kOverhead = 1 << 16; // bytes for names and attributes
+  PetscFunctionBeginUser;
   if (good_ && part_.Valid()) {
     const off_t end = size + kOverhead;
     const int error = end > reserved_ ? posix_fallocate(part_, reserved_, end - reserved_) : 0;
@@ -74,175 +70,197 @@ void H5Writer::Reserve(off_t size)
     errno = error;
     NoteSystem(error == 0);
   }
-  Agree();
+  PetscCall(Settle("file_room"));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode H5Writer::Open(MPI_Comm comm, const std::string &path)
+PetscErrorCode H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
 {
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   comm_ = comm;
   path_ = path;
+  checked_ = checked;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) {
     part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
     NoteSystem(part_.Valid());
   }
-  Reserve(0);
+  PetscCall(Reserve(0));
   if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
-  const H5Handle access = ParallelAccess(comm);
+  const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  if (checked) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110); // the first format that sums all metadata
   file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   Note(file_.Valid());
   reserved_ = 0; // the file was emptied
-  Reserve(0);
+  PetscCall(Reserve(0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void H5Writer::Group(const std::string &name)
+PetscErrorCode H5Writer::Group(const std::string &name)
 {
-  if (!good_) return;
+  PetscFunctionBeginUser;
+  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
   const H5Handle group(H5Gcreate2(file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   Note(group.Valid());
+  PetscCall(Settle("file_group"));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void H5Writer::WriteAttribute(const std::string &object, const std::string &name, hid_t type, hid_t space, const void *data)
-{
-  if (!good_) return;
-  const H5Handle attribute(
-      H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  Note(attribute.Valid() && H5Awrite(attribute, type, data) >= 0);
-}
-
-void H5Writer::Attribute(const std::string &object, const std::string &name, double value)
-{
-  const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  WriteAttribute(object, name, H5T_NATIVE_DOUBLE, space, &value);
-}
-
-void H5Writer::Attribute(const std::string &object, const std::string &name, const std::string &value)
-{
-  const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, value.size() + 1);
-  WriteAttribute(object, name, type, space, value.c_str());
-}
-
-void H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
+PetscErrorCode H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
 {
   const hsize_t size = values.size();
-  const H5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  WriteAttribute(object, name, H5T_NATIVE_DOUBLE, space, values.data());
+  PetscFunctionBeginUser;
+  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  const H5Handle space(size == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const H5Handle attribute(
+      H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  Note(attribute.Valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0);
+  PetscCall(Settle("file_attribute"));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
+/// How a dataset lies in the file: checksums need chunks; those are equal and of about a megabyte.
+H5Handle H5Writer::Layout(int components, hsize_t rows, std::size_t row_size) const
 {
-  if (!good_) return;
-  const H5Handle space = SlabSpace(components, slab, false);
-  const H5Handle set(H5Dcreate2(file_, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
-  Note(set.Valid());
-  if (slab.total == 0) return;
-  Reserve(good_ ? static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set)) : 0);
-  const std::size_t row = components * H5Tget_size(type), rows = std::max<std::size_t>(1, kPiece / row);
-  for (hsize_t first = 0; first < slab.count && good_; first += rows) {
-    const Slab piece = {slab.start + first, std::min<hsize_t>(rows, slab.count - first), slab.total};
-    const H5Handle target = SlabSpace(components, piece, false), source = SlabSpace(components, piece, true);
-    Note(H5Dwrite(set, type, source, target, H5P_DEFAULT, static_cast<const char *>(data) + first * row) >= 0);
-  }
-  Agree();
+  constexpr hsize_t kChunk = 1 << 20;
+  H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (!checked_ || rows == 0) return layout;
+  const hsize_t chunks = (rows * row_size + kChunk - 1) / kChunk;
+  const hsize_t size[2] = {(rows + chunks - 1) / chunks, static_cast<hsize_t>(components)};
+  H5Pset_chunk(layout, components > 1 ? 2 : 1, size);
+  H5Pset_fletcher32(layout);
+  return layout;
 }
 
-PetscErrorCode H5Writer::Finish(bool sealed, std::string *problem)
+/// The last byte that a new dataset needs. Chunks find their place only when they are written, after all that is there.
+off_t H5Writer::EndOf(const H5Handle &set, hsize_t bytes) const
+{
+  hsize_t end = 0;
+  if (!checked_) return static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set));
+  H5Fget_filesize(file_, &end);
+  return static_cast<off_t>(end + bytes + bytes / 64);
+}
+
+PetscErrorCode H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
+{
+  const std::size_t row_size = static_cast<std::size_t>(components) * H5Tget_size(type);
+  PetscFunctionBeginUser;
+  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  const H5Handle layout = Layout(components, slab.total, row_size), transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+  const H5Handle target = SlabSpace(components, slab, false), source = SlabSpace(components, slab, true);
+  const H5Handle set(H5Dcreate2(file_, name.c_str(), type, target, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
+  Note(set.Valid());
+  PetscCall(Reserve(good_ ? EndOf(set, slab.total * row_size) : 0));
+  if (!good_ || slab.total == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  Note(H5Dwrite(set, type, source, target, transfer, data) >= 0);
+  PetscCall(Settle("file_dataset"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5Writer::List(const std::string &name, const std::vector<double> &values)
+{
+  Slab slab;
+  PetscFunctionBeginUser;
+  PetscCall(MakeSlab(comm_, static_cast<int>(values.size()), &slab));
+  PetscCall(Dataset(name, H5T_NATIVE_DOUBLE, 1, slab, values.data()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5Writer::Text(const std::string &name, const std::string &text)
+{
+  Slab slab;
+  PetscFunctionBeginUser;
+  PetscCall(MakeSlab(comm_, static_cast<int>(text.size()), &slab));
+  PetscCall(Dataset(name, H5T_NATIVE_UINT8, 1, slab, text.data()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode H5Writer::Finish(std::string *problem)
 {
   PetscMPIInt rank;
   const std::string part = path_ + ".part";
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  Agree();
   if (!good_ && part_.Valid()) Note(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
   PetscCallMPI(MPI_Barrier(comm_));
   Note(file_.Close());
-  Agree();
+  PetscCall(Settle("file_close"));
   if (rank == 0) {
-    if (good_) NoteSystem(part_.Close() && (!sealed || Seal(part)) && std::rename(part.c_str(), path_.c_str()) == 0);
+    if (good_) NoteSystem(part_.Close() && std::rename(part.c_str(), path_.c_str()) == 0);
     if (!good_) unlink(part.c_str());
     *problem = good_ ? "" : CannotWrite(path_, error_);
   }
-  PetscCall(ShareText(comm_, problem));
+  PetscCall(Agree(comm_, "file_name", problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-bool H5Reader::Open(MPI_Comm comm, const std::string &path)
+bool H5Reader::Open(const std::string &path)
 {
-  int rank = 0, is_file = 0;
-  MPI_Comm_rank(comm, &rank);
-  if (rank == 0) {
-    std::error_code error;
-    is_file = std::filesystem::is_regular_file(path, error);
-  }
-  MPI_Bcast(&is_file, 1, MPI_INT, 0, comm);
-  if (!is_file) return false;
-  const H5Handle access = ParallelAccess(comm);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false; // a pipe would be waited for
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+#if H5_VERSION_GE(1, 10, 7)
+  H5Pset_file_locking(access, false, true); // not all file systems have locks, and a file with its final name is whole
+#endif
   file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
   return file_.Valid();
 }
 
-H5Handle H5Reader::OpenAttribute(const std::string &object, const std::string &name) const
-{
-  if (H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) <= 0) return H5Handle();
-  return H5Handle(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-}
-
-bool H5Reader::Attribute(const std::string &object, const std::string &name, double *value) const
-{
-  std::vector<double> values;
-  if (!Attribute(object, name, &values) || values.size() != 1) return false;
-  *value = values[0];
-  return true;
-}
-
-bool H5Reader::Attribute(const std::string &object, const std::string &name, std::string *value) const
-{
-  const H5Handle attribute = OpenAttribute(object, name);
-  if (!attribute.Valid()) return false;
-  const H5Handle type(H5Aget_type(attribute), H5Tclose);
-  if (H5Tget_class(type) != H5T_STRING) return false;
-  std::vector<char> text(H5Tget_size(type) + 1, '\0');
-  if (H5Aread(attribute, type, text.data()) < 0) return false;
-  *value = text.data();
-  return true;
-}
-
 bool H5Reader::Attribute(const std::string &object, const std::string &name, std::vector<double> *values) const
 {
-  const H5Handle attribute = OpenAttribute(object, name);
+  if (H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) <= 0) return false;
+  const H5Handle attribute(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   if (!attribute.Valid()) return false;
-  const H5Handle space(H5Aget_space(attribute), H5Sclose);
-  values->resize(static_cast<std::size_t>(std::max<hssize_t>(H5Sget_simple_extent_npoints(space), 0)));
-  return H5Aread(attribute, H5T_NATIVE_DOUBLE, values->data()) >= 0;
+  const H5Handle space(H5Aget_space(attribute), H5Sclose), type(H5Aget_type(attribute), H5Tclose);
+  return H5Sget_simple_extent_npoints(space) == static_cast<hssize_t>(values->size()) && H5Tget_class(type) == H5T_FLOAT &&
+         H5Aread(attribute, H5T_NATIVE_DOUBLE, values->data()) >= 0;
 }
 
-bool H5Reader::Rows(const std::string &name, hsize_t *rows) const
+bool H5Reader::Rows(const std::string &name, hid_t type, int components, hsize_t *rows) const
 {
+  hsize_t size[2] = {0, 1};
+  if (H5Lexists(file_, name.c_str(), H5P_DEFAULT) <= 0) return false;
   const H5Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!set.Valid()) return false;
-  const H5Handle space(H5Dget_space(set), H5Sclose);
-  hsize_t size[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space) > 2 || H5Sget_simple_extent_dims(space, size, nullptr) < 1) return false;
+  const H5Handle space(H5Dget_space(set), H5Sclose), stored(H5Dget_type(set), H5Tclose);
+  if (H5Sget_simple_extent_ndims(space) != (components > 1 ? 2 : 1)) return false;
+  H5Sget_simple_extent_dims(space, size, nullptr);
+  const hsize_t bytes = H5Tget_size(type) * static_cast<hsize_t>(components), room = H5Dget_storage_size(set);
   *rows = size[0];
-  return true;
+  return H5Tget_class(stored) == H5Tget_class(type) && H5Tget_size(stored) == H5Tget_size(type) &&
+         size[1] == static_cast<hsize_t>(components) && size[0] <= room / bytes;
 }
 
 bool H5Reader::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, void *data) const
 {
+  hsize_t rows = 0;
+  if (!Rows(name, type, components, &rows) || rows != slab.total) return false;
+  if (slab.count == 0) return true;
   const H5Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-  hsize_t size[2] = {0, 1};
-  if (!set.Valid()) return false;
-  const H5Handle space(H5Dget_space(set), H5Sclose);
-  if (H5Sget_simple_extent_ndims(space) != (components > 1 ? 2 : 1)) return false;
-  H5Sget_simple_extent_dims(space, size, nullptr);
-  if (size[0] != slab.total || size[1] != static_cast<hsize_t>(components)) return false;
-  if (slab.total == 0) return true;
-  const H5Handle file_space = SlabSpace(components, slab, false), memory_space = SlabSpace(components, slab, true);
-  return H5Dread(set, type, memory_space, file_space, CollectiveTransfer(), data) >= 0;
+  const H5Handle source = SlabSpace(components, slab, false), target = SlabSpace(components, slab, true);
+  return H5Dread(set, type, target, source, H5P_DEFAULT, data) >= 0;
+}
+
+bool H5Reader::List(const std::string &name, std::vector<double> *values) const
+{
+  hsize_t rows = 0;
+  if (!Rows(name, H5T_NATIVE_DOUBLE, 1, &rows)) return false;
+  values->resize(rows);
+  return Dataset(name, H5T_NATIVE_DOUBLE, 1, {0, rows, rows}, values->data());
+}
+
+bool H5Reader::Text(const std::string &name, std::string *text) const
+{
+  hsize_t rows = 0;
+  if (!Rows(name, H5T_NATIVE_UINT8, 1, &rows)) return false;
+  text->resize(rows);
+  return Dataset(name, H5T_NATIVE_UINT8, 1, {0, rows, rows}, text->data());
 }
 
 } // namespace mlgimp

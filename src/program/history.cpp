@@ -1,6 +1,8 @@
 // Writing of history.csv.
 #include "program/history.hpp"
 
+#include "program/agree.hpp"
+
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
@@ -90,7 +92,7 @@ PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long r
       if (!file_.Valid()) *problem = CannotWrite(path_, errno);
     }
   }
-  PetscCall(ShareText(comm, problem));
+  PetscCall(Agree(comm, "history_open", problem));
   PetscCallMPI(MPI_Bcast(&last_, 1, MPI_LONG, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -99,6 +101,7 @@ PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, long r
 std::string History::Append(const std::string &text) const
 {
   const off_t end = lseek(file_, 0, SEEK_END);
+  if (!IsThere()) return "cannot write " + path_ + ": somebody has removed or replaced it during the run";
   if (WriteAll(file_, text)) return "";
   const int error = errno;
   (void)!ftruncate(file_, end);
@@ -117,7 +120,7 @@ PetscErrorCode History::Write(const HistoryRow &row, std::string *problem)
     }
     *problem = Append(text + "\n");
   }
-  PetscCall(ShareText(comm_, problem));
+  PetscCall(Agree(comm_, "history_row", problem));
   if (problem->empty()) last_ = row.step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

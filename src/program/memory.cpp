@@ -12,11 +12,11 @@ namespace mlgimp
 namespace
 {
 
-/// Area that two boxes share.
-double CommonArea(const Box &a, const Box &b)
+/// Area that two boxes share, in cells: that of lengths like 1e-200 m is no number.
+double CommonCells(const Box &a, const Box &b, double cell)
 {
   double area = 1;
-  for (int d = 0; d < 2; ++d) area *= std::max(0.0, std::min(a.upper[d], b.upper[d]) - std::max(a.lower[d], b.lower[d]));
+  for (int d = 0; d < 2; ++d) area *= std::max(0.0, std::min(a.upper[d], b.upper[d]) - std::max(a.lower[d], b.lower[d])) / cell;
   return area;
 }
 
@@ -29,8 +29,9 @@ void CountAll(const Case &c, double *nodes, double *points)
     *nodes += static_cast<double>(grid.Nodes(0)) * grid.Nodes(1);
     for (const Body &body : c.model.bodies) {
       const Box bounds = body.region->Bounds();
-      const double area = CommonArea(bounds, c.boxes[l]) - (l + 1 < c.levels ? CommonArea(bounds, c.boxes[l + 1]) : 0);
-      *points += std::max(0.0, area) * std::pow(body.points_per_cell / grid.spacing, 2);
+      const double finer = l + 1 < c.levels ? CommonCells(bounds, c.boxes[l + 1], grid.spacing) : 0;
+      const double cells = CommonCells(bounds, c.boxes[l], grid.spacing) - finer;
+      *points += std::max(0.0, cells) * std::pow(body.points_per_cell, 2);
     }
   }
 }
@@ -69,10 +70,10 @@ PetscErrorCode CheckMemory(MPI_Comm comm, const Case &c)
   PetscCall(BytesForRank(comm, &bytes));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
   const double needed = (kPoint * points + kNode * nodes) / ranks + kNodeOnEveryRank * nodes;
-  PetscCheck(needed <= bytes, comm, PETSC_ERR_USER_INPUT,
-             "-cell_size %s: must leave room in memory; %s points and %s nodes need about %s GB for each rank, which has %s GB",
-             FormatNumber(c.cell_size).c_str(), FormatRounded(points).c_str(), FormatRounded(nodes).c_str(),
-             FormatRounded(needed / kGigabyte).c_str(), FormatRounded(bytes / kGigabyte).c_str());
+  if (!(needed <= bytes))
+    PetscCall(Refuse(comm, "-cell_size " + FormatNumber(c.cell_size) + ": must leave room in memory; " + FormatRounded(points) +
+                               " points and " + FormatRounded(nodes) + " nodes need about " + FormatRounded(needed / kGigabyte) +
+                               " GB for each rank, which has " + FormatRounded(bytes / kGigabyte) + " GB"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,16 +4,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <numeric>
 #include <set>
-#include <sstream>
 
 namespace mlgimp
 {
-
-static constexpr std::size_t kLongestValue = 65535; ///< characters
 
 std::string FormatNumber(double x)
 {
@@ -61,13 +56,6 @@ std::string Range::Text() const
          (upper_open ? ")" : "]");
 }
 
-std::string OneLine(std::string text)
-{
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c); }, '?');
-  return text;
-}
-
 std::string Shortened(const std::string &value)
 {
   constexpr std::size_t kMost = 200;
@@ -85,7 +73,8 @@ PetscErrorCode OptionReader::Refuse(const std::string &name, const std::string &
 {
   PetscFunctionBeginUser;
   const std::string shown = value.empty() ? "" : " " + Shortened(value);
-  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s%s: must be %s", name.c_str(), shown.c_str(), allowed.c_str());
+  PetscCall(mlgimp::Refuse(comm_, name + shown + ": must be " + allowed));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given)
@@ -95,8 +84,7 @@ PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fa
   auto PetscOptionsObject = items_;
   PetscFunctionBeginUser;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: must have one meaning; give the body, material or load another name",
-            option.name.c_str());
+    PetscCall(Refuse(option.name, "", "an option of one meaning; give the body, material or load another name"));
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   PetscCall(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &set));
   *given = set;
@@ -246,98 +234,62 @@ static std::size_t EditDistance(const std::string &a, const std::string &b)
   return row.back();
 }
 
-PetscErrorCode OptionReader::RefuseUnused() const
+PetscErrorCode OptionReader::FindUnused(std::vector<std::string> *unused)
 {
-  // Read by PETSc only when it finishes.
-  const std::set<std::string> late = {"options_left", "objects_dump", "malloc_dump", "memory_view", "log_view_memory"};
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
-  std::string unused;
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  for (PetscInt k = 0; k < count && unused.empty(); ++k)
-    if (!late.count(names[k])) unused = names[k];
+  for (PetscInt k = 0; k < count; ++k) unused->push_back(std::string("-") + names[k]);
   PetscCall(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
-  if (unused.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  unused = "-" + unused;
-  if (std::find(known_.begin(), known_.end(), unused) != known_.end())
-    SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: is not used in this case", Shortened(unused).c_str());
-  const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
-    return EditDistance(unused, a) < EditDistance(unused, b);
-  });
-  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s: nothing reads this option in this case; the nearest known name is %s",
-          Shortened(unused).c_str(), nearest->c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-namespace
+/// True for names of the kind that PETSc may read after the set-up, as -mat_view, or when it finishes, as -malloc_dump.
+static bool LooksLikePetsc(const std::string &option)
 {
-
-bool IsOptionName(const std::string &word)
-{
-  return word.size() > 1 && word[0] == '-' && (std::isalpha(static_cast<unsigned char>(word[1])) || word[1] == '-');
+  static const char *const kStarts[] = {"mat_",   "vec_",    "ksp_",      "pc_",      "sf_",      "dm_",        "is_",
+                                        "log_",   "malloc",  "memory_",   "options_", "objects_", "info",       "viewer_",
+                                        "draw_",  "petsc",   "on_error",  "debug",    "start_",   "stop_",      "fp_trap",
+                                        "check_", "get_",    "error_",    "saws",     "device_",  "use_gpu",    "x_",
+                                        "nox",    "display", "citations", "version",  "da_",      "vecscatter_"};
+  std::string name = option.substr(1);
+  if (name.rfind("contact_", 0) == 0) name = name.substr(8);
+  if (name.find("_view") != std::string::npos || name.find("_monitor") != std::string::npos) return true;
+  return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
-/// The text with a question mark for each character that is none.
-std::string Printable(std::string text)
+PetscErrorCode OptionReader::RefuseUnused() const
 {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
-  return text;
-}
-
-std::string CheckOptionsFile(const std::string &path)
-{
-  if (path.size() > 5 && path.substr(path.size() - 5) == ".yaml")
-    return "-options_file " + path + ": must hold lines '-name value'; YAML is not read";
-  std::ifstream file(path);
-  if (!file || file.peek() == std::ifstream::traits_type::eof())
-    return "-options_file " + path + ": must be a readable file with options";
-  std::set<std::string> seen;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    line = line.substr(0, line.find('#'));
-    std::istringstream words(line);
-    std::string name, value, more;
-    words >> name >> value >> more;
-    const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
-    if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
-      return place + "must be text, found '" + Shortened(Printable(line)) + "'";
-    if (name.size() + value.size() > kLongestValue)
-      return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
-    if (name.empty()) continue;
-    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
-    if (name == "-options_file") return place + "must not name another options file; give both on the command line";
-    if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
-    if (!seen.insert(name).second)
-      return name + " " + Shortened(value) + ": must be given once, found again in line " + std::to_string(number) + " of " +
-             path;
+  constexpr std::size_t kNear = 2; // typing errors
+  std::vector<std::string> all;
+  PetscFunctionBeginUser;
+  PetscCall(FindUnused(&all));
+  for (const std::string &unused : all) {
+    if (std::find(known_.begin(), known_.end(), unused) != known_.end())
+      PetscCall(mlgimp::Refuse(comm_, Shortened(unused) + ": is not used in this case"));
+    const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
+      return EditDistance(unused, a) < EditDistance(unused, b);
+    });
+    if (EditDistance(unused, *nearest) > kNear && LooksLikePetsc(unused)) continue;
+    PetscCall(mlgimp::Refuse(comm_, Shortened(unused) + ": nothing reads this option in this case; the nearest known name is " +
+                                        *nearest));
   }
-  return "";
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-} // namespace
-
-std::string CheckCommandLine(int argc, char **argv)
+PetscErrorCode OptionReader::WarnUnused() const
 {
-  std::set<std::string> seen;
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word.size() > kLongestValue)
-      return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
-    const bool after_option = k > 1 && IsOptionName(argv[k - 1]);
-    if (!IsOptionName(word)) {
-      if (!after_option) return "'" + word + "': must follow an option that takes it; options begin with a dash";
-      continue;
-    }
-    if (word == "-options_file") {
-      const std::string path = k + 1 < argc ? argv[k + 1] : "";
-      std::string message = CheckOptionsFile(path);
-      if (!message.empty()) return message;
-    } else if (!seen.insert(word).second) {
-      return word + ": must be given once on the command line";
-    }
-  }
-  return "";
+  // Read by PETSc only when it finishes.
+  const std::set<std::string> late = {"-options_left", "-objects_dump", "-malloc_dump", "-memory_view", "-log_view_memory"};
+  std::vector<std::string> all;
+  PetscFunctionBeginUser;
+  PetscCall(FindUnused(&all));
+  for (const std::string &unused : all)
+    if (!late.count(unused))
+      PetscCall(PetscFPrintf(comm_, PETSC_STDERR, "mlgimp: warning: %s: nothing has read this option\n",
+                             OneLine(Shortened(unused)).c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace mlgimp

@@ -1,19 +1,18 @@
 // The loop over level-0 steps.
 #include "program/simulation.hpp"
 
+#include "program/agree.hpp"
+#include "program/checkpoint_checks.hpp"
 #include "program/memory.hpp"
 #include "program/start_checks.hpp"
 #include "program/summary.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
+#include <unistd.h>
 
 namespace mlgimp
 {
-
-namespace fs = std::filesystem;
 
 static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
 
@@ -21,16 +20,18 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
 {
   const bool restart = !case_.output.restart.empty();
   bool same_ranks = false;
+  std::string problem;
   PetscFunctionBeginUser;
   comm_ = comm;
   PetscCall(CheckMemory(comm, case_));
   PetscCall(RegisterLogEvents(&events_));
   PetscCall(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
-    PetscCall(ReadCheckpoint(case_.output.restart, case_.identity, hierarchy_, &state_, &same_ranks));
-    PetscCheck(!AtEnd(), comm, PETSC_ERR_USER_INPUT,
-               "-restart %s: must be from before the end of the run; it is at time %s, step %ld",
-               Shortened(case_.output.restart).c_str(), FormatNumber(state_.time).c_str(), state_.step);
+    PetscCall(ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks));
+    if (AtEnd())
+      PetscCall(Refuse(comm, "-restart " + Shortened(case_.output.restart) +
+                                 ": must be from before the end of the run; it is at time " + FormatNumber(state_.time) +
+                                 ", step " + std::to_string(state_.step)));
     hierarchy_.At(0).Contacts().penetration = state_.penetration;
     start_step_ = state_.step;
   } else {
@@ -41,86 +42,25 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     state_.initial_points = books_.points;
     state_.initial_created = books_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
   }
-  PetscCall(CheckOutputFolder());
+  PetscCall(folder_.Check(comm, &problem));
+  if (!problem.empty()) PetscCall(Refuse(comm, problem));
   // A run that goes on as it was keeps the step and the pace of its levels until it would have looked at them.
   if (!same_ranks || state_.step_settings != StepSettings()) PetscCall(ControlStep());
   state_.step_settings = StepSettings();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static bool Begins(const std::string &name, const char *start) { return name.rfind(start, 0) == 0; }
-
-/// True for the files that a run writes, also those that are not complete.
-static bool IsResult(const std::string &name)
-{
-  return Begins(name, "history.csv") || Begins(name, "summary.json") || Begins(name, "points") || Begins(name, "checkpoint_");
-}
-
-/// Of the files in the folder of a run, those that a restart at a step does without: what is not complete, and later checkpoints.
-static bool IsStale(const std::string &name, long step)
-{
-  const bool part = name.size() > 5 && name.substr(name.size() - 5) == ".part";
-  return IsResult(name) && (part || (Begins(name, "checkpoint_") && std::strtol(name.c_str() + 11, nullptr, 10) > step));
-}
-
-/// True for a restart in the folder of the run that it goes on with.
-bool Simulation::GoesOn() const
-{
-  const fs::path from = fs::path(case_.output.restart).parent_path();
-  std::error_code error;
-  return !case_.output.restart.empty() && fs::equivalent(from.empty() ? "." : from, case_.output.directory, error);
-}
-
-PetscErrorCode Simulation::CheckOutputFolder()
-{
-  const OutputSettings &out = case_.output;
-  PetscMPIInt rank;
-  int state = 0; // 1: holds results, 2: is no folder
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  if (rank == 0) {
-    std::error_code error;
-    if (fs::exists(out.directory, error) && !fs::is_directory(out.directory, error))
-      state = 2;
-    else if (fs::is_directory(out.directory, error) && !GoesOn())
-      for (const auto &entry : fs::directory_iterator(out.directory, error))
-        if (IsResult(entry.path().filename().string())) state = 1;
-  }
-  PetscCallMPI(MPI_Bcast(&state, 1, MPI_INT, 0, comm_));
-  PetscCheck(state != 2, comm_, PETSC_ERR_USER_INPUT, "-output_dir %s: must be a folder; it is a file",
-             Shortened(out.directory).c_str());
-  PetscCheck(state != 1 || out.overwrite, comm_, PETSC_ERR_USER_INPUT,
-             "-output_dir %s: must hold no results, or -overwrite be given", Shortened(out.directory).c_str());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Simulation::PrepareOutputFolder()
 {
-  const OutputSettings &out = case_.output;
-  PetscMPIInt rank;
-  int goes_on = 0;
   std::string problem;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  if (rank == 0) {
-    std::error_code error, ignored;
-    std::vector<fs::path> old;
-    fs::create_directories(out.directory, error);
-    if (!fs::is_directory(out.directory, ignored))
-      problem = "-output_dir " + Shortened(out.directory) + ": must be a folder that can be created: " + error.message();
-    goes_on = GoesOn();
-    for (const auto &entry : fs::directory_iterator(out.directory, ignored)) {
-      const std::string name = entry.path().filename().string();
-      if (goes_on ? IsStale(name, state_.step) : IsResult(name)) old.push_back(entry.path());
-    }
-    for (const auto &path : old) fs::remove(path, ignored);
-  }
-  PetscCall(ShareText(comm_, &problem));
-  PetscCallMPI(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm_));
+  PetscCall(folder_.Claim(comm_, &problem));
+  const bool goes_on = problem.empty() && folder_.GoesOn();
   if (goes_on) last_checkpoint_ = state_.step;
-  if (problem.empty() && goes_on) PetscCall(frames_.Resume(comm_, state_.frames, &problem));
-  if (problem.empty()) PetscCall(history_.Open(comm_, out.directory, goes_on ? state_.step : -1, &problem));
-  PetscCheck(problem.empty(), comm_, PETSC_ERR_USER_INPUT, "%s", problem.c_str());
+  if (goes_on) PetscCall(frames_.Resume(comm_, state_.frames, &problem)); // the series, before frames go that it may name
+  if (problem.empty()) PetscCall(folder_.Clear(comm_, state_.step, frames_.Last(), &problem));
+  if (problem.empty()) PetscCall(history_.Open(comm_, case_.output.directory, goes_on ? state_.step : -1, &problem));
+  if (!problem.empty()) PetscCall(Refuse(comm_, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,7 +106,7 @@ double Simulation::FastestSignal(const Pulse &pulse) const
 PetscErrorCode Simulation::FailOrRefuse(const std::string &message)
 {
   PetscFunctionBeginUser;
-  PetscCheck(state_.step > start_step_, comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
+  if (state_.step == start_step_) PetscCall(Refuse(comm_, message));
   PetscCall(Fail(message));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -239,18 +179,21 @@ PetscErrorCode Simulation::WriteDue()
 {
   const OutputSettings &out = case_.output;
   const bool last = AtEnd();
+  const int frame = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
+  const bool row_due = state_.step % out.history_interval == 0 || last, frame_due = frame > state_.frames;
+  const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
   std::string problem;
   PetscFunctionBeginUser;
-  if (state_.step % kControlInterval == 0 || state_.step % out.history_interval == 0 || last) PetscCall(SettleFailure());
+  if (state_.step % kControlInterval == 0 || row_due || frame_due || checkpoint_due) PetscCall(SettleFailure());
+  if (frame_due || checkpoint_due) PetscCall(SettleState());
   PetscCall(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
-  if (state_.step % out.history_interval == 0 || last) PetscCall(WriteHistoryRow());
-  const int due = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
-  if (due > state_.frames) {
-    state_.frames = due;
-    PetscCall(frames_.Write(hierarchy_, due, state_.time, state_.step, &problem));
+  if (row_due) PetscCall(WriteHistoryRow());
+  if (frame_due) {
+    state_.frames = frame;
+    PetscCall(frames_.Write(hierarchy_, frame, state_.time, state_.step, &problem));
     PetscCall(CheckWritten(problem));
   }
-  if (out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0) PetscCall(WriteState());
+  if (checkpoint_due) PetscCall(WriteState());
   PetscCall(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -264,33 +207,60 @@ PetscErrorCode Simulation::SettleFailure()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Simulation::Fail(const std::string &message)
+/// Ends the run before a state is written that nothing can go on from, although no step has failed by it yet.
+PetscErrorCode Simulation::SettleState()
 {
-  std::string problem; // of the summary, which is less than what is told here
+  std::string message;
   PetscFunctionBeginUser;
-  PetscCall(WriteSummary("failed: " + message, &problem));
-  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "%s", message.c_str());
+  for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {
+    PointArrays points;
+    PetscCall(hierarchy_.At(l).PointStore().Arrays(&points));
+    const std::string wrong = WrongValues(points, static_cast<int>(case_.model.bodies.size()));
+    if (!wrong.empty()) message = "level " + std::to_string(l) + ": " + wrong + "; try a smaller -cfl or -time_step";
+  }
+  PetscCall(Agree(comm_, "state", &message));
+  if (!message.empty()) PetscCall(Fail("time " + FormatRounded(state_.time) + ", " + message));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// What the output folder holds whole, as the end of a sentence.
-std::string Simulation::Kept() const
+/// Ends the run, with what it has written so far.
+PetscErrorCode Simulation::Fail(const std::string &message)
+{
+  std::string problem, kept; // of the summary, which is less than what is told here
+  PetscFunctionBeginUser;
+  PetscCall(WriteSummary("failed: " + message, &problem));
+  PetscCall(FindKept(&kept));
+  PetscCall(Refuse(comm_, message + "; " + kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What the output folder holds whole, as the end of a sentence; what somebody has removed is not told.
+PetscErrorCode Simulation::FindKept(std::string *text)
 {
   std::vector<std::string> parts;
-  if (history_.Last() >= 0) parts.push_back("history to step " + std::to_string(history_.Last()));
-  if (frames_.Last() > 0) parts.push_back("frames to " + std::to_string(frames_.Last()));
-  if (last_checkpoint_ >= 0) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
-  if (parts.empty()) return "nothing is kept";
-  if (parts.size() == 1) return parts[0] + " is kept";
-  const std::string last = parts.back();
-  parts.pop_back();
-  return Join(parts, ", ") + " and " + last + " are kept";
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  if (rank == 0) {
+    const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
+    const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
+    if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
+    if (frames_.Last() > 0 && is_there(frames_.PathOf(frames_.Last())))
+      parts.push_back("frames to " + std::to_string(frames_.Last()));
+    if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
+    const std::string last = parts.empty() ? "nothing" : parts.back();
+    if (!parts.empty()) parts.pop_back();
+    *text = parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept";
+  }
+  PetscCall(ShareText(comm_, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Ends the run where something could not be written.
 PetscErrorCode Simulation::CheckWritten(const std::string &problem)
 {
   PetscFunctionBeginUser;
-  if (!problem.empty()) PetscCall(Fail(problem + "; " + Kept()));
+  if (!problem.empty()) PetscCall(Fail(problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

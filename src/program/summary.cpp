@@ -1,12 +1,15 @@
 // Writing of summary.json.
 #include "program/summary.hpp"
 
+#include "program/agree.hpp"
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 
 namespace mlgimp
 {
@@ -14,17 +17,16 @@ namespace mlgimp
 namespace
 {
 
-std::string Quoted(const std::string &text)
+using Json = nlohmann::ordered_json;
+
+/// Counts are sums of doubles, but whole; what is not finite becomes null.
+Json Number(double x)
 {
-  std::string quoted = "\"";
-  for (char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += static_cast<unsigned char>(c) < ' ' ? '?' : c;
-  }
-  return quoted + "\"";
+  constexpr double kLargestWhole = 9007199254740992; // 2^53
+  return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
 }
 
-std::string Pair(Vec2 x) { return "[" + FormatNumber(x[0]) + ", " + FormatNumber(x[1]) + "]"; }
+Json Pair(Vec2 x) { return {Number(x[0]), Number(x[1])}; }
 
 /// Seconds in an event over the stages of all levels, on this rank.
 PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event, double *seconds)
@@ -39,34 +41,48 @@ PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEv
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::string Versions()
+Json Versions()
 {
   unsigned major, minor, release;
-  int mpi_major, mpi_minor, length;
+  int length;
   char library[MPI_MAX_LIBRARY_VERSION_STRING];
-  std::ostringstream json;
+  const auto join = [](auto a, auto b, auto c) { return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c); };
   H5get_libversion(&major, &minor, &release);
-  MPI_Get_version(&mpi_major, &mpi_minor);
   MPI_Get_library_version(library, &length);
   const std::string name(library, std::min<std::size_t>(std::string(library).find(','), static_cast<std::size_t>(length)));
-  json << "{\"mlgimp\": " << Quoted(kVersion) << ", \"PETSc\": \"" << PETSC_VERSION_MAJOR << '.' << PETSC_VERSION_MINOR << '.'
-       << PETSC_VERSION_SUBMINOR << "\", \"MPI\": " << Quoted(name) << ", \"HDF5\": \"" << major << '.' << minor << '.' << release
-       << "\"}";
-  return json.str();
+  return {{"mlgimp", kVersion},
+          {"PETSc", join(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+          {"MPI", name},
+          {"HDF5", join(major, minor, release)}};
 }
 
-std::string LevelJson(const Level &level, double points, double largest, double time_step)
+Json LevelJson(const Level &level, double points, double largest, double time_step)
 {
   const GridGeometry &grid = level.Geometry().grid;
   const int ranks = level.Mesh().Layout().Blocks();
-  std::ostringstream json;
-  json << "{\"lower\": " << Pair(grid.lower) << ", \"upper\": "
-       << Pair(grid.lower + grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])})
-       << ", \"cell_size\": " << FormatNumber(grid.spacing) << ", \"points\": " << FormatNumber(points)
-       << ", \"cells\": " << static_cast<long>(grid.cells[0]) * grid.cells[1] << ", \"steps\": " << level.Steps()
-       << ", \"time_step\": " << FormatNumber(time_step)
-       << ", \"imbalance\": " << FormatNumber(points > 0 ? largest * ranks / points : 1) << ", \"ranks\": " << ranks << "}";
-  return json.str();
+  const Vec2 size = grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])};
+  return {{"lower", Pair(grid.lower)},
+          {"upper", Pair(grid.lower + size)},
+          {"cell_size", Number(grid.spacing)},
+          {"points", Number(points)},
+          {"cells", static_cast<long>(grid.cells[0]) * grid.cells[1]},
+          {"steps", level.Steps()},
+          {"time_step", Number(time_step)},
+          {"imbalance", Number(points > 0 ? largest * ranks / points : 1)},
+          {"ranks", ranks}};
+}
+
+Json TransfersJson(const Books &books)
+{
+  return {{"entered", Number(books.points_entered)},
+          {"left", Number(books.points_left)},
+          {"split", Number(books.points_split)},
+          {"merged", Number(books.points_merged)},
+          {"mass_error", Number(books.transfer_mass_error)},
+          {"momentum_error", Number(books.transfer_momentum_error)},
+          {"points_adrift", Number(books.points_adrift)},
+          {"mass_adrift", Number(books.mass_adrift)},
+          {"momentum_adrift", Pair({books.momentum_adrift[0], books.momentum_adrift[1]})}};
 }
 
 } // namespace
@@ -91,37 +107,37 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
   hierarchy.BytesBetweenLevels(&mapped, &unmapped);
   const int ratio = in.settings.hierarchy.ratio;
   const double created = (books.points_split - books.points_merged) * (ratio * ratio - 1) - in.state.initial_created;
-  std::ostringstream json;
-  json << "{\n  \"status\": " << Quoted(in.status) << ",\n  \"case\": " << Quoted(in.settings.name) << ",\n  \"ranks\": " << ranks
-       << ",\n  \"levels\": [";
+  Json levels = Json::array();
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     double points = 0, largest = 0;
     PetscCall(hierarchy.PointsOn(l, &points, &largest));
-    json << (l ? ", " : "") << "\n    " << LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(ratio, l));
+    levels.push_back(LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(ratio, l)));
   }
-  json << "\n  ],\n  \"steps\": " << in.state.step << ",\n  \"simulated_time\": " << FormatNumber(in.state.time)
-       << ",\n  \"wall_seconds\": " << FormatNumber(in.wall_seconds)
-       << ",\n  \"seconds_per_point_step\": " << FormatNumber(times[4] > 0 ? times[0] / times[4] : 0)
-       << ",\n  \"contact_share\": " << FormatNumber(times[1] / total)
-       << ",\n  \"halo_share\": " << FormatNumber(times[2] / total)
-       << ",\n  \"transfer_share\": " << FormatNumber(times[3] / total)
-       << ",\n  \"coupling_share\": " << FormatNumber(times[5] / total)
-       << ",\n  \"bytes_between_levels\": {\"mapped\": " << FormatNumber(mapped) << ", \"unmapped\": " << FormatNumber(unmapped)
-       << "},\n  \"mass_error\": " << FormatNumber(books.mass / in.state.initial_mass - 1)
-       << ",\n  \"points_created\": " << FormatNumber(created)
-       << ",\n  \"points_lost\": " << FormatNumber(in.state.initial_points + created - books.points)
-       << ",\n  \"transfers\": {\"entered\": " << FormatNumber(books.points_entered)
-       << ", \"left\": " << FormatNumber(books.points_left) << ", \"split\": " << FormatNumber(books.points_split)
-       << ", \"merged\": " << FormatNumber(books.points_merged) << ", \"mass_error\": " << FormatNumber(books.transfer_mass_error)
-       << ", \"momentum_error\": " << FormatNumber(books.transfer_momentum_error)
-       << ", \"points_adrift\": " << FormatNumber(books.points_adrift) << ", \"mass_adrift\": " << FormatNumber(books.mass_adrift)
-       << ", \"momentum_adrift\": " << Pair({books.momentum_adrift[0], books.momentum_adrift[1]}) << "}"
-       << ",\n  \"contact_steps\": " << FormatNumber(books.contact_steps)
-       << ",\n  \"contact_set_updates\": " << FormatNumber(books.contact_set_updates)
-       << ",\n  \"contact_fallbacks\": " << FormatNumber(books.contact_fallbacks)
-       << ",\n  \"clamped_half_sizes\": " << FormatNumber(books.clamped_sizes) << ",\n  \"versions\": " << Versions() << "\n}\n";
-  if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", json.str());
-  PetscCall(ShareText(hierarchy.Comm(), problem));
+  const Json json = {{"status", in.status},
+                     {"case", in.settings.name},
+                     {"ranks", ranks},
+                     {"levels", levels},
+                     {"steps", in.state.step},
+                     {"simulated_time", Number(in.state.time)},
+                     {"wall_seconds", Number(in.wall_seconds)},
+                     {"seconds_per_point_step", Number(times[4] > 0 ? times[0] / times[4] : 0)},
+                     {"contact_share", Number(times[1] / total)},
+                     {"halo_share", Number(times[2] / total)},
+                     {"transfer_share", Number(times[3] / total)},
+                     {"coupling_share", Number(times[5] / total)},
+                     {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
+                     {"mass_error", Number(books.mass / in.state.initial_mass - 1)},
+                     {"points_created", Number(created)},
+                     {"points_lost", Number(in.state.initial_points + created - books.points)},
+                     {"transfers", TransfersJson(books)},
+                     {"contact_steps", Number(books.contact_steps)},
+                     {"contact_set_updates", Number(books.contact_set_updates)},
+                     {"contact_fallbacks", Number(books.contact_fallbacks)},
+                     {"clamped_half_sizes", Number(books.clamped_sizes)},
+                     {"versions", Versions()}};
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; // what is no UTF-8 is replaced
+  if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", text);
+  PetscCall(Agree(hierarchy.Comm(), "summary", problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

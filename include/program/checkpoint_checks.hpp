@@ -1,0 +1,33 @@
+// Whether what a checkpoint says makes sense: a file that is whole may still have been made by somebody else, or by hand.
+//
+// Each function returns an empty string, or what is wrong, for a line "-restart FILE: must be a whole checkpoint; ...".
+#pragma once
+
+#include "program/checkpoint.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Points that no run can go on from, wherever they are: values that are not finite, det F or mass not above zero, and the like.
+std::string WrongValues(const PointArrays &points, int bodies);
+/// Points that the nodes of this rank cannot serve; `own` where they must be near the rank's own part of the grid.
+std::string WrongPlaces(const PointArrays &points, const Level &level, bool own);
+
+std::string WrongState(const std::vector<double> &numbers, const Case &settings);
+/// numbers: as the attribute "pace" of level l has them, at a step of level 0.
+std::string WrongPace(const std::vector<double> &numbers, long step, const Case &settings, int l);
+/// counts: of the points of each rank that wrote, which must add up to `rows`.
+std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows);
+/// The layout of a level among so many ranks.
+std::string WrongLayout(const std::vector<double> &columns, const std::vector<double> &rows, const std::vector<double> &owners,
+                        const GridGeometry &grid, std::size_t ranks);
+std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures);
+std::string NotFinite(const std::vector<double> &numbers, const std::string &name);
+
+/// Looks for numbers that two points of all ranks share. Collective.
+PetscErrorCode FindRepeated(MPI_Comm comm, const std::vector<std::int64_t> &ids, std::string *problem);
+
+} // namespace mlgimp

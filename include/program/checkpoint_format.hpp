@@ -1,0 +1,48 @@
+// What the writer and the reader of checkpoints share: the names of groups and datasets, and the order of numbers.
+#pragma once
+
+#include "program/checkpoint.hpp"
+#include "program/hdf5_file.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+inline constexpr int kFormatVersion = 7;
+
+inline hid_t H5Type(FieldType type)
+{
+  switch (type) {
+  case FieldType::kInt32:
+    return H5T_NATIVE_INT;
+  case FieldType::kInt64:
+    return H5T_NATIVE_INT64;
+  default:
+    return H5T_NATIVE_DOUBLE;
+  }
+}
+
+inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
+
+/// Group of the copies of points that the next coarser (0) or finer level (1) owns.
+inline std::string CopiesName(int l, int origin) { return LevelName(l) + "/copies_" + std::to_string(origin); }
+
+inline std::string BorderName(int b) { return "/border_force_" + std::to_string(b); }
+
+inline std::vector<double> StateAsNumbers(const RunState &s)
+{
+  return {s.time,         s.time_step,      s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed,
+          double(s.step), double(s.frames), s.initial_mass,     s.initial_points,   s.initial_created,  s.impulse_at_row,
+          s.time_at_row,  s.penetration};
+}
+
+/// The numbers must have been found sensible.
+inline RunState StateFromNumbers(const std::vector<double> &n)
+{
+  return {n[0],  n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11],
+          n[12], n[13]};
+}
+
+} // namespace mlgimp

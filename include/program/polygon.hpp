@@ -1,0 +1,15 @@
+// Whether vertices make a polygon with an inside.
+#pragma once
+
+#include "base/tensor.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// An empty string for a simple polygon; else what is wrong with its vertices, which are told by their numbers from 1 on.
+std::string WrongPolygon(const std::vector<Vec2> &vertices);
+
+} // namespace mlgimp

@@ -1,0 +1,164 @@
+// What a checkpoint may say.
+#include "program/checkpoint_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kLargestWhole = 9007199254740992; ///< 2^53: whole numbers up to it are exact
+
+bool IsWhole(double x, double least, double most) { return x >= least && x <= most && x == std::floor(x); }
+
+bool AllFinite(const double *values, std::size_t count)
+{
+  return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
+}
+
+bool AllWhole(const std::vector<double> &values, double least, double most)
+{
+  return std::all_of(values.begin(), values.end(), [=](double value) { return IsWhole(value, least, most); });
+}
+
+/// What is wrong with one point; null where nothing is.
+const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
+{
+  constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // see PointNumbers
+  const double *F = a.F + 4 * p, *size = a.half_size + 2 * p;
+  const double det = F[0] * F[3] - F[1] * F[2];
+  if (a.id[p] < 0 || a.id[p] > kLargestId) return "a number that no point has";
+  if (!AllFinite(a.position + 2 * p, 2) || !AllFinite(a.velocity + 2 * p, 2) || !AllFinite(F, 4) ||
+      !AllFinite(a.stress + 4 * p, 4) || !AllFinite(a.short_wave_stress + 3 * p, 3) ||
+      (a.history && !AllFinite(a.history + a.history_components * p, a.history_components)))
+    return "a value that is not finite";
+  if (!(det > 0 && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
+  if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
+  if (!(size[0] > 0 && size[1] > 0) || !AllFinite(size, 2)) return "a size that is not above zero";
+  if (a.body[p] < 0 || a.body[p] >= bodies) return "a body that is not there";
+  if (a.faces[p] < 0) return "faces that are not there";
+  return nullptr;
+}
+
+} // namespace
+
+std::string WrongValues(const PointArrays &points, int bodies)
+{
+  char place[80];
+  for (int p = 0; p < points.count; ++p) {
+    const char *what = WrongPoint(points, p, bodies);
+    if (!what) continue;
+    std::snprintf(place, sizeof place, " at (%.6e, %.6e) has ", points.position[2 * p], points.position[2 * p + 1]);
+    return "point " + std::to_string(points.id[p]) + place + what;
+  }
+  return "";
+}
+
+std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
+{
+  constexpr int kStray = kHaloWidth - 1; // nodes beyond its own that a rank can serve: a stencil reaches one further
+  const Grid &grid = level.Mesh();
+  if (own && !grid.Participates() && points.count > 0) return "a rank without a part of the grid has points";
+  for (int axis = 0; axis < 2; ++axis) {
+    double first = level.Geometry().FirstNode(axis), last = level.Geometry().LastNode(axis);
+    if (own) {
+      first = std::max<double>(first, grid.OwnedLower(axis) - kStray);
+      last = std::min<double>(last, grid.OwnedUpper(axis) - 1 + kStray);
+    }
+    for (int p = 0; p < points.count; ++p) {
+      const double node =
+          std::floor((points.position[2 * p + axis] - grid.Geometry().lower[axis]) / grid.Geometry().spacing + 0.5);
+      if (!(node >= first && node <= last)) return "point " + std::to_string(points.id[p]) + " is not on its part of the grid";
+    }
+  }
+  return "";
+}
+
+std::string WrongState(const std::vector<double> &n, const Case &settings)
+{
+  constexpr double kRounding = 1e-9, kMostFrames = 1e6;
+  const double time = n[0], time_step = n[1], end_time = n[2], given_step = n[3], cfl = n[4], wave_speed = n[5];
+  for (std::size_t k = 0; k < n.size(); ++k)
+    if (!std::isfinite(n[k]) && !(k == 2 && n[k] == HUGE_VAL)) return "its state has a value that is not finite";
+  if (!(time > 0 && time_step > 0 && end_time > 0 && given_step >= 0 && cfl > 0 && cfl <= kLargestCfl && wave_speed > 0 &&
+        time_step * wave_speed <= (1 + kRounding) * kLargestCfl * settings.cell_size))
+    return "its times are not those of a run";
+  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMostFrames))
+    return "its counts of steps and frames are not those of a run";
+  if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
+    return "its initial mass and points are not those of a run";
+  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time && n[13] >= 0)) return "its last row is not that of a run";
+  return "";
+}
+
+std::string WrongPace(const std::vector<double> &n, long step, const Case &settings, int l)
+{
+  const bool whole = IsWhole(n[0], 1, kLargestWhole) && n[0] == static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);
+  const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
+  return whole && drifts && IsWhole(n[3], 0, 1) ? "" : "the steps of level " + std::to_string(l) + " are not those of a run";
+}
+
+std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
+{
+  constexpr double kMost = PETSC_MAX_INT; // of a rank
+  const bool add_up = counts.size() == ranks && AllWhole(counts, 0, kMost) && rows <= kMost * static_cast<double>(ranks) &&
+                      std::accumulate(counts.begin(), counts.end(), 0.0) == rows;
+  return add_up ? "" : "its counts of points do not add up";
+}
+
+std::string WrongLayout(const std::vector<double> &columns, const std::vector<double> &rows, const std::vector<double> &owners,
+                        const GridGeometry &grid, std::size_t ranks)
+{
+  const std::vector<double> *const widths[2] = {&columns, &rows};
+  std::vector<double> sorted = owners;
+  bool right = owners.size() == columns.size() * rows.size() && AllWhole(owners, 0, static_cast<double>(ranks) - 1);
+  std::sort(sorted.begin(), sorted.end());
+  right = right && std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::vector<double> &width = *widths[axis];
+    right = right && !width.empty() && AllWhole(width, width.size() > 1 ? kHaloWidth : 1, grid.Nodes(axis)) &&
+            std::accumulate(width.begin(), width.end(), 0.0) == grid.Nodes(axis);
+  }
+  return right ? "" : "its grids are not divided among ranks as a run divides them";
+}
+
+std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures)
+{
+  const bool right = keys.size() == pressures.size() && AllWhole(keys, -kLargestWhole, kLargestWhole) &&
+                     std::all_of(pressures.begin(), pressures.end(), [](double p) { return p >= 0 && std::isfinite(p); }) &&
+                     std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
+  return right ? "" : "its contact pressures are not those of a run";
+}
+
+std::string NotFinite(const std::vector<double> &numbers, const std::string &name)
+{
+  return AllFinite(numbers.data(), numbers.size()) ? "" : name + " has a value that is not finite";
+}
+
+PetscErrorCode FindRepeated(MPI_Comm comm, const std::vector<std::int64_t> &ids, std::string *problem)
+{
+  PetscMPIInt size;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  std::vector<int> sent(size, 0), received(size), sent_start(size, 0), received_start(size, 0);
+  std::vector<std::int64_t> sorted = ids; // by the rank that looks at them
+  const auto owner = [=](std::int64_t id) { return static_cast<int>(id % size); };
+  std::sort(sorted.begin(), sorted.end(), [&](std::int64_t a, std::int64_t b) { return owner(a) < owner(b); });
+  for (std::int64_t id : sorted) ++sent[owner(id)];
+  PetscCallMPI(MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, comm));
+  std::partial_sum(sent.begin(), sent.end() - 1, sent_start.begin() + 1);
+  std::partial_sum(received.begin(), received.end() - 1, received_start.begin() + 1);
+  std::vector<std::int64_t> mine(static_cast<std::size_t>(received_start.back()) + static_cast<std::size_t>(received.back()));
+  PetscCallMPI(MPI_Alltoallv(sorted.data(), sent.data(), sent_start.data(), MPI_INT64_T, mine.data(), received.data(),
+                             received_start.data(), MPI_INT64_T, comm));
+  std::sort(mine.begin(), mine.end());
+  const auto twice = std::adjacent_find(mine.begin(), mine.end());
+  if (twice != mine.end()) *problem = "two points have the number " + std::to_string(*twice);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

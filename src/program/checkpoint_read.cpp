@@ -1,0 +1,327 @@
+// Reading of checkpoints. Each rank reads its part by itself; after each part all agree on whether to go on.
+#include "program/agree.hpp"
+#include "program/checkpoint_checks.hpp"
+#include "program/checkpoint_format.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+class CheckpointReader
+{
+public:
+  CheckpointReader(const Case &settings, Hierarchy &hierarchy) : case_(settings), hierarchy_(hierarchy), comm_(hierarchy.Comm())
+  {
+  }
+  PetscErrorCode Read(RunState *state, bool *same_ranks);
+
+private:
+  PetscErrorCode Open();
+  PetscErrorCode ReadHead(RunState *state);
+  PetscErrorCode ReadTotals();
+  PetscErrorCode CountPoints(const RunState &state);
+  PetscErrorCode ReadLevel(const RunState &state, int l);
+  PetscErrorCode ReadLayout(int l);
+  PetscErrorCode ReadPoints(const std::string &group, Level &level, Points &points);
+  PetscErrorCode ReadBorder(int b);
+  PetscErrorCode CheckWhole(const RunState &state);
+  PetscErrorCode Settle(const char *place);
+
+  void Note(const std::string &wrong)
+  {
+    if (wrong_.empty()) wrong_ = wrong;
+  }
+  /// Notes what is not there, or not as it should be.
+  bool Found(bool found, const std::string &name)
+  {
+    if (!found) Note("parts of it are missing or damaged: " + name);
+    return found;
+  }
+  bool FoundList(const std::string &name, std::vector<double> *values) { return Found(file_.List(name, values), name); }
+  /// Whether points are neither lost nor doubled: the paper's rule of ownership by place does both.
+  bool KeepsPoints() const
+  {
+    return case_.levels == 1 || case_.hierarchy.coupling == LevelCoupling::kNodes || case_.hierarchy.repairs.owner_flags;
+  }
+
+  const Case &case_;
+  Hierarchy &hierarchy_;
+  MPI_Comm comm_;
+  H5Reader file_;
+  std::string wrong_; ///< the first thing that is wrong, on this rank
+  std::size_t writers_ = 0;
+  bool same_ranks_ = false;
+};
+
+/// Ends the run where any rank has found something wrong.
+PetscErrorCode CheckpointReader::Settle(const char *place)
+{
+  PetscFunctionBeginUser;
+  PetscCall(Agree(comm_, place, &wrong_));
+  if (!wrong_.empty())
+    PetscCall(Refuse(comm_, "-restart " + Shortened(case_.output.restart) + ": must be a whole checkpoint" +
+                                (wrong_[0] == ' ' ? "" : "; ") + wrong_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The first rank looks first: most of what is wrong with a file it finds alone.
+PetscErrorCode CheckpointReader::Open()
+{
+  const std::string &path = case_.output.restart;
+  std::vector<double> version(1, 0.0);
+  PetscMPIInt rank;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  const std::string unknown = " of this version of mlgimp; it is missing, cut short, damaged or something else";
+  if (rank == 0 && (!file_.Open(path) || !file_.Attribute("/", "format_version", &version) || !std::isfinite(version[0])))
+    wrong_ = unknown;
+  PetscCall(Settle("checkpoint_format"));
+  PetscCallMPI(MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_));
+  if (version[0] != kFormatVersion)
+    PetscCall(Refuse(comm_, "-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) +
+                                "; it has " + FormatNumber(version[0])));
+  if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
+  PetscCall(Settle("checkpoint_open"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The first option that two runs do not share, as a message; empty where there is none.
+std::string FirstDifference(const std::vector<std::string> &now, const std::vector<std::string> &then)
+{
+  for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
+    const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
+    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
+  }
+  return "";
+}
+
+PetscErrorCode CheckpointReader::ReadHead(RunState *state)
+{
+  std::vector<double> numbers = StateAsNumbers({}), copies(3);
+  std::string then, difference;
+  const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
+  PetscFunctionBeginUser;
+  if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
+  PetscCall(Settle("checkpoint_identity"));
+  PetscCall(Agree(comm_, "checkpoint_case", &difference));
+  if (!difference.empty())
+    PetscCall(Refuse(comm_, "-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference));
+  if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
+  if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
+    if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
+    Note(NotFinite(copies, "copies"));
+  }
+  PetscCall(Settle("checkpoint_state"));
+  *state = StateFromNumbers(numbers);
+  hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2]}});
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
+PetscErrorCode CheckpointReader::ReadTotals()
+{
+  constexpr hsize_t kMostRanks = 1 << 24;
+  PetscMPIInt rank, size;
+  hsize_t writers = 0;
+  const std::size_t count = hierarchy_.Totals().size();
+  std::vector<double> all, mine(count, 0.0);
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  PetscCallMPI(MPI_Comm_size(comm_, &size));
+  if (Found(file_.Rows("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), &writers) && writers > 0 && writers <= kMostRanks,
+            "totals")) {
+    all.resize(writers * count);
+    Found(file_.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), {0, writers, writers}, all.data()), "totals");
+    Note(NotFinite(all, "totals"));
+  }
+  PetscCall(Settle("checkpoint_totals"));
+  writers_ = writers;
+  same_ranks_ = writers == static_cast<hsize_t>(size);
+  for (std::size_t r = 0; r < writers; ++r)
+    for (std::size_t k = 0; k < count; ++k)
+      if (same_ranks_ ? static_cast<int>(r) == rank : rank == 0) mine[k] += all[r * count + k];
+  if (!hierarchy_.RestoreTotals(mine)) Note("totals has a count that is none");
+  PetscCall(Settle("checkpoint_counts"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Before memory is taken for them, points must be as many as the run had and made.
+PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
+{
+  double points = 0;
+  Books books;
+  PetscFunctionBeginUser;
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    hsize_t rows = 0;
+    std::vector<double> counts;
+    const std::string name = LevelName(l) + "/id";
+    if (Found(file_.Rows(name, H5T_NATIVE_INT64, 1, &rows), name) && FoundList(LevelName(l) + "/counts", &counts))
+      Note(WrongCounts(counts, writers_, static_cast<double>(rows)));
+    points += static_cast<double>(rows);
+  }
+  PetscCall(hierarchy_.ReduceBooks(&books)); // of totals only: there are no points yet
+  const double children = std::pow(case_.hierarchy.ratio, 2) - 1;
+  const double created = (books.points_split - books.points_merged) * children - state.initial_created;
+  if (KeepsPoints() && points != state.initial_points + created)
+    Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(state.initial_points + created));
+  PetscCall(Settle("checkpoint_points"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// This rank's rows: those it wrote where the number of ranks is the same, else an equal share.
+Slab MakeReadSlab(const std::vector<double> &counts, int size, int rank, bool same_ranks, hsize_t total)
+{
+  Slab slab{0, 0, total};
+  if (same_ranks) {
+    for (int k = 0; k < rank; ++k) slab.start += static_cast<hsize_t>(counts[k]);
+    slab.count = static_cast<hsize_t>(counts[rank]);
+  } else {
+    slab.start = total * rank / size;
+    slab.count = total * (rank + 1) / size - slab.start;
+  }
+  return slab;
+}
+
+/// Reads points into an empty store, in the order of the file.
+PetscErrorCode CheckpointReader::ReadPoints(const std::string &group, Level &level, Points &points)
+{
+  PetscMPIInt rank, size;
+  std::vector<double> counts;
+  hsize_t total = 0;
+  PointArrays arrays;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  PetscCallMPI(MPI_Comm_size(comm_, &size));
+  if (FoundList(group + "/counts", &counts) && Found(file_.Rows(group + "/id", H5T_NATIVE_INT64, 1, &total), group + "/id"))
+    Note(WrongCounts(counts, writers_, static_cast<double>(total)));
+  for (const PointFieldInfo &field : points.Table()) {
+    hsize_t rows = 0;
+    const std::string name = group + "/" + field.name;
+    if (field.components > 0) Found(file_.Rows(name, H5Type(field.type), field.components, &rows) && rows == total, name);
+  }
+  PetscCall(Settle("checkpoint_shapes"));
+  const Slab slab = MakeReadSlab(counts, size, rank, same_ranks_, total);
+  PetscCall(points.Resize(static_cast<int>(slab.count)));
+  for (int k = 0; k < kPointFields; ++k) {
+    const PointFieldInfo &field = points.Table()[k];
+    const std::string name = group + "/" + field.name;
+    void *data = nullptr;
+    if (field.components == 0) continue;
+    PetscCall(points.Field(static_cast<PointField>(k), &data));
+    Found(file_.Dataset(name, H5Type(field.type), field.components, slab, data), name);
+  }
+  PetscCall(Settle("checkpoint_fields"));
+  PetscCall(points.Arrays(&arrays));
+  Note(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
+  Note(WrongPlaces(arrays, level, same_ranks_));
+  PetscCall(Settle("checkpoint_values"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The layout of a level's grid, which is taken up where as many ranks wrote it.
+PetscErrorCode CheckpointReader::ReadLayout(int l)
+{
+  const std::string group = LevelName(l);
+  std::vector<double> columns, rows, ranks;
+  PetscFunctionBeginUser;
+  if (FoundList(group + "/columns", &columns) && FoundList(group + "/rows", &rows) && FoundList(group + "/ranks", &ranks))
+    Note(WrongLayout(columns, rows, ranks, hierarchy_.At(l).Geometry().grid, writers_));
+  PetscCall(Settle("checkpoint_layout"));
+  if (!same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
+  GridLayout layout;
+  layout.widths[0].assign(columns.begin(), columns.end());
+  layout.widths[1].assign(rows.begin(), rows.end());
+  layout.ranks.assign(ranks.begin(), ranks.end());
+  PetscCall(hierarchy_.At(l).Recut(layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CheckpointReader::ReadLevel(const RunState &state, int l)
+{
+  Level &level = hierarchy_.At(l);
+  const std::string group = LevelName(l);
+  std::vector<double> pace(4), keys, values;
+  ContactPressures pressures;
+  PetscFunctionBeginUser;
+  if (Found(file_.Has(group) && file_.Attribute(group, "pace", &pace), group + "/pace"))
+    Note(WrongPace(pace, state.step, case_, l));
+  if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values)) Note(WrongPressures(keys, values));
+  PetscCall(Settle("checkpoint_pace"));
+  PetscCall(ReadLayout(l));
+  PetscCall(ReadPoints(group, level, level.PointStore()));
+  for (int origin = 0; origin < 2 && hierarchy_.Copies().ready; ++origin)
+    PetscCall(ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin)));
+  for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
+  level.SetPressures(pressures);
+  level.SetPace({static_cast<long>(pace[0]), pace[1], pace[2], pace[3] != 0});
+  if (same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(level.Migrate(true));
+  PetscCall(level.MigrateCopies());
+  PetscCall(level.Sort());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CheckpointReader::ReadBorder(int b)
+{
+  std::vector<double> state;
+  PetscFunctionBeginUser;
+  const std::size_t size = hierarchy_.Copies().ready ? 0 : Border::kState * hierarchy_.BorderNodes(b);
+  if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
+  Found(state.size() == size, BorderName(b));
+  PetscCall(Settle("checkpoint_border"));
+  PetscCall(hierarchy_.RestoreBorderState(b, state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What only all points together tell.
+PetscErrorCode CheckpointReader::CheckWhole(const RunState &state)
+{
+  constexpr double kMassError = 1e-6;
+  std::vector<std::int64_t> ids;
+  Books books;
+  PetscFunctionBeginUser;
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
+    PointArrays points;
+    PetscCall(hierarchy_.At(l).PointStore().Arrays(&points));
+    ids.insert(ids.end(), points.id, points.id + points.count);
+  }
+  PetscCall(hierarchy_.ReduceBooks(&books));
+  if (!std::isfinite(books.kinetic_energy) || !std::isfinite(books.strain_energy)) Note("its energies are not finite");
+  if (KeepsPoints()) {
+    if (!(std::abs(books.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
+    PetscCall(FindRepeated(comm_, ids, &wrong_));
+  }
+  PetscCall(Settle("checkpoint_whole"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CheckpointReader::Read(RunState *state, bool *same_ranks)
+{
+  PetscFunctionBeginUser;
+  PetscCall(Open());
+  PetscCall(ReadHead(state));
+  PetscCall(ReadTotals());
+  PetscCall(CountPoints(*state));
+  for (int l = 0; l < hierarchy_.Levels(); ++l) PetscCall(ReadLevel(*state, l));
+  for (int b = 0; b + 1 < hierarchy_.Levels(); ++b) PetscCall(ReadBorder(b));
+  PetscCall(CheckWhole(*state));
+  *same_ranks = same_ranks_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace
+
+PetscErrorCode ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks)
+{
+  PetscFunctionBeginUser;
+  CheckpointReader reader(settings, hierarchy);
+  PetscCall(reader.Read(state, same_ranks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,174 @@
+// Looks at the command line and options files before PETSc does, which ends with a trace where it cannot parse them.
+#include "program/command_line.hpp"
+
+#include "program/files.hpp"
+#include "program/options.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <fcntl.h>
+#include <map>
+#include <mpi.h>
+#include <poll.h>
+#include <set>
+#include <sstream>
+
+namespace mlgimp
+{
+
+const char kUsage[] = "mlgimp simulates indentation and contact; it needs a case. Try\n\n"
+                      "  bin/mlgimp -options_file options/wedge_500nm.opts     a case, with results in output/wedge_500nm\n"
+                      "  bin/mlgimp -help                                      every option with its unit and default\n\n"
+                      "or see docs/tutorial.md.\n";
+
+namespace
+{
+
+constexpr std::size_t kMostOptions = 512; ///< names that PETSc's table holds, in some of its versions
+
+bool IsOptionName(const std::string &word)
+{
+  return word.size() > 1 && word[0] == '-' && (std::isalpha(static_cast<unsigned char>(word[1])) || word[1] == '-');
+}
+
+/// The text with a question mark for each character that is none.
+std::string Printable(std::string text)
+{
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
+  return text;
+}
+
+/// Names as PETSc compares them.
+std::string LowerCase(std::string name)
+{
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+/// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
+bool ReadAll(const std::string &path, std::string *text)
+{
+  constexpr int kPatience = 5000; // ms
+  constexpr std::size_t kMost = 100000000;
+  char buffer[1 << 16];
+  Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)); // a pipe without a writer would be waited for
+  while (file.Valid() && text->size() < kMost) {
+    pollfd ready{file, POLLIN, 0};
+    if (poll(&ready, 1, kPatience) == 0) return false;
+    const ssize_t count = read(file, buffer, sizeof buffer);
+    if (count > 0) text->append(buffer, static_cast<std::size_t>(count));
+    if (count == 0) return true;
+    if (count < 0 && errno != EAGAIN && errno != EINTR) return false;
+  }
+  return false;
+}
+
+/// What is wrong with the characters of a line.
+std::string WrongCharacters(const std::string &line)
+{
+  if (line.rfind("\xef\xbb\xbf", 0) == 0) return "must be text without a byte-order mark; save the file as plain UTF-8";
+  if (line.find("\xc2\xa0") != std::string::npos)
+    return "must have plain blanks, found a no-break space in '" + Shortened(Printable(line)) + "'";
+  if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
+    return "must be text, found '" + Shortened(Printable(line)) + "'";
+  return "";
+}
+
+/// Adds the options of a file to the words; returns what is wrong, or an empty string.
+std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *options)
+{
+  std::string text, line;
+  std::set<std::string> seen;
+  if (path.size() > 5 && path.substr(path.size() - 5) == ".yaml")
+    return "-options_file " + path + ": must hold lines '-name value'; YAML is not read";
+  if (!ReadAll(path, &text) || text.empty()) return "-options_file " + path + ": must be a readable file with options";
+  std::istringstream lines(text);
+  for (int number = 1; std::getline(lines, line); ++number) {
+    line = line.substr(0, line.find('#'));
+    std::istringstream words(line);
+    std::string name, value, more;
+    words >> name >> value >> more;
+    const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ", wrong = WrongCharacters(line);
+    if (!wrong.empty()) return place + wrong;
+    if (name.size() + value.size() > kLongestValue)
+      return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
+    if (name.empty()) continue;
+    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
+    if (name == "-options_file") return place + "must not name another options file; give both on the command line";
+    if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
+    if (IsOptionName(value))
+      return place + "must be '-name value', found the name of an option as the value '" + Shortened(value) + "'";
+    if (!seen.insert(LowerCase(name)).second)
+      return name + " " + Shortened(value) + ": must be given once, found again in line " + std::to_string(number) + " of " +
+             path + " (capitals make no difference)";
+    options->push_back(name);
+    if (!value.empty()) options->push_back(value);
+  }
+  return "";
+}
+
+std::string NameOf(std::string path)
+{
+  path = path.substr(path.find_last_of('/') + 1);
+  path = path.substr(0, path.find_last_of('.'));
+  return path.empty() ? "run" : path;
+}
+
+/// The first rank's part of ReadCommandLine; returns what is wrong.
+std::string Parse(int argc, char **argv, CommandLine *line)
+{
+  std::map<std::string, std::string> spelt; // on the command line, by lower case
+  std::set<std::string> names;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word.size() > kLongestValue)
+      return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
+    if (word == "-options_file") {
+      const std::string path = ++k < argc ? argv[k] : "";
+      if (const std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
+      line->name = NameOf(path);
+      continue;
+    }
+    if (!IsOptionName(word) && (k == 1 || !IsOptionName(argv[k - 1])))
+      return "'" + word + "': must follow an option that takes it; options begin with a dash";
+    if (IsOptionName(word))
+      if (const auto known = spelt.emplace(LowerCase(word), word).first; known->second != word)
+        return word + ": must be spelt as " + known->second + ", which is given too: capitals make no difference";
+    line->words.push_back(word);
+  }
+  for (const std::string &word : line->words)
+    if (IsOptionName(word)) names.insert(LowerCase(word));
+  if (names.size() > kMostOptions)
+    return std::to_string(names.size()) + " options: must be at most " + std::to_string(kMostOptions) +
+           ", as many as PETSc takes; polygons need fewer than boxes";
+  return "";
+}
+
+void Share(std::string *text)
+{
+  int size = static_cast<int>(text->size());
+  MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  text->resize(static_cast<std::size_t>(size));
+  MPI_Bcast(text->data(), size, MPI_CHAR, 0, MPI_COMM_WORLD);
+}
+
+} // namespace
+
+CommandLine ReadCommandLine(int argc, char **argv)
+{
+  CommandLine line;
+  int rank = 0;
+  line.name = "run";
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) line.problem = Parse(argc, argv, &line);
+  std::string words = Join(line.words, std::string(1, '\0'));
+  Share(&words);
+  Share(&line.name);
+  Share(&line.problem);
+  line.words = words.empty() ? std::vector<std::string>() : Split(words, '\0');
+  return line;
+}
+
+} // namespace mlgimp

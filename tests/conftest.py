@@ -67,7 +67,8 @@ class UnitFile(pytest.File):
         report = tempfile.mktemp(suffix=".json", dir=harness.scratch())
         program = harness.BIN / self.program
         if program.exists():
-            subprocess.run([program, "--gtest_list_tests", f"--gtest_output=json:{report}"], stdout=subprocess.DEVNULL, check=True)
+            subprocess.run([program, "--gtest_list_tests", f"--gtest_output=json:{report}"], stdout=subprocess.DEVNULL,
+                           check=True)
         return [(name, test["file"]) for name, test in harness.unit_tests(report)]
 
 
@@ -87,11 +88,12 @@ class UnitTest(pytest.Item):
         done = unit_run(self)
         begin = re.escape(f"[ RUN      ] {self.test}\n")
         print("".join(re.findall(rf"{begin}(.*?)^\[ ", done.output, re.M | re.S)))
-        failures = done.tests.get(self.test)
-        if failures is None or (done.status != 0 and not any(done.tests.values())):
+        if self.test not in done.tests or (done.status != 0 and not any(done.tests.values())):
             raise UnitFailure(f"exit status {done.status}:\n{done.output[-3000:]}\n{done.error[-3000:]}")
-        if failures:
-            raise UnitFailure("\n".join(failures))
+        if done.tests[self.test] is None:
+            pytest.skip("by the test itself")
+        if done.tests[self.test]:
+            raise UnitFailure("\n".join(done.tests[self.test]))
 
     def repr_failure(self, excinfo, style=None):
         return str(excinfo.value) if isinstance(excinfo.value, UnitFailure) else super().repr_failure(excinfo, style)
@@ -147,4 +149,5 @@ def pytest_sessionfinish(session):
 def pytest_unconfigure():
     """The last line of `make test`."""
     if counts:
-        print(f"{counts['passed']} passed, {counts['failed']} failed" + (f", {counts['skipped']} skipped" if counts["skipped"] else ""))
+        skipped = f", {counts['skipped']} skipped" if counts["skipped"] else ""
+        print(f"{counts['passed']} passed, {counts['failed']} failed{skipped}")

@@ -30,7 +30,7 @@ ENVIRONMENT = dict(
 
 
 def environment(ranks):
-    """For one run: a folder of its own for what MPI puts into files, so that no other run disturbs it; alone it needs no daemon of MPI."""
+    """For one run: a folder of its own for MPI's files, so that no other run disturbs it; alone it needs no daemon of MPI."""
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"} if ranks == 1 else {}
     return dict(ENVIRONMENT, TMPDIR=tempfile.mkdtemp(dir=scratch()), **alone)
 
@@ -98,18 +98,20 @@ def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=120
     return result
 
 
-UnitRun = namedtuple("UnitRun", "status output error tests")  # tests: {name: messages of its failures}
+UnitRun = namedtuple("UnitRun", "status output error tests")  # tests: {name: messages of its failures, None where it was skipped}
 
 
 def run_units(program, names="*", ranks=1, timeout=1200):
     """Runs tests of a GoogleTest program bin/test_*; names are joined by colons."""
     report = tempfile.mktemp(suffix=".json", dir=scratch())
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*start, str(BIN / program), f"--gtest_filter={names}", f"--gtest_output=json:{report}"],
+    done = subprocess.run([*start, str(BIN / program), "--gtest_color=no", f"--gtest_filter={names}",
+                           f"--gtest_output=json:{report}"],
                           capture_output=True, text=True, env=environment(ranks), cwd=ROOT, timeout=timeout)
-    tests = {name: test.get("failures", []) for name, test in unit_tests(report) if test["result"] == "COMPLETED"}
-    failures = {name: [failure["failure"] for failure in failed] for name, failed in tests.items()}
-    return UnitRun(done.returncode, done.stdout, done.stderr, failures)
+    ran = {name: test for name, test in unit_tests(report) if test["result"] in ("COMPLETED", "SKIPPED")}
+    tests = {name: None if test["result"] == "SKIPPED" else [failure["failure"] for failure in test.get("failures", [])]
+             for name, test in ran.items()}
+    return UnitRun(done.returncode, done.stdout, done.stderr, tests)
 
 
 def unit_tests(report):

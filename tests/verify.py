@@ -109,7 +109,8 @@ def known(names):
 
 def check_document(studies):
     """A study about docs/verification.md itself: it has the rows of all studies, with the same goals."""
-    study = Study("--report", "docs/verification.md", "The committed document has a row for each figure of this page, with the same goal.")
+    study = Study("--report", "docs/verification.md",
+                  "The committed document has a row for each figure of this page, with the same goal.")
     lines = report_markdown.differences(DOCUMENT.read_text(), studies)
     differ = f"{len(lines)} differences, the first: {lines[0]}" if lines else ""
     study.expect.that("docs/verification.md has the figures and goals of this page", not lines, differ)

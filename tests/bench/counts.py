@@ -21,7 +21,7 @@ TODAY = {("one level", 2): (8, 71.2, 4.3), ("one level", 4): (24, 213.7, 4.3),
          ("three levels with contact", 2): (92.8, 410.2, 37.2), ("three levels with contact", 4): (413.3, 978.6, 37.4)}
 COUNT_MARGIN = 1.02
 
-# Today's instructions a point and step with vectors of four, whatever the machine has; contact and small levels are in the second.
+# Today's instructions a point and step with vectors of four, whatever the machine has; the second has contact and small levels.
 INSTRUCTIONS = {"one level": 872, "three levels with contact": 1068}
 COUNTED = harness.ROOT / "bin" / "counted"
 INSTRUCTION_MARGIN = 1.1  # compilers differ

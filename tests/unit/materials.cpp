@@ -215,6 +215,20 @@ TEST(Materials, SmallStrains)
   for (const std::string &law : MaterialModels()) SmallStrains(law);
 }
 
+/// The neo-Hookean sigma_zz is lambda ln J/J: the logarithm that vectorises against that of the library.
+TEST(Materials, Logarithm)
+{
+  const auto material = Create("neo_hookean");
+  const double powers[] = {std::sqrt(0.5), std::sqrt(2), 1, 1 + 1e-15, 1 - 1e-15, 1 + 1e-9, 2, 0.5, 1e-30, 1e30};
+  for (int n = 0; n < 20000; ++n) {
+    const double J = n < 10 ? powers[n] : std::exp(n % 2 ? Random(-1, 1) : Random(-60, 60));
+    const double rate[1][4] = {}, increment[1][4] = {{1, 0, 0, 1}}, F[4] = {J, 0, 0, 1};
+    double stress[4] = {}, dissipated = 0;
+    material->UpdateStress({1, 1, rate, increment, F, stress, nullptr, 0}, &dissipated);
+    EXPECT_LE(std::abs(stress[2] - kLambda * std::log(J) / J), 1e-15 * std::abs(stress[2])) << "J " << J;
+  }
+}
+
 TEST(Materials, Objectivity)
 {
   for (const char *law : {"neo_hookean", "st_venant_kirchhoff", "j2"}) Objectivity(law);

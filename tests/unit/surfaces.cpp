@@ -93,6 +93,9 @@ TEST(Surfaces, Histories)
   }
   EXPECT_LE(worst, 1e-12) << "history: integral";
   EXPECT_LE(std::abs(PiecewiseLinear({2}, {3}).Integral(1.5) - 4.5), 1e-15) << "history: constant one";
+  EXPECT_EQ(PiecewiseLinear().Value(1), 0) << "a history of nothing";
+  EXPECT_EQ(PiecewiseLinear().Integral(1), 0);
+  EXPECT_TRUE(std::isinf(PiecewiseLinear().TimeOfIntegral(1, 10)));
   // The integral grows to 0.5 + 4 + 2/3 at t = 3 + 2/3 and falls again.
   worst = 0;
   for (double target : {1e-9, 0.1, 0.5, 2.0, 4.5, 5.0, 5.16})

@@ -1,8 +1,10 @@
 # mlgimp: make run | make test | make verify | make bench | make lint | make deps | make clean; see README.md.
 #
-# PETSc is found by pkg-config, or under PETSC_DIR/PETSC_ARCH where they are set.
+# PETSc is found by pkg-config, or under PETSC_DIR/PETSC_ARCH where they are set. V=1 shows the commands whole.
 
+ifeq ($(origin CXX),default)
 CXX      := mpicxx
+endif
 ARCH     ?= -march=native
 PYTHON   ?= /usr/bin/python3
 
@@ -21,45 +23,66 @@ HDF5     ?= hdf5-openmpi
 
 ifdef PETSC_DIR
 PKG_CONFIG := PKG_CONFIG_PATH=$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:$(PKG_CONFIG_PATH) pkg-config
+RUN_PATH    = -Wl,-rpath,$(shell $(PKG_CONFIG) --variable=libdir PETSc)
 else
 PKG_CONFIG := pkg-config
 endif
-PACKAGES  = PETSc $(HDF5)
+PACKAGES   := PETSc $(HDF5)
+
 # -Wno-psabi: without 32-byte registers GCC notes how Packs are passed, but all that take one are inlined.
 # -Wno-pass-failed: Clang notes loops that it does not vectorise.
-FLAGS     = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math -Wall -Wextra -Wpedantic -Wno-psabi -Wno-pass-failed -Iinclude -MMD -MP $(shell $(PKG_CONFIG) --cflags $(PACKAGES))
-LIBRARIES = $(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis
+WARNINGS   := -Wall -Wextra -Wpedantic -Wno-psabi -Wno-pass-failed
+# The packages are asked once, when something is built: by then they have been installed.
+INCLUDES    = $(eval INCLUDES := -Iinclude $$(shell $(PKG_CONFIG) --cflags $(PACKAGES)))$(INCLUDES)
+LIBRARIES   = $(eval LIBRARIES := $$(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis $(RUN_PATH))$(LIBRARIES)
+FLAGS       = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math $(WARNINGS) $(INCLUDES) -MMD -MP
 
 SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=$(BUILD)/%.o)
-TESTS   := $(patsubst tests/unit/%.cpp,$(BIN)/test_%,$(wildcard tests/unit/*.cpp))
+# tests/unit/*.cpp make one program of fast tests, each of tests/simulation/*.cpp one of its own.
+UNITS   := $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/unit/*.cpp))
+TESTS   := $(BIN)/test_units $(patsubst tests/simulation/%.cpp,$(BIN)/test_%,$(wildcard tests/simulation/*.cpp))
+
+ifdef V
+RUN = $(1)
+else
+RUN = @echo "$(2)"; $(1)
+endif
+COMPILE = $(call RUN,$(CXX) $(CXXFLAGS) $(FLAGS) $(1) -c -o $@ $<,CXX $<)
+LINK    = $(call RUN,$(CXX) $(CXXFLAGS) -o $@ $^ $(1) $(LIBRARIES),LINK $@)
 
 .PHONY: all programs deps run test verify bench lint clean
+.SECONDARY:
 all: $(BIN)/mlgimp
 programs: all $(TESTS)
 
 $(BIN)/mlgimp: $(BUILD)/program/main.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
-	$(CXX) $(CXXFLAGS) -o $@ $^ $(LIBRARIES)
+	$(call LINK)
 
 $(BUILD)/libmlgimp.a: $(OBJECTS)
-	$(AR) rcs $@ $^
+	@rm -f $@
+	$(call RUN,$(AR) rcs $@ $^,AR $@)
 
 $(BUILD)/%.o: src/%.cpp makefile
 	@mkdir -p $(@D)
-	$(CXX) $(CXXFLAGS) $(FLAGS) -c -o $@ $<
+	$(call COMPILE)
 
-$(BIN)/test_%: $(BUILD)/tests/%.o $(BUILD)/libmlgimp.a
+$(BUILD)/tests/%.o: tests/%.cpp makefile
+	@mkdir -p $(@D)
+	$(call COMPILE,-Itests)
+
+$(BIN)/test_units: $(UNITS) $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
-	$(CXX) $(CXXFLAGS) -o $@ $^ $(LIBRARIES)
+	$(call LINK,-lgtest)
+
+$(BIN)/test_%: $(BUILD)/tests/simulation/%.o $(BUILD)/libmlgimp.a
+	@mkdir -p $(BIN)
+	$(call LINK,-lgtest)
 
 $(BIN)/bench_%: tests/bench/%.cpp makefile
 	@mkdir -p $(BIN)
-	$(CXX) $(CXXFLAGS) -std=c++17 -Wall -Wextra -Wpedantic -Wno-psabi -Iinclude -o $@ $<
-
-$(BUILD)/tests/%.o: tests/unit/%.cpp makefile
-	@mkdir -p $(@D)
-	$(CXX) $(CXXFLAGS) $(FLAGS) -c -o $@ $<
+	$(call RUN,$(CXX) $(CXXFLAGS) -std=c++17 $(WARNINGS) -Iinclude -o $@ $<,CXX $<)
 
 deps:
 	@sh scripts/install_packages.sh
@@ -68,9 +91,12 @@ run: deps
 	@$(MAKE) --no-print-directory $(BIN)/mlgimp
 	@sh scripts/run.sh $(PYTHON)
 
+# SELECT="word word": only tests whose name, with that of their file, contains one of the words.
+EMPTY :=
+WORDS = $(subst $(EMPTY) $(EMPTY), or ,$(strip $(SELECT)))
 test: deps
 	@$(MAKE) --no-print-directory -j2 programs
-	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/run.py $(SELECT)
+	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest $(if $(WORDS),-k "$(WORDS)")
 
 verify: deps
 	@$(MAKE) --no-print-directory -j2 programs
@@ -79,6 +105,7 @@ verify: deps
 bench: deps
 	@$(MAKE) --no-print-directory $(BIN)/mlgimp $(BIN)/bench_machine
 	@$(PYTHON) scripts/bench.py
+	@$(PYTHON) -m pytest tests/bench
 
 # Layout and checks of the sources; needs clang-format and clang-tidy.
 lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/main.tidy
@@ -86,9 +113,9 @@ lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/main.tidy
 
 $(BUILD)/%.tidy: %.cpp .clang-tidy
 	@mkdir -p $(@D)
-	clang-tidy --quiet $< -- -std=c++17 -Iinclude $(subst -I,-isystem ,$(shell $(PKG_CONFIG) --cflags $(PACKAGES))) && touch $@
+	clang-tidy --quiet $< -- -std=c++17 $(subst -I/,-isystem /,$(INCLUDES)) && touch $@
 
 clean:
 	rm -rf build bin
 
--include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(wildcard $(BUILD)/tests/*.d)
+-include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(wildcard $(BUILD)/tests/*/*.d)

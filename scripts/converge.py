@@ -112,7 +112,11 @@ def options_of(words):
 
 def read_options(path):
     """{name: value} of an options file."""
-    return options_of(shlex.split(path.read_text(), comments=True))
+    try:
+        words = shlex.split(path.read_text(), comments=True)
+    except (OSError, ValueError) as problem:
+        fail(f"{path}: must be a text of options ({problem})")
+    return options_of(words)
 
 
 def number_of(options, name, default):

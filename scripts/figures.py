@@ -5,11 +5,11 @@ import argparse
 import re
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import plot
 import results
+from plot import plt
 
 MILLINEWTON, NANOMETRE = plot.Unit(1e3, "mN"), plot.Unit(1e9, "nm")
 
@@ -87,7 +87,10 @@ def cells(options):
         levels = results.read_summary(directory).get("levels")
         if not levels:
             raise results.ResultError(directory, "there is no summary.json with levels")
-        percentage = cell_percentage(levels)
+        try:
+            percentage = cell_percentage(levels)
+        except (KeyError, TypeError, ZeroDivisionError):
+            raise results.ResultError(directory, "the levels of summary.json must have a cell_size") from None
         axes.plot(range(1, len(percentage) + 1), percentage, marker="o", label=label)
     count = np.arange(1, 8)
     quarter = (3 * count + 1) / 4**count  # each level covers a quarter of the next coarser one
@@ -99,7 +102,7 @@ def cells(options):
 
 def main(arguments=None):
     """Draws the picture that the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = results.Parser(description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     curves = commands.add_parser("load-depth", help=load_depth.__doc__)
     curves.add_argument("picture", metavar="OUT.png")

@@ -2,9 +2,11 @@
 """Draws the pictures of one result folder: load_depth.png, stress_xx.png, _yy, _xy and energy.png."""
 
 import argparse
+import logging
 from collections import namedtuple
 from pathlib import Path
 
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home folder it would tell about its cache
 import matplotlib
 
 matplotlib.use("Agg")
@@ -237,7 +239,10 @@ def read_panel(directory, number=None, title=None):
 
 def save(figure, path):
     """Writes a figure, closes it and says so."""
-    figure.savefig(path)
+    try:
+        figure.savefig(path)
+    except (OSError, ValueError) as problem:  # no such folder, no such kind of picture, a label that is no formula
+        raise results.ResultError(path, f"cannot be drawn ({' '.join(str(problem).split())})") from None
     plt.close(figure)
     print(path)
 
@@ -250,9 +255,10 @@ def window_argument(text):
         left, right, bottom, top = (float(number) for number in text.split(","))
     except ValueError:
         left, right, bottom, top = 0, 0, 0, 0
-    if left >= right or bottom >= top:
+    window = np.array([left, right, bottom, top])
+    if not (np.all(np.isfinite(window)) and left < right and bottom < top):
         raise argparse.ArgumentTypeError(f"{text}: must be xmin,xmax,ymin,ymax with min < max")
-    return np.array([left, right, bottom, top])
+    return window
 
 
 def add_window_option(parser):
@@ -263,7 +269,7 @@ def add_window_option(parser):
 
 def main(arguments=None):
     """Draws all pictures of the result folder that the command line names."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = results.Parser(description=__doc__)
     parser.add_argument("directory", metavar="DIR", help="result folder of a run")
     parser.add_argument("--frame", type=int, metavar="N", help="frame to draw (default: the last)")
     parser.add_argument("--out", metavar="DIR", help="folder for the pictures (default: the result folder)")
@@ -272,7 +278,10 @@ def main(arguments=None):
     history = results.read_history(options.directory)
     field = read_panel(options.directory, options.frame)
     out = Path(options.out or options.directory)
-    out.mkdir(parents=True, exist_ok=True)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise results.ResultError(out, f"must be a folder for pictures ({problem.strerror})") from None
     title = case_name(options.directory)
     if results.has_indenter(history):
         plot_load_depth(history, title, out / "load_depth.png")

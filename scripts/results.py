@@ -1,5 +1,6 @@
 """Reads the result folder of a run: history.csv, points_FFFFFF.h5 and summary.json. All values are SI."""
 
+import argparse
 import json
 from collections import namedtuple
 from pathlib import Path
@@ -12,6 +13,11 @@ Frame.__doc__ = """One frame of points: time (s), step of level 0, and levels, a
 level that maps each dataset's name to its array [points of the level][components]."""
 
 
+HISTORY_COLUMNS = ("time", "depth", "load", "kinetic_energy", "strain_energy", "dissipated_energy", "external_work",
+                   "indenter_work")  # that the scripts look at
+POINT_DATASETS = {"position": 2, "half_size": 2, "stress": 4}  # components
+
+
 class ResultError(SystemExit):
     """Ends a script with its one line on standard error and exit status 1, unless somebody catches it."""
 
@@ -19,15 +25,28 @@ class ResultError(SystemExit):
         super().__init__(f"error: {path}: {problem}")
 
 
+class Parser(argparse.ArgumentParser):
+    """Refuses a command line with the one line of a ResultError; -h shows how it is used."""
+
+    def error(self, message):
+        raise SystemExit(f"error: {message}")
+
+
 def read_history(directory):
     """Returns history.csv as a dict from column name to array [rows], in the order of the file."""
     path = Path(directory) / "history.csv"
     try:
         header, *lines = path.read_text().splitlines() or [""]
-        names = header.split(",")
-        table = np.array([line.split(",") for line in lines], float).reshape(-1, len(names))
     except OSError:
         raise ResultError(directory, "no results here (history.csv cannot be read)") from None
+    except ValueError:
+        raise ResultError(path, "not a table of numbers, but no text") from None
+    names = header.split(",")
+    absent = [name for name in HISTORY_COLUMNS if name not in names]
+    if absent:
+        raise ResultError(path, f"not the history of a run: there is no column {absent[0]}")
+    try:
+        table = np.array([line.split(",") for line in lines], float).reshape(-1, len(names))
     except ValueError:
         raise ResultError(path, f"not a table of {len(names)} columns of numbers") from None
     return dict(zip(names, table.T))
@@ -39,9 +58,14 @@ def read_summary(directory):
     if not path.exists():
         return {}
     try:
-        return json.loads(path.read_text())
-    except ValueError as problem:
+        summary = json.loads(path.read_text())
+    except (OSError, ValueError) as problem:
         raise ResultError(path, f"not valid JSON ({problem})") from None
+    try:
+        level_boxes(summary)
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise ResultError(path, "not the summary of a run: it must be an object whose levels have lower and upper") from None
+    return summary
 
 
 def level_boxes(summary):
@@ -75,9 +99,20 @@ def read_frame(path):
             levels = [{name: data[()] for name, data in file[group].items()} for group in groups]
             if not levels:
                 raise KeyError("no group level_0")
+            for group, level in zip(groups, levels):
+                check_points(group, level)
             return Frame(float(file.attrs["time"]), int(file.attrs["step"]), levels)
-    except (OSError, KeyError) as problem:
+    except (OSError, KeyError, AttributeError, TypeError, ValueError) as problem:
         raise ResultError(path, f"not a frame of points ({problem})") from None
+
+
+def check_points(group, level):
+    """Raises a ValueError where a level lacks a dataset that the scripts need, or has it in another shape."""
+    for name, components in POINT_DATASETS.items():
+        if name not in level:
+            raise ValueError(f"{group} has no {name}")
+        if level[name].shape != (len(level["position"]), components):
+            raise ValueError(f"{name} of {group} has not {components} components a point")
 
 
 def all_points(levels):

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import namedtuple
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BIN = ROOT / os.environ.get("MLGIMP_BIN", "bin")
@@ -29,7 +30,7 @@ ENVIRONMENT = dict(
 
 
 def environment(ranks):
-    """For one run: a folder of its own for what MPI puts into files, so that no other run disturbs it; alone it needs no daemon of MPI."""
+    """For one run: a folder of its own for MPI's files, so that no other run disturbs it; alone it needs no daemon of MPI."""
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"} if ranks == 1 else {}
     return dict(ENVIRONMENT, TMPDIR=tempfile.mkdtemp(dir=scratch()), **alone)
 
@@ -97,6 +98,30 @@ def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=120
     return result
 
 
+UnitRun = namedtuple("UnitRun", "status output error tests")  # tests: {name: messages of its failures, None where it was skipped}
+
+
+def run_units(program, names="*", ranks=1, timeout=1200):
+    """Runs tests of a GoogleTest program bin/test_*; names are joined by colons."""
+    report = tempfile.mktemp(suffix=".json", dir=scratch())
+    start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    done = subprocess.run([*start, str(BIN / program), "--gtest_color=no", f"--gtest_filter={names}",
+                           f"--gtest_output=json:{report}"],
+                          capture_output=True, text=True, env=environment(ranks), cwd=ROOT, timeout=timeout)
+    ran = {name: test for name, test in unit_tests(report) if test["result"] in ("COMPLETED", "SKIPPED")}
+    tests = {name: None if test["result"] == "SKIPPED" else [failure["failure"] for failure in test.get("failures", [])]
+             for name, test in ran.items()}
+    return UnitRun(done.returncode, done.stdout, done.stderr, tests)
+
+
+def unit_tests(report):
+    """(full name, description) of all tests in a report of GoogleTest; none where there is no report."""
+    if not os.path.exists(report):
+        return []
+    suites = json.loads(pathlib.Path(report).read_text())["testsuites"]
+    return [(f"{suite['name']}.{test['name']}", test) for suite in suites for test in suite["testsuite"]]
+
+
 _scratch = None
 
 
@@ -113,15 +138,16 @@ def clean_up():
         shutil.rmtree(_scratch, ignore_errors=True)
 
 
-class Report:
-    """Counts and prints expectations as they are checked; one table of figures for people to read."""
+class Expectations:
+    """Figures and their limits. Each is printed; a test with one that is missed goes on, and fails at its end."""
 
-    def __init__(self):
-        self.passed = self.failed = 0
-        self.rows = []
+    def __init__(self, listener=None):
+        """listener(name, good, detail) is told of each."""
+        self.missed = []
+        self.listener = listener
 
-    def expect(self, name, value, at_most=None, at_least=None, near=None, tolerance=None):
-        """Passes if the value lies within the limits given; a NaN never does."""
+    def __call__(self, name, value, at_most=None, at_least=None, near=None, tolerance=None):
+        """The value lies within the limits given; a NaN never does."""
         good, limits = True, []
         if at_most is not None:
             good &= bool(value <= at_most)
@@ -132,13 +158,16 @@ class Report:
         if near is not None:
             good &= bool(abs(value - near) <= tolerance)
             limits.append(f"{near:g} +- {tolerance:g}")
-        self.note(name, good, f"{value:.4g} ({', '.join(limits)})")
+        self.that(name, good, f"{value:.4g} ({', '.join(limits)})")
 
-    def note(self, name, good, detail=""):
-        self.passed += bool(good)
-        self.failed += not good
-        self.rows.append((name, bool(good), detail))
-        print(("ok    " if good else "FAIL  ") + name + (": " + detail if detail else ""), flush=True)
+    def that(self, name, good, detail=""):
+        """Something is so."""
+        line = name + (": " + detail if detail else "")
+        if not good:
+            self.missed.append(line)
+        if self.listener:
+            self.listener(name, bool(good), detail)
+        print(("ok    " if good else "FAIL  ") + line, flush=True)
 
 
 def read_csv(path):

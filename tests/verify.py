@@ -15,12 +15,14 @@ import re
 import sys
 import time
 
+import pytest
+
 import harness
-import run
 
 import report
 import report_markdown
 
+PREFIX = "verify_"  # of the functions that are studies
 FOLDER = harness.ROOT / "output" / "verify"
 DOCUMENT = harness.ROOT / "docs" / "verification.md"
 INTRODUCTION = [
@@ -39,18 +41,24 @@ def split_detail(detail):
     return (rest, figure, goal or "") if is_figure else (text, "", "")
 
 
-class Study(harness.Report):
-    """A report that keeps its rows, and plots and tables beside them, for the page. See scripts/report.py."""
+class Study:
+    """Expectations, figures, plots and tables for the page. See scripts/report.py."""
 
     def __init__(self, name, title, text):
-        super().__init__()
         self.name, self.title, self.text = name, title, text
         self.command = f"tests/verify.py {name}"  # what shows the figures that follow
         self.figures, self.tables, self.plots = [], [], []
+        self.expect = harness.Expectations(self.add_row)
+        self.begin, self.runs_before = time.time(), len(harness.ran)
 
-    def note(self, name, good, detail=""):
+    @classmethod
+    def of(cls, function, path):
+        """That of a function verify_NAME; the first line of its text is the title."""
+        title, _, text = inspect.getdoc(function).partition("\n")
+        return cls(f"{path.stem}.{function.__name__.removeprefix(PREFIX)}", title.rstrip("."), " ".join(text.split()))
+
+    def add_row(self, name, good, detail):
         """A check without a figure has the goal yes."""
-        super().note(name, good, detail)
         rest, seen, goal = split_detail(detail)
         if not seen:
             seen, goal = ("yes" if good else "no"), "yes"
@@ -58,7 +66,7 @@ class Study(harness.Report):
 
     def figure(self, name, value, unit=""):
         """A figure without a goal."""
-        self.note(name, True, f"{value:.4g} {unit}".strip())
+        self.expect.that(name, True, f"{value:.4g} {unit}".strip())
 
     def table(self, title, header, cells):
         self.tables.append(report.table(title, header, cells))
@@ -66,30 +74,28 @@ class Study(harness.Report):
     def plot(self, title, xlabel, ylabel, *curves, **options):
         self.plots.append(report.figure(title, xlabel, ylabel, curves, **options))
 
-    def result(self, seconds, runs):
+    def result(self):
         """All that the page needs, as a dict."""
         return {"name": self.name, "title": self.title, "text": self.text, "command": f"tests/verify.py {self.name}",
-                "seconds": seconds, "date": datetime.datetime.now().isoformat(" ", "minutes"), "runs": runs,
-                "rows": self.figures, "tables": self.tables, "plots": self.plots}
+                "seconds": time.time() - self.begin, "date": datetime.datetime.now().isoformat(" ", "minutes"),
+                "runs": list(dict.fromkeys(harness.ran[self.runs_before:])), "rows": self.figures, "tables": self.tables,
+                "plots": self.plots}
+
+    def store(self):
+        stored(self.name).parent.mkdir(parents=True, exist_ok=True)
+        stored(self.name).write_text(json.dumps(self.result(), indent=1))
 
 
 def collect():
-    """{name: function} of all studies."""
-    return {name.replace(": verify_", "."): function for name, function in run.collect("verify_")}
+    """{name: what pytest calls it} of all studies."""
+    return {f"{path.stem}.{name}": f"{path}::{PREFIX}{name}"
+            for path in sorted((harness.ROOT / "tests" / "cases").glob("*.py"))
+            for name in sorted(re.findall(rf"^def {PREFIX}(\w+)", path.read_text(), re.M))}
 
 
 def choose(names, words):
     """The names that a word is, or else is a part of; all without words."""
     return [name for name in names if not words or name in words or any(word in name for word in words if word not in names)]
-
-
-def carry_out(name, function):
-    """Runs a study; returns what it found."""
-    title, _, text = inspect.getdoc(function).partition("\n")
-    study = Study(name, title.rstrip("."), " ".join(text.split()))
-    begin, runs_before = time.time(), len(harness.ran)
-    run.run_function(name, function, study)
-    return study.result(time.time() - begin, list(dict.fromkeys(harness.ran[runs_before:])))
 
 
 def stored(name):
@@ -103,11 +109,12 @@ def known(names):
 
 def check_document(studies):
     """A study about docs/verification.md itself: it has the rows of all studies, with the same goals."""
-    study = Study("--report", "docs/verification.md", "The committed document has a row for each figure of this page, with the same goal.")
+    study = Study("--report", "docs/verification.md",
+                  "The committed document has a row for each figure of this page, with the same goal.")
     lines = report_markdown.differences(DOCUMENT.read_text(), studies)
     differ = f"{len(lines)} differences, the first: {lines[0]}" if lines else ""
-    study.note("docs/verification.md has the figures and goals of this page", not lines, differ)
-    return study.result(0, [])
+    study.expect.that("docs/verification.md has the figures and goals of this page", not lines, differ)
+    return study.result()
 
 
 def write(studies):
@@ -124,18 +131,12 @@ def main(words):
     chosen = [] if words == ["--report"] else choose(studies, words)
     if not chosen and words != ["--report"]:
         sys.exit(f"error: {' '.join(words)}: must be part of one of {', '.join(studies)}")
-    stored("any").parent.mkdir(parents=True, exist_ok=True)
-    try:
-        for number, name in enumerate(chosen, start=1):
-            print(f"[{number}/{len(chosen)}] {name}", flush=True)
-            stored(name).write_text(json.dumps(carry_out(name, studies[name]), indent=1))
-    finally:
-        harness.clean_up()
+    failed = chosen and pytest.main(["-m", "study", "-s", *(studies[name] for name in chosen)])
     missed = write(known(studies))
     for line in missed:
         print(f"falls short: {line['name']}: {line['seen']} ({line['goal']})")
     print(f"{(FOLDER / 'report.html').relative_to(harness.ROOT)}: {len(missed)} figures fall short of their goals")
-    return 1 if missed else 0
+    return 1 if missed or failed else 0
 
 
 if __name__ == "__main__":

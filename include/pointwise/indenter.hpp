@@ -35,7 +35,7 @@ std::unique_ptr<IndenterSurface> CreateFlatPunch(double width);
 std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec2> vertices);
 bool IsConvex(const std::vector<Vec2> &vertices);
 
-/// Piecewise-linear history of a quantity, constant before the first and after the last time.
+/// Piecewise-linear history of a quantity, constant before the first and after the last time; zero without any.
 class PiecewiseLinear
 {
 public:

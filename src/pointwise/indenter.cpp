@@ -145,6 +145,7 @@ bool IsConvex(const std::vector<Vec2> &v)
 
 double PiecewiseLinear::Value(double t) const
 {
+  if (times_.empty()) return 0;
   if (t <= times_.front()) return values_.front();
   for (std::size_t k = 1; k < times_.size(); ++k)
     if (t < times_[k]) return values_[k - 1] + (values_[k] - values_[k - 1]) * (t - times_[k - 1]) / (times_[k] - times_[k - 1]);

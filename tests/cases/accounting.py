@@ -1,5 +1,6 @@
 """The books of history.csv: energy, momentum and mass balance, and what contact and the coupling of levels add is seen."""
 import numpy
+import pytest
 
 import harness
 from ranks import COLLISION, FLIGHT, LEVELS, WEDGE
@@ -15,40 +16,42 @@ def energy_left(history):
     return left - left[0], work
 
 
-def check(report, name, result, energy):
+def check(expect, name, result, energy):
     history = result.history
     left, work = energy_left(history)
-    report.expect(f"{name}: energy less works, of the work", numpy.max(numpy.abs(left)) / work, at_most=energy)
+    expect(f"{name}: energy less works, of the work", numpy.max(numpy.abs(left)) / work, at_most=energy)
     momentum = numpy.sqrt(2 * numpy.max(history["kinetic_energy"]) * history["mass"][0])
     for axis in "xy":
         off = history[f"momentum_{axis}"] - sum(history[f"{impulse}_impulse_{axis}"] for impulse in IMPULSES)
-        report.expect(f"{name}: momentum less impulses along {axis}, of sqrt(2 E m)", numpy.max(numpy.abs(off - off[0])) / momentum,
-                      at_most=1e-9)
-    report.expect(f"{name}: mass, to the round-off of its sum", abs(result.summary["mass_error"]), at_most=1e-13)
+        expect(f"{name}: momentum less impulses along {axis}, of sqrt(2 E m)", numpy.max(numpy.abs(off - off[0])) / momentum,
+               at_most=1e-9)
+    expect(f"{name}: mass, to the round-off of its sum", abs(result.summary["mass_error"]), at_most=1e-13)
 
 
-def test_budgets(report):
+@pytest.mark.parametrize("name, case", [("wedge", WEDGE), ("wedge on levels", LEVELS), ("collision", COLLISION)])
+def test_budgets(expect, name, case):
     """Default settings; the works are those of the indenter, of gravity and loads, or the first kinetic energy."""
-    for name, case in (("wedge", WEDGE), ("wedge on levels", LEVELS), ("collision", COLLISION)):
-        check(report, name, harness.run({**case, "checkpoint_interval": 0}), energy=0.01)
-    check(report, "tension on levels", harness.run({"frames": 0}, file="tension_2level.opts"), energy=0.01)
+    check(expect, name, harness.run({**case, "checkpoint_interval": 0}), energy=0.01)
 
 
-def test_injected(report):
+def test_budgets_of_tension(expect):
+    check(expect, "tension on levels", harness.run({"frames": 0}, file="tension_2level.opts"), energy=0.01)
+
+
+@pytest.mark.parametrize("merging", ["false", "true"])
+def test_injected(expect, merging):
     """A fast disk across two borders: what is missing in the end is what the columns of the coupling and of merging say."""
-    for merging in ("false", "true"):
-        history = harness.run({**FLIGHT, "merge_siblings": merging, "checkpoint_interval": 0}).history
-        left, work = energy_left(history)
-        injected = history["exchange_energy"] + history["transfer_energy"]
-        report.expect(f"flight, merging {merging}: energy less works, of the work", numpy.max(numpy.abs(left)) / work, at_least=0.01)
-        report.expect(f"flight, merging {merging}: the same less what coupling and transfer added",
-                      numpy.max(numpy.abs(left - injected)) / work, at_most=0.005)
-        report.note(f"flight, merging {merging}: merging takes energy", (history["transfer_energy"][-1] < -1e-3 * work) == (merging == "true"))
+    history = harness.run({**FLIGHT, "merge_siblings": merging, "checkpoint_interval": 0}).history
+    left, work = energy_left(history)
+    injected = history["exchange_energy"] + history["transfer_energy"]
+    expect("energy less works, of the work", numpy.max(numpy.abs(left)) / work, at_least=0.01)
+    expect("the same less what coupling and transfer added", numpy.max(numpy.abs(left - injected)) / work, at_most=0.005)
+    expect.that("merging takes energy", (history["transfer_energy"][-1] < -1e-3 * work) == (merging == "true"))
 
 
-def test_contact(report):
+@pytest.mark.parametrize("method, tolerance", [("pressure", 0.01), ("point_pressure", 0.01), ("multimesh", 0.05)])
+def test_contact(expect, method, tolerance):
     """The indenter's work but for what contact takes up reaches the body; multimesh stops each node that it meets."""
-    for method, tolerance in (("pressure", 0.01), ("point_pressure", 0.01), ("multimesh", 0.05)):
-        history = harness.run({**WEDGE, "contact": method}).history
-        report.expect(f"{method}: work on the body over that of the indenter", history["contact_work"][-1] / history["indenter_work"][-1],
-                      near=1, tolerance=tolerance)
+    history = harness.run({**WEDGE, "contact": method}).history
+    expect("work on the body over that of the indenter", history["contact_work"][-1] / history["indenter_work"][-1],
+           near=1, tolerance=tolerance)

@@ -8,6 +8,7 @@ import tempfile
 import time
 
 import h5py
+import pytest
 
 import harness
 
@@ -316,40 +317,52 @@ def try_alone(words, folder, ranks, expected, text):
     return problem or (f"files changed: {left}" if left else "")
 
 
-def try_inputs(report, inputs):
-    """inputs: (name, words, expected, text of the options file or None); two processes at a time."""
-    folder = prepare()
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        tries = [[pool.submit(try_alone, words, folder, ranks, expected, text) for ranks in RANKS]
-                 for _, words, expected, text in inputs]
-        for (name, *_), futures in zip(inputs, tries):
-            problems = [f"{ranks} ranks: {future.result()}" for ranks, future in zip(RANKS, futures) if future.result()]
-            report.note(name, not problems, "; ".join(problems))
+def inputs():
+    """{name: (words, expected, text of the options file or None)} of all that is tried."""
+    plain = words_of({"output_dir": "out", **BLOCK})
+    tried = {name: (words_of({"output_dir": "out", **BLOCK, **changes}), expected, None) for name, changes, expected in CASES}
+    tried |= {f"{name}, levels": (words_of({"output_dir": "out", **LEVELS, **changes}), expected, None)
+              for name, changes, expected in LEVEL_CASES}
+    tried |= {name: (plain + more, expected, text) for name, more, text, expected in COMMAND_LINES}
+    assert len(tried) == len(CASES) + len(LEVEL_CASES) + len(COMMAND_LINES), "two have the same name"
+    return tried
 
 
-def test_values(report):
-    try_inputs(report, [(name, words_of({"output_dir": "out", **BLOCK, **changes}), expected, None)
-                        for name, changes, expected in CASES])
+INPUTS = inputs()
 
 
-def test_command_lines(report):
-    try_inputs(report, [(name, words_of({"output_dir": "out", **BLOCK}) + more, expected, text)
-                        for name, more, text, expected in COMMAND_LINES])
+@pytest.fixture(scope="module")
+def folder():
+    return prepare()
 
 
-def test_unreadable_file(report):
-    folder = prepare()
-    file = folder / "case.opts"
+@pytest.fixture(scope="module")
+def problems(request, folder):
+    """What is wrong with each refusal that was selected, as a future; two processes run at a time."""
+    pool = concurrent.futures.ThreadPoolExecutor(2)
+    chosen = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
+    futures = {}
+    for each in chosen:
+        words, expected, text = INPUTS[each["name"]]
+        futures[each["name"], each["ranks"]] = pool.submit(try_alone, words, folder, each["ranks"], expected, text)
+    yield futures
+    pool.shutdown(cancel_futures=True)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", RANKS)
+@pytest.mark.parametrize("name", INPUTS)
+def test_refused(problems, name, ranks):
+    problem = problems[name, ranks].result()
+    assert not problem, problem
+
+
+def test_unreadable_file(tmp_path):
+    file = tmp_path / "unreadable.opts"
     file.write_text("-damping 1\n")
     file.chmod(0)
     if os.access(file, os.R_OK):
-        print("      skipped: this user may read every file")
-        return
-    words = words_of({"output_dir": "out", **BLOCK}) + ["-options_file", "case.opts"]
-    problem = problem_of(words, folder, 1, ["-options_file case.opts:", "readable"])
-    report.note("an options file that may not be read", not problem, problem)
-
-
-def test_levels(report):
-    try_inputs(report, [(name, words_of({"output_dir": "out", **LEVELS, **changes}), expected, None)
-                        for name, changes, expected in LEVEL_CASES])
+        pytest.skip("this user may read every file")
+    words = words_of({"output_dir": "out", **BLOCK}) + ["-options_file", file.name]
+    problem = problem_of(words, tmp_path, 1, [f"-options_file {file.name}:", "readable"])
+    assert not problem, problem

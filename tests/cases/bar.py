@@ -1,5 +1,6 @@
 """A bar between rollers, held at one end and loaded by a ramped traction at the other: waves, and the static stress."""
 import numpy
+import pytest
 
 import analytic
 import harness
@@ -50,18 +51,19 @@ def exact_bar():
     return analytic.RampedBar(LENGTH, SPEED, MODULUS, -PULL, RISE_TIME)
 
 
-def test_waves(report):
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_waves(expect, ranks):
     """Two transits of the wave there and back, against d'Alembert, at a strain of 1e-5 where linear theory is good to 1e-5."""
     exact, peak = exact_bar(), 2 * PULL / MODULUS * LENGTH
-    for ranks in (1, 2):
-        error = stress_error = reached = 0
-        for time, u, X, stress, last in end_motion(ranks):
-            error = max(error, numpy.max(numpy.abs(u - exact.displacement(X, time))[last]) / peak)
-            reached = max(reached, numpy.max(numpy.abs(u[last])) / peak)
-            stress_error = max(stress_error, numpy.max(numpy.abs(stress[last] - exact.stress(X[last], time))) / PULL)
-        report.expect(f"bar, {ranks} ranks: end displacement, of the peak", error, at_most=0.01)
-        report.expect(f"bar, {ranks} ranks: the end has moved, of the peak", reached, at_least=0.5)
-        report.expect(f"bar, {ranks} ranks: stress of the last points, of the traction", stress_error, at_most=0.02)
+    error = stress_error = reached = 0
+    for time, u, X, stress, last in end_motion(ranks):
+        error = max(error, numpy.max(numpy.abs(u - exact.displacement(X, time))[last]) / peak)
+        reached = max(reached, numpy.max(numpy.abs(u[last])) / peak)
+        stress_error = max(stress_error, numpy.max(numpy.abs(stress[last] - exact.stress(X[last], time))) / PULL)
+    expect(f"bar, {ranks} ranks: end displacement, of the peak", error, at_most=0.01)
+    expect(f"bar, {ranks} ranks: the end has moved, of the peak", reached, at_least=0.5)
+    expect(f"bar, {ranks} ranks: stress of the last points, of the traction", stress_error, at_most=0.02)
 
 
 def hold(pressure, law="neo_hookean", transits=20, **others):
@@ -71,48 +73,53 @@ def hold(pressure, law="neo_hookean", transits=20, **others):
     return harness.run(options).frame()
 
 
-def test_static_stress(report):
+PULLED = [(1e-4, 1e-4, "neo_hookean"), (0.05, 0.01, "neo_hookean"), (-0.05, 0.01, "neo_hookean"),
+          (0.05, 0.01, "st_venant_kirchhoff")]
+
+
+@pytest.mark.parametrize("part, limit, law", PULLED)
+def test_static_stress(expect, part, limit, law):
     """In equilibrium the Cauchy stress is the traction on the current face, at any strain; damping takes the waves away."""
-    for part, limit, law in ((1e-4, 1e-4, "neo_hookean"), (0.05, 0.01, "neo_hookean"), (-0.05, 0.01, "neo_hookean"),
-                             (0.05, 0.01, "st_venant_kirchhoff")):
-        pressure = part * E
-        points = hold(pressure, law)
-        last = points["position"][:, 0] > points["position"][:, 0].max() - 0.1 * CELL
-        error = numpy.abs(points["stress"][:, 0] / -pressure - 1)
-        name = f"static bar, {law}, p/E = {part:g}"
-        report.expect(f"{name}: stress of the last points against the traction", numpy.max(error[last]), at_most=limit)
-        report.expect(f"{name}: stress of all points against the traction", numpy.max(error), at_most=limit)
-        # The stretch follows from the law: sigma_xx = (mu/F)(F^2 - 1) + lambda ln F/F = -p, or F (lambda + 2 mu)(F^2 - 1)/2.
-        F, (lam, mu) = points["deformation_gradient"][last, 0], analytic.lame_constants(E, NU)
-        law_stress = mu / F * (F**2 - 1) + lam * numpy.log(F) / F if law == "neo_hookean" else 0.5 * F * MODULUS * (F**2 - 1)
-        report.expect(f"{name}: stretch of the last points", numpy.max(numpy.abs(law_stress / -pressure - 1)), at_most=limit)
+    pressure = part * E
+    points = hold(pressure, law)
+    last = points["position"][:, 0] > points["position"][:, 0].max() - 0.1 * CELL
+    error = numpy.abs(points["stress"][:, 0] / -pressure - 1)
+    name = f"static bar, {law}, p/E = {part:g}"
+    expect(f"{name}: stress of the last points against the traction", numpy.max(error[last]), at_most=limit)
+    expect(f"{name}: stress of all points against the traction", numpy.max(error), at_most=limit)
+    # The stretch follows from the law: sigma_xx = (mu/F)(F^2 - 1) + lambda ln F/F = -p, or F (lambda + 2 mu)(F^2 - 1)/2.
+    F, (lam, mu) = points["deformation_gradient"][last, 0], analytic.lame_constants(E, NU)
+    law_stress = mu / F * (F**2 - 1) + lam * numpy.log(F) / F if law == "neo_hookean" else 0.5 * F * MODULUS * (F**2 - 1)
+    expect(f"{name}: stretch of the last points", numpy.max(numpy.abs(law_stress / -pressure - 1)), at_most=limit)
 
 
-def verify_waves(report):
+def verify_waves(study):
     """Waves in a bar
 
     A traction on its end rises over half of a transit to a strain of 1e-5; two transits there and back, against d'Alembert.
     """
-    test_waves(report)
+    for ranks in (1, 2):
+        test_waves(study.expect, ranks)
     exact, static = exact_bar(), -PULL / MODULUS * LENGTH
     motion = [(time, u[last].mean(), X[last].mean()) for time, u, X, _, last in end_motion(1)]
     times, ends, places = map(numpy.array, zip(*motion))
     shown = numpy.linspace(0, times[-1], 200)
     transit = LENGTH / SPEED
-    report.plot("Displacement of the end", "time (transits of the wave)", "displacement / static displacement",
+    study.plot("Displacement of the end", "time (transits of the wave)", "displacement / static displacement",
                 page.curve("exact", shown / transit, exact.displacement(places[0], shown) / static, "reference"),
                 page.curve("points", times / transit, ends / static, "dots"))
 
 
-def verify_static_stress(report):
+def verify_static_stress(study):
     """Stress of a bar at rest, and how long it stays
 
     In equilibrium the Cauchy stress is the traction on the current face. The table has bars in tension, p/E = -0.05: noise
     grows in them, the slower the larger a,b of the short-wave viscosity.
     """
-    test_static_stress(report)
+    for pulled in PULLED:
+        test_static_stress(study.expect, *pulled)
     cells = []
     for viscosity in ("0.001,4", "0.01,4", "0.001,8", "0.001,10", "0.001,16", "0.01,10"):
         errors = [numpy.abs(hold(-0.05 * E, transits=n, short_wave_viscosity=viscosity)["stress"][:, 0] / (0.05 * E) - 1).max() for n in (20, 60)]
         cells.append([viscosity, *(f"{100 * error:.2g} %" for error in errors)])
-    report.table("Largest stress error of a bar held at p/E = -0.05", ["a,b", "20 transits", "60 transits"], cells)
+    study.table("Largest stress error of a bar held at p/E = -0.05", ["a,b", "20 transits", "60 transits"], cells)

@@ -16,25 +16,25 @@ def accepted(option):
     return re.search(r"must be one of (.*)", refused)[1].split(", ")
 
 
-def expect_same_load(report, contact, option, types):
+def expect_same_load(expect, contact, option, types):
     reference = harness.run({**CASE, "contact": contact}).history["load"]
-    report.expect(f"{contact}: largest load", numpy.max(reference), at_least=1e-6)
+    expect(f"{contact}: largest load", numpy.max(reference), at_least=1e-6)
     for kind in types:
         result = harness.run({**CASE, "contact": contact, option: kind}, must_succeed=False)
         load = result.history["load"] if result.status == 0 else []
         if len(load) != len(reference):
-            report.note(f"{contact}, {option} {kind}", False, result.stderr.strip().rpartition("\n")[2] or f"{len(load)} rows for {len(reference)}")
+            expect.that(f"{contact}, {option} {kind}", False, result.stderr.strip().rpartition("\n")[2] or f"{len(load)} rows for {len(reference)}")
             continue
-        report.expect(f"{contact}, {option} {kind}: load", numpy.max(numpy.abs(load - reference)) / numpy.max(reference), at_most=SAME)
+        expect(f"{contact}, {option} {kind}: load", numpy.max(numpy.abs(load - reference)) / numpy.max(reference), at_most=SAME)
 
 
-def test_preconditioners(report):
+def test_preconditioners(expect):
     types = accepted("contact_pc_type")
-    report.note("direct solvers are accepted", {"lu", "cholesky", "svd"} <= set(types))
+    expect.that("direct solvers are accepted", {"lu", "cholesky", "svd"} <= set(types))
     for contact in ("pressure", "point_pressure"):
-        expect_same_load(report, contact, "contact_pc_type", types)
+        expect_same_load(expect, contact, "contact_pc_type", types)
 
 
-def test_methods(report):
+def test_methods(expect):
     """Those for symmetric matrices do not suit point_pressure, whose matrix is not."""
-    expect_same_load(report, "pressure", "contact_ksp_type", accepted("contact_ksp_type"))
+    expect_same_load(expect, "pressure", "contact_ksp_type", accepted("contact_ksp_type"))

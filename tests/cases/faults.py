@@ -14,10 +14,12 @@ import xml.etree.ElementTree
 
 import h5py
 import numpy
+import pytest
 
 import harness
 from ranks import LEVELS, SAME, WEDGE, largest_difference
 
+pytestmark = [pytest.mark.fault, pytest.mark.mpi]
 KILLS = 20
 CUTS, FLIPS = 20, 40
 
@@ -99,7 +101,7 @@ def problem_of_kill(case, ranks, other_ranks, whole, rows, delay):
     return "; ".join(problems), killed, writing
 
 
-def expect_kills(report, name, case, ranks, other_ranks, count, seed):
+def expect_kills(expect, name, case, ranks, other_ranks, count, seed):
     whole = harness.run(case, ranks=ranks)
     last = len(rows_of(whole.folder)) - 2
     moments = random.Random(seed)
@@ -108,37 +110,38 @@ def expect_kills(report, name, case, ranks, other_ranks, count, seed):
                for number in range(count)]
     problems = [problem for problem, _, _ in results if problem]
     killed = sum(killed for _, killed, _ in results)
-    report.note(f"{count} runs with a kill, {name}, {ranks} ranks: go on to the last bit; on {other_ranks} to {SAME}", not problems, " | ".join(problems))
+    expect.that(f"{count} runs with a kill, {name}, {ranks} ranks: go on to the last bit; on {other_ranks} to {SAME}", not problems, " | ".join(problems))
     return killed, sum(writing for _, _, writing in results)
 
 
-def kill_all(report, count):
+def kill_all(expect, count):
     """About as many kills of each kind of run; runs on several ranks take longer."""
     totals = [0, 0]
     for seed, (name, case, ranks, other_ranks) in enumerate((("one level", SMALL, 1, 2), ("one level", SMALL, 2, 1),
                                                              ("three levels", NESTED, 1, 3), ("three levels", NESTED, 3, 1))):
-        killed, writing = expect_kills(report, name, case, ranks, other_ranks, count + (1 if ranks == 1 else -1), seed)
+        killed, writing = expect_kills(expect, name, case, ranks, other_ranks, count + (1 if ranks == 1 else -1), seed)
         totals[0] += killed
         totals[1] += writing
-    report.expect("kills in the middle of a run", totals[0], at_least=2 * count)
+    expect("kills in the middle of a run", totals[0], at_least=2 * count)
     return totals[1]
 
 
-def test_kill(report):
-    kill_all(report, KILLS // 4)
+@pytest.mark.slow
+def test_kill(expect):
+    kill_all(expect, KILLS // 4)
 
 
-def verify_kill(report):
+def verify_kill(study):
     """Kills at any moment.
 
     Runs that write a checkpoint every other step are killed with all their ranks (SIGKILL) at a random moment, and go on in the same folder from the last
     checkpoint there: history, last frame and the list of frames must be those of a run that was not killed, and no temporary file may be left. Every fourth
     goes on from the same checkpoint on another number of ranks as well.
     """
-    report.expect("kills while a file was being written", kill_all(report, 5 * KILLS), at_least=1)
+    study.expect("kills while a file was being written", kill_all(study.expect, 5 * KILLS), at_least=1)
 
 
-def test_kill_while_writing(report):
+def test_kill_while_writing(expect):
     """A run that dies with half a checkpoint, half a frame and half a row goes on as if they had never been."""
     whole = harness.run(SMALL)
     folder = whole.folder.with_name(whole.folder.name + "_killed")
@@ -154,9 +157,9 @@ def test_kill_while_writing(report):
     rows = (folder / "history.csv").read_text()
     (folder / "history.csv").write_text(rows[: rows.rindex("\n", 0, len(rows) - 1) + 2])  # one digit of the last row
     harness.run({**SMALL, "restart": checkpoints[middle]}, folder=folder)
-    report.note("killed while writing: history", rows_of(folder) == rows_of(whole.folder))
+    expect.that("killed while writing: history", rows_of(folder) == rows_of(whole.folder))
     names = [sorted(path.name for path in place.iterdir()) for place in (folder, whole.folder)]
-    report.note("killed while writing: the same files", names[0] == names[1], str(set(names[0]) ^ set(names[1])))
+    expect.that("killed while writing: the same files", names[0] == names[1], str(set(names[0]) ^ set(names[1])))
 
 
 @contextlib.contextmanager
@@ -172,16 +175,12 @@ def locked_semaphore(name):
         library.sem_unlink(name)
 
 
-def test_lock_of_killed_run(report):
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_lock_of_killed_run(ranks):
     """A run killed while MPI opens a file must not keep later ones, anywhere, from a file of that name."""
-    for ranks in (1, 2):
-        with locked_semaphore(b"/OMPIO_points_000001.h5.part"):
-            try:
-                result = harness.run({**SMALL, "checkpoint_interval": 0}, ranks=ranks, timeout=60)
-                ended, wrong = result.summary["status"] == "completed", ""
-            except subprocess.TimeoutExpired:
-                ended, wrong = False, "waits for ever"
-        report.note(f"the lock of a killed run, {ranks} ranks", ended, wrong)
+    with locked_semaphore(b"/OMPIO_points_000001.h5.part"):
+        result = harness.run({**SMALL, "checkpoint_interval": 0}, ranks=ranks, timeout=60)
+    assert result.summary["status"] == "completed"
 
 
 # ---- Damaged checkpoints
@@ -206,7 +205,7 @@ def flipped(data, place, bit):
     return data[:place] + bytes([data[place] ^ 1 << bit]) + data[place + 1:]
 
 
-def test_damaged_checkpoint(report):
+def test_damaged_checkpoint(expect):
     case = {**NESTED, "max_steps": 8, "end_time": 1.6e-9, "checkpoint_interval": 6}
     made = harness.run({**case, "frames": 0})
     data = (made.folder / "checkpoint_000006.h5").read_bytes()
@@ -226,11 +225,11 @@ def test_damaged_checkpoint(report):
         problem = problem_of_refusal(case, damaged, 3 if number % 8 == 0 else 1, folder)
         if problem:
             wrong.append(f"{name}: {problem}")
-    report.note(f"damaged checkpoints: {len(damages)} refused", not wrong, " || ".join(wrong)[:1000])
+    expect.that(f"damaged checkpoints: {len(damages)} refused", not wrong, " || ".join(wrong)[:1000])
     damaged.write_bytes(data)
     (folder / "history.csv").unlink()
     result = harness.run({**case, "restart": damaged, "frames": 0}, folder=folder)
-    report.note("the same checkpoint undamaged is read", result.status == 0)
+    expect.that("the same checkpoint undamaged is read", result.status == 0)
 
 
 # ---- Disks
@@ -238,11 +237,10 @@ def test_damaged_checkpoint(report):
 
 @contextlib.contextmanager
 def small_disk(size):
-    """A folder on a disk of so many bytes; None where this user may not mount one."""
+    """A folder on a disk of so many bytes."""
     place = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
     if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", place], capture_output=True).returncode != 0:
-        yield None
-        return
+        pytest.skip("this user may not mount a disk")
     try:
         yield place
     finally:
@@ -331,44 +329,30 @@ def full_disks():
         yield {**WEDGE, "frames": 8, "checkpoint_interval": 25}, size * page
 
 
-def expect_full_disks(report, ranks):
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_full_disk(expect, ranks):
     wrong, hit, tried = [], set(), 0
     for case, size in full_disks():
         with small_disk(size) as place:
-            if place is None:
-                return False
             problems, line = problems_of_full(case, place / "results", ranks)
         tried += 1
         wrong += [f"{size} bytes: {problem}" for problem in problems]
         hit |= {kind for kind in KINDS if "/" + kind in line}
-    report.note(f"full disk, {ranks} ranks: {tried} sizes", not wrong, " || ".join(wrong)[:1000])
-    report.note(f"full disk, {ranks} ranks: each kind of file", hit == set(KINDS), "" if hit == set(KINDS) else f"not {set(KINDS) - hit}")
-    return True
+    expect.that(f"full disk, {ranks} ranks: {tried} sizes", not wrong, " || ".join(wrong)[:1000])
+    expect.that(f"full disk, {ranks} ranks: each kind of file", hit == set(KINDS), "" if hit == set(KINDS) else f"not {set(KINDS) - hit}")
 
 
-def test_full_disk(report):
-    for ranks in (1, 3):
-        if not expect_full_disks(report, ranks):
-            print("      no disk may be mounted: see test_file_size_limit")
-
-
-def test_file_size_limit(report):
+@pytest.mark.parametrize("ranks", [1, 3])
+@pytest.mark.parametrize("size", [20000, 350000, 420000])
+def test_file_size_limit(tmp_path, size, ranks):
     """The same where files may not grow; also for users who may not mount a disk."""
-    for ranks in (1, 3):
-        wrong = []
-        for size in (20000, 350000, 420000):
-            folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch())) / "results"
-            problems, _ = problems_of_full({**WEDGE, "frames": 8, "checkpoint_interval": 25}, folder, ranks, size)
-            wrong += [f"{size} bytes: {problem}" for problem in problems]
-        report.note(f"limit on the size of files, {ranks} ranks", not wrong, " || ".join(wrong)[:1000])
+    problems, _ = problems_of_full({**WEDGE, "frames": 8, "checkpoint_interval": 25}, tmp_path / "results", ranks, size)
+    assert not problems
 
 
-def test_folder_read_only(report):
+def test_folder_read_only(expect):
     """A folder that may not be written: one line, and nothing of what it holds is lost."""
     with small_disk(1 << 20) as place:
-        if place is None:
-            print("      skipped: no disk may be mounted read-only")
-            return
         (place / "results").mkdir()
         (place / "results" / "history.csv").write_text("step\n")
         subprocess.run(["mount", "-o", "remount,ro", place], check=True)
@@ -377,5 +361,5 @@ def test_folder_read_only(report):
             done = subprocess.run(harness.command(words_of({**LIGHT, **more}, folder), 1), capture_output=True, text=True,
                                   env=harness.environment(1), cwd=harness.ROOT, timeout=60)
             line = done.stderr.strip("\n")
-            report.note(f"read-only disk, {name} folder", done.returncode == 1 and line.startswith("mlgimp: error: " + word)
+            expect.that(f"read-only disk, {name} folder", done.returncode == 1 and line.startswith("mlgimp: error: " + word)
                         and "Read-only file system" in line and "\n" not in line, done.stderr)

@@ -1,5 +1,6 @@
 """Bodies that nothing holds: a collision, a free fall, and a blow that leaves a dent. Momentum and energy balance."""
 import numpy
+import pytest
 
 import harness
 import report as page
@@ -38,51 +39,52 @@ def gained_energy(history):
     return total - total[0] - history["external_work"] - history["indenter_work"]
 
 
-def test_collision(report):
-    for ranks in (1, 2):
-        result = harness.run(DISKS, ranks=ranks)
-        history, points, name = result.history, result.frame(), f"collision, {ranks} ranks"
-        start = history["kinetic_energy"][0]
-        scale = numpy.sqrt(2 * start * history["mass"][0])
-        change = max(numpy.max(numpy.abs(history[p] - history[p][0])) for p in ("momentum_x", "momentum_y"))
-        report.expect(f"{name}: momentum gained, of sqrt(2 E m)", change / scale, at_most=1e-12)
-        report.expect(f"{name}: energy gained, of the kinetic energy", numpy.max(numpy.abs(gained_energy(history))) / start, at_most=0.02)
-        report.expect(f"{name}: largest strain energy, of the kinetic energy", numpy.max(history["strain_energy"]) / start, at_least=0.3)
-        left, right = (points["body"].ravel() == body for body in (0, 1))
-        speed = [numpy.average(points["velocity"][body, 0], weights=points["mass"][body].ravel()) for body in (left, right)]
-        gap = points["position"][right, 0].min() - points["position"][left, 0].max()
-        report.expect(f"{name}: the disks have parted by, in cells", gap / DISKS["cell_size"], at_least=2)
-        report.expect(f"{name}: they fly apart, in m/s", speed[1] - speed[0], at_least=40)
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_collision(expect, ranks):
+    result = harness.run(DISKS, ranks=ranks)
+    history, points, name = result.history, result.frame(), f"collision, {ranks} ranks"
+    start = history["kinetic_energy"][0]
+    scale = numpy.sqrt(2 * start * history["mass"][0])
+    change = max(numpy.max(numpy.abs(history[p] - history[p][0])) for p in ("momentum_x", "momentum_y"))
+    expect(f"{name}: momentum gained, of sqrt(2 E m)", change / scale, at_most=1e-12)
+    expect(f"{name}: energy gained, of the kinetic energy", numpy.max(numpy.abs(gained_energy(history))) / start, at_most=0.02)
+    expect(f"{name}: largest strain energy, of the kinetic energy", numpy.max(history["strain_energy"]) / start, at_least=0.3)
+    left, right = (points["body"].ravel() == body for body in (0, 1))
+    speed = [numpy.average(points["velocity"][body, 0], weights=points["mass"][body].ravel()) for body in (left, right)]
+    gap = points["position"][right, 0].min() - points["position"][left, 0].max()
+    expect(f"{name}: the disks have parted by, in cells", gap / DISKS["cell_size"], at_least=2)
+    expect(f"{name}: they fly apart, in m/s", speed[1] - speed[0], at_least=40)
 
 
-def test_free_fall(report):
+def test_free_fall(expect):
     result = harness.run(FALL)
     history, points, gravity = result.history, result.frame(), 50000
     speed = gravity * history["time"][-1]
-    report.expect("free fall: speed is g t", numpy.max(numpy.abs(points["velocity"][:, 1] / -speed - 1)), at_most=1e-12)
-    report.expect("free fall: sideways speed is kept", numpy.max(numpy.abs(points["velocity"][:, 0] / 0.3 - 1)), at_most=1e-12 * speed / 0.3)
+    expect("free fall: speed is g t", numpy.max(numpy.abs(points["velocity"][:, 1] / -speed - 1)), at_most=1e-12)
+    expect("free fall: sideways speed is kept", numpy.max(numpy.abs(points["velocity"][:, 0] / 0.3 - 1)), at_most=1e-12 * speed / 0.3)
     momentum = history["momentum_y"] + history["mass"] * gravity * history["time"]
-    report.expect("free fall: momentum is -m g t", numpy.max(numpy.abs(momentum)) / (history["mass"][0] * speed), at_most=1e-12)
+    expect("free fall: momentum is -m g t", numpy.max(numpy.abs(momentum)) / (history["mass"][0] * speed), at_most=1e-12)
     energy = numpy.max(numpy.abs(gained_energy(history))) / history["external_work"][-1]
-    report.expect("free fall: energy gained, of the work of gravity", energy, at_most=1e-12)
-    report.expect("free fall: work of gravity, of m v^2/2", history["external_work"][-1] / (0.5 * history["mass"][0] * speed**2), near=1, tolerance=1e-12)
-    report.expect("free fall: stress, of E", numpy.max(numpy.abs(points["stress"])) / STEEL["steel_youngs_modulus"], at_most=1e-12)
+    expect("free fall: energy gained, of the work of gravity", energy, at_most=1e-12)
+    expect("free fall: work of gravity, of m v^2/2", history["external_work"][-1] / (0.5 * history["mass"][0] * speed**2), near=1, tolerance=1e-12)
+    expect("free fall: stress, of E", numpy.max(numpy.abs(points["stress"])) / STEEL["steel_youngs_modulus"], at_most=1e-12)
 
 
-def test_blow(report):
+def test_blow(expect):
     history = harness.run(BLOW).history
     work = history["indenter_work"][-1]
-    report.expect("blow: work of the indenter [J]", work, at_least=1e5)
-    report.expect("blow: plastic work, of the indenter's", history["dissipated_energy"][-1] / work, at_least=0.1, at_most=1)
-    report.expect("blow: energy gained, of the indenter's work", numpy.max(numpy.abs(gained_energy(history))) / work, at_most=0.02)
+    expect("blow: work of the indenter [J]", work, at_least=1e5)
+    expect("blow: plastic work, of the indenter's", history["dissipated_energy"][-1] / work, at_least=0.1, at_most=1)
+    expect("blow: energy gained, of the indenter's work", numpy.max(numpy.abs(gained_energy(history))) / work, at_most=0.02)
     impulse = history["momentum_y"] - history["support_impulse_y"]
     load = numpy.max(history["load"])
-    report.expect("blow: largest load [N]", load, at_least=1e6)
+    expect("blow: largest load [N]", load, at_least=1e6)
     given = -numpy.sum(history["load"][1:] * numpy.diff(history["time"]))
-    report.expect("blow: momentum is what indenter and support gave", abs(impulse[-1] - given) / abs(given), at_most=1e-9)
+    expect("blow: momentum is what indenter and support gave", abs(impulse[-1] - given) / abs(given), at_most=1e-9)
 
 
-def verify_vibrating_block(report):
+def verify_vibrating_block(study):
     """A free block that vibrates
 
     The halves of a block move against each other at 4 % of the wave speed and stick together; six periods, on one level
@@ -98,20 +100,20 @@ def verify_vibrating_block(report):
     scale = {name: numpy.sqrt(2 * history["kinetic_energy"][0] * history["mass"][0]) for name, history in histories.items()}
     for name, history in histories.items():
         left = max(numpy.abs(momentum_left(history, axis)).max() for axis in "xy") / scale[name]
-        report.expect(f"{name}: momentum less impulses, of sqrt(2 E m)", left, at_most=1e-9)
-        report.figure(f"{name}: energy gained at the end, of that at the start", gained_energy(history)[-1] / history["kinetic_energy"][0])
+        study.expect(f"{name}: momentum less impulses, of sqrt(2 E m)", left, at_most=1e-9)
+        study.figure(f"{name}: energy gained at the end, of that at the start", gained_energy(history)[-1] / history["kinetic_energy"][0])
     ms = {name: 1e3 * history["time"] for name, history in histories.items()}
     one = histories["one level"]
-    report.plot("Energies on one level", "time (ms)", "energy (kJ)",
+    study.plot("Energies on one level", "time (ms)", "energy (kJ)",
                 *(page.curve(part.replace("_", " "), ms["one level"], 1e-3 * one[part]) for part in ("kinetic_energy", "strain_energy", "dissipated_energy")))
-    report.plot("Energy gained", "time (ms)", "gain / start (%)",
+    study.plot("Energy gained", "time (ms)", "gain / start (%)",
                 *(page.curve(name, ms[name], 100 * gained_energy(history) / history["kinetic_energy"][0]) for name, history in histories.items()))
-    report.plot("Momentum along x", "time (ms)", "change of momentum / sqrt(2 E m)",
+    study.plot("Momentum along x", "time (ms)", "change of momentum / sqrt(2 E m)",
                 *(page.curve(name, ms[name], (history["momentum_x"] - history["momentum_x"][0]) / scale[name]) for name, history in histories.items()),
                 caption="Across a border it swings, since velocities belong to half steps of their level; it does not drift.")
 
 
-def verify_collision(report):
+def verify_collision(study):
     """Two disks that collide
 
     At 1 % of the wave speed, with the default step of CFL 0.4 and with CFL 0.1.
@@ -120,6 +122,6 @@ def verify_collision(report):
     for cfl in (0.4, 0.1):
         history = harness.run({**DISKS, "cfl": cfl}).history
         gained = gained_energy(history) / history["kinetic_energy"][0]
-        report.figure(f"collision, CFL {cfl:g}: largest energy gained, of the kinetic energy", numpy.max(numpy.abs(gained)))
+        study.figure(f"collision, CFL {cfl:g}: largest energy gained, of the kinetic energy", numpy.max(numpy.abs(gained)))
         curves.append(page.curve(f"CFL {cfl:g}", 1e3 * history["time"], 100 * gained))
-    report.plot("Energy gained", "time (ms)", "gain / kinetic energy (%)", *curves)
+    study.plot("Energy gained", "time (ms)", "gain / kinetic energy (%)", *curves)

@@ -11,6 +11,8 @@ import subprocess
 import tempfile
 import time
 
+import pytest
+
 import harness
 from ranks import COLLISION, FLIGHT, LEVELS, WEDGE
 
@@ -164,7 +166,7 @@ def problem_of(folder, status, error):
     return ""
 
 
-def fuzz(report, count, seed):
+def fuzz(expect, count, seed):
     choice = random.Random(seed)
     cases = shipped_cases()
     ends, slowest, found = collections.Counter(), 0, 0
@@ -185,35 +187,36 @@ def fuzz(report, count, seed):
         if problem:
             found += 1
             changed = [pair for pair in options if pair not in cases[name]] + [("without", option) for option, _ in cases[name] if option not in dict(options)]
-            report.note(f"mutant {number} of {name} on {ranks} ranks", False, f"{problem} <- {str(changed)[:400]}")
+            expect.that(f"mutant {number} of {name} on {ranks} ranks", False, f"{problem} <- {str(changed)[:400]}")
         ends["hangs" if status is None else "runs" if status == 0 else "refused" if status == 1 else "other"] += 1
         slowest = max(slowest, seconds)
         shutil.rmtree(folder)
-    report.expect(f"mutants with a wrong end, of {count}", found, at_most=0)
-    report.expect("mutants that are refused, of all", ends["refused"] / count, at_least=0.3)
-    report.expect("mutants that run, of all", ends["runs"] / count, at_least=0.1)
-    report.expect("seconds of the slowest mutant", slowest, at_most=2 * LONGEST)
+    expect(f"mutants with a wrong end, of {count}", found, at_most=0)
+    expect("mutants that are refused, of all", ends["refused"] / count, at_least=0.3)
+    expect("mutants that run, of all", ends["runs"] / count, at_least=0.1)
+    expect("seconds of the slowest mutant", slowest, at_most=2 * LONGEST)
 
 
-def test_memory(report):
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_memory(tmp_path, ranks):
     """A grid that the memory does not hold is refused before it is made."""
-    for ranks in (1, 2):
-        folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
-        options = [(name, "1e-9" if name == "cell_size" else str(value)) for name, value in WEDGE.items()]
-        status, _, error, seconds = run_mutant(folder, options, ranks, ["-max_steps", "2"])
-        text = error.decode()
-        report.note(f"more cells than memory, {ranks} ranks", not problem_of(folder, status, error) and "memory" in text and seconds < LONGEST, text)
+    options = [(name, "1e-9" if name == "cell_size" else str(value)) for name, value in WEDGE.items()]
+    status, _, error, seconds = run_mutant(tmp_path, options, ranks, ["-max_steps", "2"])
+    assert not problem_of(tmp_path, status, error)
+    assert "memory" in error.decode()
+    assert seconds < LONGEST
 
 
-def test_fuzz(report):
-    fuzz(report, 200, 1)
+@pytest.mark.slow
+def test_fuzz(expect):
+    fuzz(expect, 200, 1)
 
 
-def verify_fuzz(report):
+def verify_fuzz(study):
     """Mutated options.
 
     Each shipped case and those of the tests with one to three mutations: options taken away, doubled, exchanged, misspelt or added, values out of range, of
     another kind, very long or no text. Each mutant runs two steps, every tenth on two ranks, with 3 GB of memory. It has a wrong end where it dies by a
     signal, takes too long, says anything but one line that names an option, or leaves files though it was refused.
     """
-    fuzz(report, 2000, 2)
+    fuzz(study.expect, 2000, 2)

@@ -3,6 +3,7 @@ import math
 
 import analytic
 import numpy
+import pytest
 import report as page
 from harness import run
 
@@ -29,7 +30,7 @@ def press(indenter, depth, cells, transits=6, **more):
     return run(options, ranks=2), size
 
 
-def measure(report, name, result, size, contact, limit):
+def measure(expect, name, result, size, contact, limit):
     """Stress on the axis against a HalfPlaneContact of the same load; returns places, stress and exact stress over a and P/a."""
     frame = result.frame()
     axis = frame["position"][:, 0] < 0.3 * H
@@ -39,12 +40,12 @@ def measure(report, name, result, size, contact, limit):
         y = reach * contact.half_width
         found = numpy.interp(y, depth[::-1], stress[::-1]) if depth[0] > depth[-1] else numpy.interp(y, depth, stress)
         exact = contact.axis_stress(numpy.array([-y]))[1][0]
-        report.expect(f"{name}: stress_yy on the axis at {reach:g} a, relative error", abs(found / exact - 1), at_most=limit)
+        expect(f"{name}: stress_yy on the axis at {reach:g} a, relative error", abs(found / exact - 1), at_most=limit)
     seen, scale = (depth > 0.1 * contact.half_width) & (depth < 4 * contact.half_width), contact.load / contact.half_width
     return depth[seen] / contact.half_width, stress[seen] / scale, contact.axis_stress(-depth[seen])[1] / scale
 
 
-def cylinder(report, cells, limit, width=7):
+def cylinder(expect, cells, limit, width=7):
     a = width * H
     radius = 60 * a
     depth = a * a / (2 * radius) * (math.log(4 * cells * H / a) - 0.2)
@@ -53,14 +54,14 @@ def cylinder(report, cells, limit, width=7):
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.cylinder_contact(math.sqrt(4 * radius * load / (math.pi * E_STAR)), E_STAR, radius)
     print(f"      cylinder: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
-    report.expect(f"cylinder, {cells} cells: load for the contact's width, relative error", abs(load / (math.pi * E_STAR * found**2 / (4 * radius)) - 1),
-                  at_most=limit)
+    expect(f"cylinder, {cells} cells: load for the contact's width, relative error", abs(load / (math.pi * E_STAR * found**2 / (4 * radius)) - 1),
+           at_most=limit)
     peak = contact.pressure(numpy.array([0.0]))[0]
-    report.expect(f"cylinder, {cells} cells: peak pressure, relative error", abs(history["peak_pressure"][-1] / peak - 1), at_most=limit)
-    return measure(report, f"cylinder, {cells} cells", result, size, contact, limit)
+    expect(f"cylinder, {cells} cells: peak pressure, relative error", abs(history["peak_pressure"][-1] / peak - 1), at_most=limit)
+    return measure(expect, f"cylinder, {cells} cells", result, size, contact, limit)
 
 
-def wedge(report, cells, limit, width=7):
+def wedge(expect, cells, limit, width=7):
     a, half_angle = width * H, 89.0
     slope = math.tan(math.radians(90 - half_angle))
     depth = a * slope * 2 / math.pi * (math.log(4 * cells * H / a) + 0.3)
@@ -69,26 +70,27 @@ def wedge(report, cells, limit, width=7):
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.wedge_contact(load / (E_STAR * slope), E_STAR, slope)
     print(f"      wedge: a/h {found / H:.2f}, from the load {contact.half_width / H:.2f}")
-    report.expect(f"wedge, {cells} cells: load for the contact's width, relative error", abs(load / (E_STAR * found * slope) - 1), at_most=limit)
-    return measure(report, f"wedge, {cells} cells", result, size, contact, limit)
+    expect(f"wedge, {cells} cells: load for the contact's width, relative error", abs(load / (E_STAR * found * slope) - 1), at_most=limit)
+    return measure(expect, f"wedge, {cells} cells", result, size, contact, limit)
 
 
-def flat_punch(report, cells, limit, width=7):
+def flat_punch(expect, cells, limit, width=7):
     a = width * H
     result, size = press("flat_punch", 0.01 * a, cells, indenter_width=2 * a)
     history = result.history
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.flat_punch_contact(a, load)
-    report.expect(f"flat punch, {cells} cells: half width, relative error", abs(found / a - 1), at_most=limit)
-    return measure(report, f"flat punch, {cells} cells", result, size, contact, limit)
+    expect(f"flat punch, {cells} cells: half width, relative error", abs(found / a - 1), at_most=limit)
+    return measure(expect, f"flat punch, {cells} cells", result, size, contact, limit)
 
 
-def test_half_plane(report):
-    for shape in (cylinder, wedge, flat_punch):
-        shape(report, 100, 0.04)
+@pytest.mark.mpi
+@pytest.mark.parametrize("shape", [cylinder, wedge, flat_punch])
+def test_half_plane(expect, shape):
+    shape(expect, 100, 0.04)
 
 
-def verify_half_plane(report):
+def verify_half_plane(study):
     """Contact with a half-plane
 
     Indenters pressed into a large damped block and held, against the exact solutions for the measured load. Blocks of
@@ -98,8 +100,8 @@ def verify_half_plane(report):
     for shape, title in ((cylinder, "Cylinder"), (wedge, "Wedge of 1 degree"), (flat_punch, "Flat punch")):
         curves = []
         for cells, width in ((100, 7), (200, 7), (300, 12)):
-            depth, stress, exact = shape(report, cells, 0.04, width=width)
+            depth, stress, exact = shape(study.expect, cells, 0.04, width=width)
             along = numpy.argsort(depth)
             curves.append(page.curve(f"{cells} cells", depth[along], stress[along]))
-        report.plot(f"{title}: stress on the axis", "depth / a", "stress_yy / (P/a)", *curves,
+        study.plot(f"{title}: stress on the axis", "depth / a", "stress_yy / (P/a)", *curves,
                     page.curve("exact", depth[along], exact[along], "reference"))

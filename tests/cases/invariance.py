@@ -2,6 +2,7 @@
 import re
 
 import numpy
+import pytest
 
 import harness
 from ranks import SAME, largest_difference
@@ -52,29 +53,29 @@ def column_unit(name):
     return next((unit for pattern, unit in COLUMNS.items() if re.fullmatch(pattern, name)), (0, 0))
 
 
-def expect_equal(report, name, result, reference, factor=lambda column: 1.0):
+def expect_equal(expect, name, result, reference, factor=lambda column: 1.0):
     """Histories that are equal once each column is divided by its factor."""
     history = {column: values / factor(column) for column, values in result.history.items()}
     difference, column = largest_difference(history, reference.history)
-    report.expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
+    expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
 
 
-def test_place(report):
+def test_place(expect):
     """Everything moved by whole cells of the coarsest level; and the bodies, boxes and the indenter alone."""
     reference = harness.run(plain(CASE))
-    report.expect("place: load at the end [N]", numpy.max(reference.history["load"]), at_least=1e-3)
-    report.expect("place: plastic work over kinetic energy",
-                  reference.history["dissipated_energy"][-1] / reference.history["kinetic_energy"][0], at_least=1e-3)
+    expect("place: load at the end [N]", numpy.max(reference.history["load"]), at_least=1e-3)
+    expect("place: plastic work over kinetic energy",
+           reference.history["dissipated_energy"][-1] / reference.history["kinetic_energy"][0], at_least=1e-3)
     shift = [-37 * 0.5 * UM, 1001 * 0.5 * UM]
     moved = lambda name, kind, value: [v + shift[k % 2] for k, v in enumerate(value)] if kind == "place" else value
-    expect_equal(report, "place: moved with the domain", harness.run(changed(CASE, moved)), reference)
+    expect_equal(expect, "place: moved with the domain", harness.run(changed(CASE, moved)), reference)
     free = {**CASE, "domain_lower": ("length", [-4 * UM, -3 * UM]), "domain_upper": ("length", [18 * UM, 14 * UM]),
             "boundary_y_lower": ("word", "free")}
     shift = [1 * UM, 1.5 * UM]
-    expect_equal(report, "place: moved within the domain", harness.run(changed(free, moved)), harness.run(plain(free)))
+    expect_equal(expect, "place: moved within the domain", harness.run(changed(free, moved)), harness.run(plain(free)))
 
 
-def test_mirrored(report):
+def test_mirrored(expect):
     """Left and right exchanged."""
     reference = harness.run(plain(CASE))
     width = CASE["domain_upper"][1][0]
@@ -92,35 +93,36 @@ def test_mirrored(report):
         return value
 
     result = harness.run(changed(CASE, mirrored))
-    expect_equal(report, "mirrored", result, reference, lambda column: -1.0 if column.endswith("_x") else 1.0)
+    expect_equal(expect, "mirrored", result, reference, lambda column: -1.0 if column.endswith("_x") else 1.0)
     points, others = result.frame(), reference.frame()
     places = numpy.stack([width - points["position"][:, 0], points["position"][:, 1]], axis=1)
     order, other = (numpy.lexsort(numpy.round(x / (1e-3 * UM)).T) for x in (places, others["position"]))
-    report.expect("mirrored: places of points [of a cell]",
-                  numpy.max(numpy.abs(places[order] - others["position"][other])) / (0.25 * UM), at_most=1e-7)
+    expect("mirrored: places of points [of a cell]",
+           numpy.max(numpy.abs(places[order] - others["position"][other])) / (0.25 * UM), at_most=1e-7)
     sign = numpy.array([1, 1, 1, -1])
     stress = numpy.abs(points["stress"][order] * sign - others["stress"][other])
-    report.expect("mirrored: stresses of points [of the largest]", numpy.max(stress) / numpy.max(numpy.abs(others["stress"])), at_most=1e-7)
+    expect("mirrored: stresses of points [of the largest]", numpy.max(stress) / numpy.max(numpy.abs(others["stress"])), at_most=1e-7)
 
 
-def test_units(report):
+def test_units(expect):
     """Lengths in millimetres and times in milliseconds, with moduli, densities and the rest in the units that follow."""
     reference = harness.run(plain(CASE))
     scaled = lambda name, kind, value: value if isinstance(value, str) else [v * factor(UNITS[kind]) for v in value]
     factor = lambda unit: 1e3 ** unit[0] * 1e3 ** unit[1]
-    expect_equal(report, "units", harness.run(changed(CASE, scaled)), reference, lambda column: factor(column_unit(column)))
+    expect_equal(expect, "units", harness.run(changed(CASE, scaled)), reference, lambda column: factor(column_unit(column)))
 
 
-def test_order(report):
+@pytest.mark.mpi
+def test_order(expect):
     """Order of bodies and with it of points, order within the storage, and cuts of the grid on three ranks."""
     case = {**plain(CASE), "points_per_rank": 1}
     reference = harness.run(case)
-    expect_equal(report, "order: bodies exchanged", harness.run({**case, "bodies": "shot,block", "materials": "hard,soft"}), reference)
-    expect_equal(report, "order: sorted in each step", harness.run({**case, "sort_interval": 1}), reference)
-    expect_equal(report, "order: never sorted", harness.run({**case, "sort_interval": 100000}), reference)
+    expect_equal(expect, "order: bodies exchanged", harness.run({**case, "bodies": "shot,block", "materials": "hard,soft"}), reference)
+    expect_equal(expect, "order: sorted in each step", harness.run({**case, "sort_interval": 1}), reference)
+    expect_equal(expect, "order: never sorted", harness.run({**case, "sort_interval": 100000}), reference)
     for threshold, least in ((1.01, 1), (1000, 1), (1000, 500)):  # the last leaves a level to fewer ranks, so that its cuts are others
         name = f"cuts: threshold {threshold}, {least} points a rank, 3 ranks"
         cut = harness.run({**case, "rebalance_threshold": threshold, "points_per_rank": least}, ranks=3)
         used = [level["ranks"] for level in cut.summary["levels"]]
-        report.note(f"{name}: blocks of the levels {used}", (min(used) < 3) == (least > 1))
-        expect_equal(report, name, cut, reference)
+        expect.that(f"{name}: blocks of the levels {used}", (min(used) < 3) == (least > 1))
+        expect_equal(expect, name, cut, reference)

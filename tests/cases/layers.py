@@ -2,7 +2,11 @@
 import re
 import subprocess
 
+import pytest
+
 import harness
+
+pytestmark = pytest.mark.fast
 
 LAYERS = ("base", "pointwise", "level", "levels", "program")  # a file includes only its own layer and those before it
 LONGEST = 400  # lines
@@ -18,7 +22,7 @@ def short(path):
     return str(path.relative_to(harness.ROOT))
 
 
-def test_layers(report):
+def test_layers(expect):
     upwards, layers_seen = [], set()
     for path in sources("include", "src"):
         own = path.parent.name
@@ -28,27 +32,27 @@ def test_layers(report):
             known = own in LAYERS and layer in LAYERS and (harness.ROOT / "include" / header).exists()
             if not known or LAYERS.index(layer) > LAYERS.index(own):
                 upwards.append(f"{short(path)} includes {header}")
-    report.note("includes go only downwards", not upwards, "; ".join(upwards))
-    report.note("every layer has files, and every folder is a layer", layers_seen == set(LAYERS), ", ".join(sorted(layers_seen)))
+    expect.that("includes go only downwards", not upwards, "; ".join(upwards))
+    expect.that("every layer has files, and every folder is a layer", layers_seen == set(LAYERS), ", ".join(sorted(layers_seen)))
     misplaced = [short(path) for path in sources("include") if path.suffix != ".hpp"]
     misplaced += [short(path) for path in sources("src") if path.suffix != ".cpp"]
-    report.note("headers in include/, sources in src/", not misplaced, ", ".join(misplaced))
+    expect.that("headers in include/, sources in src/", not misplaced, ", ".join(misplaced))
 
 
-def test_low_layers_know_no_mesh(report):
+def test_low_layers_know_no_mesh(expect):
     """Pointwise physics sees neither PETSc nor MPI."""
     wrong = [short(path) for path in sources("include/pointwise", "src/pointwise")
              if re.search(r"\b(Petsc\w*|MPI_\w+|DM[A-Z]\w*|Vec[A-Z]\w+)\b|petsc|mpi\.h", path.read_text())]
-    report.note("the pointwise layer knows no PETSc and no MPI", not wrong, ", ".join(wrong))
+    expect.that("the pointwise layer knows no PETSc and no MPI", not wrong, ", ".join(wrong))
 
 
-def test_length(report):
+def test_length(expect):
     long = [f"{short(path)} {lines}" for path in sources("include", "src")
             if (lines := len(path.read_text().splitlines())) > LONGEST]
-    report.note(f"no source has over {LONGEST} lines", not long, ", ".join(long))
+    expect.that(f"no source has over {LONGEST} lines", not long, ", ".join(long))
 
 
-def test_first_line(report):
+def test_first_line(expect):
     """A comment of some words: '// ...' or, after '#!', a docstring."""
     silent = []
     for path in sources("include", "src", "tests", "scripts"):
@@ -56,27 +60,27 @@ def test_first_line(report):
         start = r"// \w+(\W+\w+){2}" if path.suffix in (".hpp", ".cpp") else r'"""\w+(\W+\w+){2}'
         if not lines or not re.match(start, lines[0]):
             silent.append(short(path))
-    report.note("every file begins by saying what it is", not silent, ", ".join(silent))
+    expect.that("every file begins by saying what it is", not silent, ", ".join(silent))
 
 
-def test_nothing_left_over(report):
+def test_nothing_left_over(expect):
     words = re.compile(r"\b(TO" r"DO|FIX" r"ME|XX" r"X|HA" r"CK)\b")
     marked = [short(path) for path in sources("include", "src", "tests", "scripts") if words.search(path.read_text())]
-    report.note("no notes of unfinished work", not marked, ", ".join(marked))
+    expect.that("no notes of unfinished work", not marked, ", ".join(marked))
 
 
-def test_example_options(report):
+def test_example_options(expect):
     """Every option of the files in options/ has its line in -help; NAME_ stands for a name given in the file."""
     help_text = subprocess.run(harness.command(["-help"], 1), capture_output=True, text=True, env=harness.ENVIRONMENT,
                                cwd=harness.ROOT).stdout
     known = set(re.findall(r"^\s+-(\w+)[ :]", help_text, re.M))
-    report.expect("options in -help", len(known), at_least=60)
+    expect("options in -help", len(known), at_least=60)
     files = sorted((harness.ROOT / "options").glob("*.opts"))
-    report.expect("example files", len(files), at_least=2)
+    expect("example files", len(files), at_least=2)
     for path in files:
         options = [line.split() for line in path.read_text().splitlines() if line.startswith("-")]
         names = {name for words in options if words[0] in ("-materials", "-bodies", "-loads") for name in words[1].split(",")}
         unknown = [option for option in (re.sub(r"^level_\d+_", "level_1_", words[0][1:]) for words in options)
                    if option not in known and not
                    any(option.startswith(name + "_") and "NAME" + option[len(name):] in known for name in names)]
-        report.note(f"{path.name}: options are in -help", options and not unknown, ", ".join(unknown))
+        expect.that(f"{path.name}: options are in -help", options and not unknown, ", ".join(unknown))

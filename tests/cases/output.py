@@ -6,9 +6,12 @@ import xml.etree.ElementTree
 
 import h5py
 import numpy
+import pytest
 
 import harness
 from ranks import COLLISION, WEDGE
+
+pytestmark = pytest.mark.mpi
 
 COLUMNS = ("step,time,depth,load,contact_points,contact_half_width,kinetic_energy,strain_energy,dissipated_energy,"
            "external_work,indenter_work,momentum_x,momentum_y,support_impulse_x,support_impulse_y,mass,points").split(",")
@@ -51,47 +54,47 @@ OPTIONS = {
 }
 
 
-def test_history(report):
+def test_history(expect):
     with_frames = {**WEDGE}
     del with_frames["frames"]
     for ranks in (1, 2):
         result = harness.run(with_frames, ranks=ranks)
         header = (result.folder / "history.csv").read_text().split("\n", 1)[0].split(",")
-        report.note(f"history.csv, {ranks} ranks: columns", header[: len(COLUMNS)] == COLUMNS)
+        expect.that(f"history.csv, {ranks} ranks: columns", header[: len(COLUMNS)] == COLUMNS)
         steps = result.history["step"]
-        report.note(f"history.csv, {ranks} ranks: a row a step", numpy.array_equal(steps, numpy.arange(len(steps))))
-        report.expect(f"history.csv, {ranks} ranks: ends at -end_time", result.history["time"][-1] / 1.6e-9 - 1, near=0, tolerance=1e-12)
+        expect.that(f"history.csv, {ranks} ranks: a row a step", numpy.array_equal(steps, numpy.arange(len(steps))))
+        expect(f"history.csv, {ranks} ranks: ends at -end_time", result.history["time"][-1] / 1.6e-9 - 1, near=0, tolerance=1e-12)
         frames = sorted(result.folder.glob("points_*.h5"))
-        report.note(f"20 frames by default, {ranks} ranks", [f.name for f in frames] == [f"points_{k:06d}.h5" for k in range(1, 21)])
+        expect.that(f"20 frames by default, {ranks} ranks", [f.name for f in frames] == [f"points_{k:06d}.h5" for k in range(1, 21)])
         with h5py.File(frames[-1]) as file:
-            report.note(f"the last frame is at the end, {ranks} ranks",
+            expect.that(f"the last frame is at the end, {ranks} ranks",
                         file.attrs["step"] == steps[-1] and file.attrs["time"] == result.history["time"][-1])
-        check_frame(report, result, frames[3], f"frame, {ranks} ranks")
-        check_series(report, result, f"points.xdmf, {ranks} ranks")
-        check_summary(report, result, ranks)
-        report.note(f"nothing unfinished, {ranks} ranks", not list(result.folder.glob("*.part")))
+        check_frame(expect, result, frames[3], f"frame, {ranks} ranks")
+        check_series(expect, result, f"points.xdmf, {ranks} ranks")
+        check_summary(expect, result, ranks)
+        expect.that(f"nothing unfinished, {ranks} ranks", not list(result.folder.glob("*.part")))
 
 
-def check_frame(report, result, path, name):
+def check_frame(expect, result, path, name):
     with h5py.File(path) as file:
         points = int(result.history["points"][-1])
         level = file["level_0"]
-        report.note(f"{name}: datasets", set(level) == set(DATASETS))
+        expect.that(f"{name}: datasets", set(level) == set(DATASETS))
         for dataset, (components, kind) in DATASETS.items():
             shape = (points,) if components == 1 else (points, components)
-            report.note(f"{name}: {dataset}", level[dataset].shape == shape and level[dataset].dtype == kind,
+            expect.that(f"{name}: {dataset}", level[dataset].shape == shape and level[dataset].dtype == kind,
                         f"{level[dataset].shape} {level[dataset].dtype}")
-        report.note(f"{name}: ids are unique", len(set(level["id"][:])) == points)
+        expect.that(f"{name}: ids are unique", len(set(level["id"][:])) == points)
         F = level["deformation_gradient"][:]
         volume = level["mass"][:] / 2700 * (F[:, 0] * F[:, 3] - F[:, 1] * F[:, 2])
-        report.expect(f"{name}: volume follows from F", numpy.max(numpy.abs(level["volume"][:] / volume - 1)), at_most=1e-14)
+        expect(f"{name}: volume follows from F", numpy.max(numpy.abs(level["volume"][:] / volume - 1)), at_most=1e-14)
         row = numpy.searchsorted(result.history["step"], file.attrs["step"])
         momentum = numpy.sum(level["mass"][:] * level["velocity"][:, 1])
-        report.expect(f"{name}: momentum is that of the history", momentum / result.history["momentum_y"][row] - 1, near=0,
-                      tolerance=1e-12)
+        expect(f"{name}: momentum is that of the history", momentum / result.history["momentum_y"][row] - 1, near=0,
+               tolerance=1e-12)
 
 
-def check_series(report, result, name):
+def check_series(expect, result, name):
     """Well-formed, a time for each frame, and every dataset there with the dimensions and type that are named."""
     series = xml.etree.ElementTree.parse(result.folder / "points.xdmf").getroot()
     frames = sorted(result.folder.glob("points_*.h5"))
@@ -100,7 +103,7 @@ def check_series(report, result, name):
     for path in frames:
         with h5py.File(path) as file:
             written.append(float(file.attrs["time"]))
-    report.note(f"{name}: times", times == written)
+    expect.that(f"{name}: times", times == written)
     wrong = []
     for item in series.iter("DataItem"):
         place, _, dataset = item.text.strip().partition(":")
@@ -109,44 +112,44 @@ def check_series(report, result, name):
             kind = {"Float": "f", "Int": "i"}[item.get("NumberType")] + item.get("Precision")
             if dataset not in file or file[dataset].shape != shape or file[dataset].dtype != numpy.dtype(kind):
                 wrong.append(item.text)
-    report.note(f"{name}: datasets", not wrong and len(list(series.iter("DataItem"))) == len(frames) * len(DATASETS), ", ".join(wrong))
+    expect.that(f"{name}: datasets", not wrong and len(list(series.iter("DataItem"))) == len(frames) * len(DATASETS), ", ".join(wrong))
 
 
-def check_summary(report, result, ranks):
+def check_summary(expect, result, ranks):
     summary, name = result.summary, f"summary.json, {ranks} ranks"
     absent = (SUMMARY - set(summary)) | (SUMMARY_VERSIONS - set(summary["versions"]))
     absent |= {key for level in summary["levels"] for key in SUMMARY_LEVEL - set(level)}
-    report.note(f"{name}: keys", not absent, ", ".join(sorted(absent)))
-    report.note(f"{name}: values", summary["status"] == "completed" and summary["ranks"] == ranks
+    expect.that(f"{name}: keys", not absent, ", ".join(sorted(absent)))
+    expect.that(f"{name}: values", summary["status"] == "completed" and summary["ranks"] == ranks
                 and summary["steps"] == result.history["step"][-1] and summary["points_lost"] == 0
                 and summary["levels"][0]["points"] == result.history["points"][-1])
     shares = [summary[key] for key in ("contact_share", "transfer_share", "halo_share")]
-    report.note(f"{name}: shares", all(0 <= share <= 1 for share in shares) and sum(shares) <= 1, f"{shares}")
+    expect.that(f"{name}: shares", all(0 <= share <= 1 for share in shares) and sum(shares) <= 1, f"{shares}")
 
 
-def expect_books(report, name, history, energy_tolerance):
+def expect_books(expect, name, history, energy_tolerance):
     """Momentum to round-off, energy to what explicit time stepping leaves."""
     for axis in "xy":
         parts = [history[f"{kind}_impulse_{axis}"] for kind in ("contact", "support", "load", "gravity", "damping")]
         momentum = history[f"momentum_{axis}"]
         error = numpy.max(numpy.abs(momentum - momentum[0] - sum(parts)))
         largest = max(numpy.max(numpy.abs(part)) for part in parts + [momentum])
-        report.expect(f"{name}: momentum book, {axis}", error / largest, at_most=1e-9)
+        expect(f"{name}: momentum book, {axis}", error / largest, at_most=1e-9)
     energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
     supplied = energy[0] + history["external_work"] + history["indenter_work"]
-    report.expect(f"{name}: energy book", numpy.max(numpy.abs(energy - supplied)) / numpy.max(supplied), at_most=energy_tolerance)
+    expect(f"{name}: energy book", numpy.max(numpy.abs(energy - supplied)) / numpy.max(supplied), at_most=energy_tolerance)
 
 
-def test_books(report):
+def test_books(expect):
     wedge = {**WEDGE, "frames": 0}
-    expect_books(report, "wedge", harness.run(wedge).history, 0.01)
-    expect_books(report, "wedge, 2 ranks", harness.run(wedge, ranks=2).history, 0.01)
-    expect_books(report, "wedge with damping and a history every 7 steps",
+    expect_books(expect, "wedge", harness.run(wedge).history, 0.01)
+    expect_books(expect, "wedge, 2 ranks", harness.run(wedge, ranks=2).history, 0.01)
+    expect_books(expect, "wedge with damping and a history every 7 steps",
                  harness.run({**wedge, "damping": 2e8, "history_interval": 7}).history, 0.01)
-    expect_books(report, "wedge held and fixed", harness.run({**wedge, "boundary_y_lower": "fixed"}).history, 0.01)
+    expect_books(expect, "wedge held and fixed", harness.run({**wedge, "boundary_y_lower": "fixed"}).history, 0.01)
     collision = {**COLLISION, "frames": 0, "checkpoint_interval": 0}
-    expect_books(report, "collision", harness.run(collision).history, 0.01)
-    expect_books(report, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
+    expect_books(expect, "collision", harness.run(collision).history, 0.01)
+    expect_books(expect, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
 
 
 def table_of(text, event):
@@ -160,45 +163,45 @@ def table_of(text, event):
     return None
 
 
-def test_log_view(report):
+def test_log_view(expect):
     log = harness.run({**WEDGE, "log_view": None, "sort_interval": 10}, ranks=2).stdout
     outer = re.search(r"^Output +(\d+) ", log, re.MULTILINE)
-    report.note("-log_view: Output", outer is not None)
+    expect.that("-log_view: Output", outer is not None)
     for event in EVENTS[:-1]:
         row = table_of(log, event)
-        report.note(f"-log_view: {event} in level 0", row is not None and row[0] > 0, str(row))
+        expect.that(f"-log_view: {event} in level 0", row is not None and row[0] > 0, str(row))
         if event in ("P2G", "GridUpdate", "G2PStress"):
-            report.note(f"-log_view: flops of {event}", row is not None and row[1] > 0)
+            expect.that(f"-log_view: flops of {event}", row is not None and row[1] > 0)
 
 
-def test_memory(report):
+def test_memory(expect):
     for ranks in (1, 3):
         for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):
             result = harness.run({**case, "malloc_dump": None, "end_time": 3e-10}, ranks=ranks)
-            report.note(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not result.stderr,
+            expect.that(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not result.stderr,
                         (result.stdout + result.stderr)[:200])
 
 
-def test_help(report):
+def test_help(expect):
     for ranks in (2, 1):
         done = subprocess.run(harness.command(["-help"], ranks), capture_output=True, text=True, env=harness.ENVIRONMENT)
-        report.note(f"-help: status, {ranks} ranks", done.returncode == 0 and not done.stderr, done.stderr[:200])
+        expect.that(f"-help: status, {ranks} ranks", done.returncode == 0 and not done.stderr, done.stderr[:200])
     absent = []
     for option, expected in OPTIONS.items():
         lines = [line for line in done.stdout.splitlines() if re.match(rf"\s*-{option}\b", line)]
         if not lines or any(word not in lines[0] for word in expected):
             absent.append(f"-{option}: {lines[:1]}")
-    report.note("-help: every option with unit and default", not absent, "; ".join(absent))
+    expect.that("-help: every option with unit and default", not absent, "; ".join(absent))
 
 
-def verify_vtk(report):
+def verify_vtk(study):
     """ParaView's reader sees what h5py sees."""
     try:
         reader_module = importlib.import_module("vtkmodules.vtkIOXdmf2")
         numpy_support = importlib.import_module("vtkmodules.util.numpy_support")
         pipeline = importlib.import_module("vtkmodules.vtkCommonExecutionModel").vtkStreamingDemandDrivenPipeline
     except ImportError as error:
-        report.note("ParaView's reader: needs a VTK with vtkXdmfReader, as in the package python3-paraview", False, str(error))
+        study.expect.that("ParaView's reader: needs a VTK with vtkXdmfReader, as in the package python3-paraview", False, str(error))
         return
     result = harness.run({**WEDGE, "frames": 3})
     reader = reader_module.vtkXdmfReader()
@@ -211,11 +214,11 @@ def verify_vtk(report):
             blocks = list(leaves(reader.GetOutputDataObject(0)))
             points = sum(block.GetNumberOfPoints() for block in blocks)
             level = file["level_0"]
-            report.note(f"ParaView's reader, frame {number}: time", time == file.attrs["time"])
-            report.note(f"ParaView's reader, frame {number}: points", points == len(level["id"]), str(points))
+            study.expect.that(f"ParaView's reader, frame {number}: time", time == file.attrs["time"])
+            study.expect.that(f"ParaView's reader, frame {number}: points", points == len(level["id"]), str(points))
             stress = numpy.concatenate([numpy_support.vtk_to_numpy(b.GetPointData().GetArray("stress")) for b in blocks])
-            report.note(f"ParaView's reader, frame {number}: stress", numpy.array_equal(stress, level["stress"][:]))
-    report.note("ParaView's reader: frames", len(times) == 3)
+            study.expect.that(f"ParaView's reader, frame {number}: stress", numpy.array_equal(stress, level["stress"][:]))
+    study.expect.that("ParaView's reader: frames", len(times) == 3)
 
 
 def leaves(data):

@@ -2,21 +2,24 @@
 import shutil
 import xml.etree.ElementTree
 
+import pytest
+
 import harness
 from ranks import COLLISION, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
 
+pytestmark = pytest.mark.mpi
 CHECKPOINT = 25  # steps; no multiple of 10, so that the steps between looks at the wave speed go on too
 CASE = {**WEDGE, "checkpoint_interval": CHECKPOINT, "frames": 8}
 
 
-def expect_series(report, name, folder, frames):
+def expect_series(expect, name, folder, frames):
     """Every frame is there, and points.xdmf lists each once, in order."""
     present = sorted(path.name for path in folder.glob("points_*.h5"))
     wanted = [f"points_{number:06d}.h5" for number in range(1, frames + 1)]
-    report.note(f"{name}: frames", present == wanted, "" if present == wanted else f"{present}")
+    expect.that(f"{name}: frames", present == wanted, "" if present == wanted else f"{present}")
     series = xml.etree.ElementTree.parse(folder / "points.xdmf")
     listed = [item.text.split(":")[0] for item in series.iter("DataItem") if item.text.endswith("/position")]
-    report.note(f"{name}: series", listed == wanted, "" if listed == wanted else f"{listed}")
+    expect.that(f"{name}: series", listed == wanted, "" if listed == wanted else f"{listed}")
 
 
 def rows_after(folder, step):
@@ -24,7 +27,7 @@ def rows_after(folder, step):
     return [line for line in (folder / "history.csv").read_text().splitlines()[1:] if int(line.split(",")[0]) > step]
 
 
-def expect_continued(report, name, case, rank_counts):
+def expect_continued(expect, name, case, rank_counts):
     """From checkpoints that 1 and 3 ranks wrote, into new folders, on each number of ranks."""
     for wrote in (1, 3):
         whole = harness.run(case, ranks=wrote)
@@ -34,47 +37,50 @@ def expect_continued(report, name, case, rank_counts):
             here = f"{name}from {wrote} on {ranks} ranks"
             result = harness.run({**case, "restart": checkpoint}, ranks=ranks)
             difference, column = largest_difference(result.history, whole.history)
-            report.expect(f"{here}: history (worst column {column})", difference, at_most=SAME)
-            report.note(f"{here}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
+            expect(f"{here}: history (worst column {column})", difference, at_most=SAME)
+            expect.that(f"{here}: rows", list(result.history["step"]) == list(steps[steps > 2 * CHECKPOINT]))
             if ranks == wrote:
-                report.note(f"{here}: to the last bit", rows_after(whole.folder, 2 * CHECKPOINT) == rows_after(result.folder, 0))
-            report.note(f"{here}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
+                expect.that(f"{here}: to the last bit", rows_after(whole.folder, 2 * CHECKPOINT) == rows_after(result.folder, 0))
+            expect.that(f"{here}: points", list(result.frame()["id"]) == list(whole.frame()["id"]))
 
 
-def test_ranks(report):
-    expect_continued(report, "", CASE, (1, 2, 3))
+def test_ranks(expect):
+    expect_continued(expect, "", CASE, (1, 2, 3))
 
 
-def test_levels(report):
+def test_levels(expect):
     """Three levels go on, also while points cross borders."""
     for kind, case in (("wedge", LEVELS), ("flight", FLIGHT)):
-        expect_continued(report, f"levels, {kind}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 2, 3, 4, 8))
+        expect_continued(expect, f"levels, {kind}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 2, 3, 4, 8))
 
 
-def test_methods(report):
+METHODS = {"points": {**LEVELS, "level_coupling": "points"},
+           "points by place": {**LEVELS, "level_coupling": "points", "ghost_ownership": "place"},
+           "point pressure": {**WEDGE, "contact": "point_pressure"}, "multimesh": {**WEDGE, "contact": "multimesh"},
+           "usf": {**WEDGE, "stress_update": "usf"}, "xpic": {**WEDGE, "xpic_fraction": 0.02, "damping": 1e8},
+           "merging": {**FLIGHT, "merge_siblings": "true"}, "collision": COLLISION}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_methods(name):
     """To the last bit with what other methods carry from step to step: copies of points, momentum, contact pressures."""
-    for name, case in (("points", {**LEVELS, "level_coupling": "points"}),
-                       ("points by place", {**LEVELS, "level_coupling": "points", "ghost_ownership": "place"}),
-                       ("point pressure", {**WEDGE, "contact": "point_pressure"}), ("multimesh", {**WEDGE, "contact": "multimesh"}),
-                       ("usf", {**WEDGE, "stress_update": "usf"}), ("xpic", {**WEDGE, "xpic_fraction": 0.02, "damping": 1e8}),
-                       ("merging", {**FLIGHT, "merge_siblings": "true"}), ("collision", COLLISION)):
-        case = {**case, "checkpoint_interval": CHECKPOINT, "frames": 0, "max_steps": CHECKPOINT + 20}
-        whole = harness.run(case, ranks=2)
-        again = harness.run({**case, "restart": whole.folder / f"checkpoint_{CHECKPOINT:06d}.h5", "checkpoint_interval": 0}, ranks=2)
-        report.note(f"{name}: to the last bit", rows_after(whole.folder, CHECKPOINT) == rows_after(again.folder, 0))
+    case = {**METHODS[name], "checkpoint_interval": CHECKPOINT, "frames": 0, "max_steps": CHECKPOINT + 20}
+    whole = harness.run(case, ranks=2)
+    again = harness.run({**case, "restart": whole.folder / f"checkpoint_{CHECKPOINT:06d}.h5", "checkpoint_interval": 0}, ranks=2)
+    assert rows_after(whole.folder, CHECKPOINT) == rows_after(again.folder, 0)
 
 
-def test_other_steps(report):
+def test_other_steps(expect):
     """Another end or step of time is taken up at once, also on as many ranks."""
     whole = harness.run({**CASE, "frames": 0})
     checkpoint, times = whole.folder / f"checkpoint_{CHECKPOINT:06d}.h5", whole.history["time"]
     half = harness.run({**CASE, "frames": 0, "restart": checkpoint, "cfl": 0.2}).history
-    report.expect("restart with half the step: length of the first", (half["time"][0] - times[CHECKPOINT]) / (times[CHECKPOINT + 1] - times[CHECKPOINT]), near=0.5, tolerance=0.01)
+    expect("restart with half the step: length of the first", (half["time"][0] - times[CHECKPOINT]) / (times[CHECKPOINT + 1] - times[CHECKPOINT]), near=0.5, tolerance=0.01)
     longer = harness.run({**CASE, "frames": 0, "restart": checkpoint, "end_time": 2e-9}).history
-    report.expect("restart with another end", longer["time"][-1], near=2e-9, tolerance=1e-21)
+    expect("restart with another end", longer["time"][-1], near=2e-9, tolerance=1e-21)
 
 
-def test_same_folder(report):
+def test_same_folder(expect):
     """A run goes on in its own folder as if it had not been interrupted."""
     for ranks in (1, 3):
         whole = harness.run(CASE, ranks=ranks)
@@ -84,16 +90,16 @@ def test_same_folder(report):
         (folder / "points_000006.h5.part").write_bytes(b"half a file")
         again = harness.run({**CASE, "restart": folder / f"checkpoint_{CHECKPOINT:06d}.h5"}, ranks=ranks, folder=folder)
         name = f"same folder, {ranks} ranks"
-        expect_same(report, name, again, whole)
-        expect_series(report, name, folder, CASE["frames"])
-        report.note(f"{name}: every row once", list(again.history["step"]) == list(whole.history["step"]))
+        expect_same(expect, name, again, whole)
+        expect_series(expect, name, folder, CASE["frames"])
+        expect.that(f"{name}: every row once", list(again.history["step"]) == list(whole.history["step"]))
 
 
-def test_fewer_steps_than_frames(report):
+def test_fewer_steps_than_frames(expect):
     """The series keeps its frames where some numbers are skipped."""
     case = {**CASE, "end_time": None, "max_steps": 8, "frames": 20, "checkpoint_interval": 4}
     case.pop("end_time")
     whole = harness.run(case)
     before = (whole.folder / "points.xdmf").read_text()
     harness.run({**case, "restart": whole.folder / "checkpoint_000004.h5"}, folder=whole.folder)
-    report.note("frames with gaps: series", (whole.folder / "points.xdmf").read_text() == before)
+    expect.that("frames with gaps: series", (whole.folder / "points.xdmf").read_text() == before)

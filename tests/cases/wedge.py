@@ -1,8 +1,11 @@
 """Quality of the contact in the wedge indentation: noise, first contact, penetration, work against energy."""
 import numpy
+import pytest
 import report as page
 import results
 from harness import ROOT, read_csv, run
+
+pytestmark = pytest.mark.mpi
 
 CELL = 250e-9
 
@@ -32,44 +35,43 @@ def energy_error(history):
     return abs(stored[-1] - stored[0] - work[-1]) / abs(history["indenter_work"]).max()
 
 
-def quality(report, name, history, cell):
+def quality(expect, name, history, cell):
     detrended, raw = noise(history)
-    report.expect(f"{name}: noise of the load from step to step, rms, trend included", raw, at_most=0.015)
-    report.expect(f"{name}: depth at the first load, cells", first_contact(history) / cell, at_most=0.15)
-    report.expect(f"{name}: deepest penetration, cells", history["penetration"][-1] / cell, at_most=0.12)
-    report.expect(f"{name}: work of the indenter against energy", energy_error(history), at_most=0.01)
-    report.expect(f"{name}: mass, relative change", abs(history["mass"][-1] / history["mass"][0] - 1), at_most=1e-12)
-    report.expect(f"{name}: points lost", history["points"][0] - history["points"][-1], near=0, tolerance=0)
+    expect(f"{name}: noise of the load from step to step, rms, trend included", raw, at_most=0.015)
+    expect(f"{name}: depth at the first load, cells", first_contact(history) / cell, at_most=0.15)
+    expect(f"{name}: deepest penetration, cells", history["penetration"][-1] / cell, at_most=0.12)
+    expect(f"{name}: work of the indenter against energy", energy_error(history), at_most=0.01)
+    expect(f"{name}: mass, relative change", abs(history["mass"][-1] / history["mass"][0] - 1), at_most=1e-12)
+    expect(f"{name}: points lost", history["points"][0] - history["points"][-1], near=0, tolerance=0)
 
 
-def test_wedge(report):
+def test_wedge(expect):
     result = indentation()
-    quality(report, "wedge, 250 nm cells", result.history, CELL)
-    report.expect("wedge: steps that fell back to the diagonal", result.summary["contact_fallbacks"], near=0, tolerance=0)
+    quality(expect, "wedge, 250 nm cells", result.history, CELL)
+    expect("wedge: steps that fell back to the diagonal", result.summary["contact_fallbacks"], near=0, tolerance=0)
 
 
-def test_unloading(report):
+def test_unloading(expect):
     """Elastic contact: the load goes back to zero on unloading, and nothing pulls."""
     history = run({"cell_size": 500e-9, "frames": 0, "indenter_max_depth": 300e-9, "indenter_unload_velocity": 40.0},
                   file="wedge_125nm.opts", ranks=2).history
-    report.expect("unloading: least load over the greatest", history["load"].min() / history["load"].max(), at_least=0)
-    report.expect("unloading: load at the end over the greatest", history["load"][-1] / history["load"].max(), at_most=0.01)
-    report.expect("unloading: deepest, nm", history["depth"].max() * 1e9, near=300, tolerance=1)
-    report.expect("unloading: work against energy", energy_error(history), at_most=0.01)
+    expect("unloading: least load over the greatest", history["load"].min() / history["load"].max(), at_least=0)
+    expect("unloading: load at the end over the greatest", history["load"][-1] / history["load"].max(), at_most=0.01)
+    expect("unloading: deepest, nm", history["depth"].max() * 1e9, near=300, tolerance=1)
+    expect("unloading: work against energy", energy_error(history), at_most=0.01)
 
 
-def test_variants(report):
+def test_variants(expect):
     """Eq. 11 as printed comes late and multi-mesh contact early, as docs/verification.md tells."""
     depths = {}
     for method in ("pressure", "point_pressure", "multimesh"):
         history = indentation(contact=method, indenter_max_depth=150e-9).history
         depths[method] = first_contact(history) / CELL
-        report.note(f"wedge, {method}: first load at {depths[method]:.3f} cells, noise {noise(history, 50e-9)[1]:.3g}", True)
-    report.expect("Eq. 11 makes contact late: first load, cells", depths["point_pressure"], at_least=0.2)
-    report.expect("multi-mesh contact is early: first load, cells", depths["multimesh"], at_most=0.01)
+    expect("Eq. 11 makes contact late: first load, cells", depths["point_pressure"], at_least=0.2)
+    expect("multi-mesh contact is early: first load, cells", depths["multimesh"], at_most=0.01)
 
 
-def verify_wedge_quality(report):
+def verify_wedge_quality(study):
     """Wedge indentation on cells of 500 to 62.5 nm
 
     Aluminium, 450 nm deep at 20 m/s (the paper's Figs. 12 to 16), neo-Hookean on both sides: quality of the contact, and
@@ -80,18 +82,18 @@ def verify_wedge_quality(report):
     curves, errors = [], []
     for name, cell in (("wedge_500nm", 500e-9), ("wedge_250nm", 250e-9), ("wedge_125nm", 125e-9), ("wedge_62nm", 62.5e-9)):
         history = run({"frames": 1}, file=name + ".opts", ranks=2, timeout=3600).history
-        quality(report, name, history, cell)
+        quality(study.expect, name, history, cell)
         error = [numpy.interp(depth * 1e-9, history["depth"], history["load"]) / load - 1 for depth, load in expected.items()]
         errors.append([f"{cell * 1e9:g} nm", *(f"{100 * each:+.1f} %" for each in error)])
         curves.append(page.curve(f"{cell * 1e9:g} nm", 1e9 * history["depth"], 1e3 * history["load"]))
         if cell == 125e-9:
-            plot_budgets(report, "cells of 125 nm", history)
-    report.table("Load against finite elements of 62 nm, by depth", ["cells", *(f"{depth} nm" for depth in expected)], errors)
-    report.plot("Load against depth", "depth (nm)", "load (mN)", *curves,
+            plot_budgets(study, "cells of 125 nm", history)
+    study.table("Load against finite elements of 62 nm, by depth", ["cells", *(f"{depth} nm" for depth in expected)], errors)
+    study.plot("Load against depth", "depth (nm)", "load (mN)", *curves,
                 page.curve("FEM, 62 nm", 1e9 * numpy.array(elements["depth_m"]), 1e3 * numpy.array(elements["load_h62nm_N"]), "reference"))
 
 
-def verify_variants(report):
+def verify_variants(study):
     """Contact methods in the wedge indentation
 
     Cells of 250 nm. Eq. 11 as printed, with a pressure for each point, comes late; multi-mesh contact comes a cell early.
@@ -100,23 +102,23 @@ def verify_variants(report):
     for method in ("pressure", "point_pressure", "multimesh"):
         history = indentation(contact=method).history
         last[method] = history["load"][-20:].mean()
-        report.figure(f"{method}: depth at the first load, cells", first_contact(history) / CELL)
-        report.figure(f"{method}: noise of the load from step to step, rms", noise(history)[1])
-        report.figure(f"{method}: load at 450 nm over that of pressure", last[method] / last["pressure"])
+        study.figure(f"{method}: depth at the first load, cells", first_contact(history) / CELL)
+        study.figure(f"{method}: noise of the load from step to step, rms", noise(history)[1])
+        study.figure(f"{method}: load at 450 nm over that of pressure", last[method] / last["pressure"])
         curves.append(page.curve(method, 1e9 * history["depth"], 1e3 * history["load"]))
-    report.plot("Load against depth", "depth (nm)", "load (mN)", *curves)
+    study.plot("Load against depth", "depth (nm)", "load (mN)", *curves)
 
 
-def plot_budgets(report, name, history):
+def plot_budgets(study, name, history):
     """Energies over time, what they lack of the work done, and momentum less all impulses."""
     time = 1e9 * history["time"]
     parts = ("kinetic_energy", "strain_energy", "dissipated_energy", "indenter_work")
-    report.plot(f"Energy, {name}", "time (ns)", "energy (nJ)", *(page.curve(part.replace("_", " "), time, 1e9 * history[part]) for part in parts))
+    study.plot(f"Energy, {name}", "time (ns)", "energy (nJ)", *(page.curve(part.replace("_", " "), time, 1e9 * history[part]) for part in parts))
     largest = numpy.abs(history["indenter_work"]).max()
-    report.plot(f"Energy that the books lack, {name}", "time (ns)", "residual / work (%)",
+    study.plot(f"Energy that the books lack, {name}", "time (ns)", "residual / work (%)",
                 page.curve("residual", time, 100 * results.energy_residual(history) / largest))
     scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
-    report.plot(f"Momentum along y, {name}", "time (ns)", "momentum / sqrt(2 E m)",
+    study.plot(f"Momentum along y, {name}", "time (ns)", "momentum / sqrt(2 E m)",
                 *(page.curve(kind.replace("_", " "), time, history[f"{kind}_y"] / scale) for kind in ("momentum", "contact_impulse", "support_impulse")),
                 page.curve("momentum less impulses", time, momentum_left(history, "y") / scale, "reference"))
 

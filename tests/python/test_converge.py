@@ -1,23 +1,22 @@
-#!/usr/bin/env python3
 """Checks scripts/converge.py: Richardson's figures on exact sequences, its arguments, and two small cases."""
 
 import contextlib
 import csv
 import io
 import math
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import h5py
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import pytest
 
 import converge
 import plot
 import results
+
+pytestmark = pytest.mark.fast
 
 # A bar between rollers that is pulled slowly and damped: at its end the stress is the traction everywhere.
 BAR = """# a comment
@@ -144,7 +143,3 @@ class Cases(unittest.TestCase):
             with self.assertRaises(SystemExit) as caught, contextlib.redirect_stdout(io.StringIO()):
                 converge.main([words[0], *words[1:], "-output_dir", str(self.root / "wrong"), "-overwrite"])
             self.assertRegex(str(caught.exception.code), rf"^error: [^\n]*{expected}[^\n]*$", words)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,17 +1,17 @@
-#!/usr/bin/env python3
 """Checks that the documents are current: docs/options.md against -help, and the files, functions and links that documents name."""
 
 import re
 import subprocess
 import sys
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+import pytest
 
 import options_doc
+from harness import ROOT
 from options_doc import Option
+
+pytestmark = pytest.mark.fast
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 PATH = re.compile(r"(?:src|include|tests|scripts|options|docs)/[\w./*]+")
@@ -94,7 +94,3 @@ class Names(unittest.TestCase):
         for document in DOCUMENTS:
             targets = LINK.findall(document.read_text())
             self.assertEqual([name for name in targets if not (document.parent / name).exists()], [], document.name)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,19 +1,17 @@
-#!/usr/bin/env python3
 """Checks the page and the document of `make verify` on made-up studies."""
 
 import contextlib
 import io
 import re
-import sys
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "tests")]
+import pytest
 
 import report
 import report_markdown
 import verify
+
+pytestmark = pytest.mark.fast
 
 DOCUMENT = "# Title\n\nBefore.\n\n<!-- bars.pull: written by make verify -->\nold\n<!-- end -->\n\nAfter.\n"
 
@@ -25,13 +23,13 @@ def study(limit=0.01):
         made.expect("load | error", 0.004, at_most=limit)
         made.expect("stress error", 0.2, at_most=0.1)
         made.figure("seconds", 12.5, "s")
-        made.note("unit: part", True, "residual: 1e-14 (<= 1e-12)")
-        made.note("points kept", True)
+        made.expect.that("unit: part", True, "residual: 1e-14 (<= 1e-12)")
+        made.expect.that("points kept", True)
     made.table("Numbers", ["n", "error"], [[16, "1e-3"], [32, "2e-4"]])
     sizes = [0.25, 0.5, 1.0]
     made.plot("Errors", "cell size (m)", "error (m)", report.curve("seen", sizes, [0.1, 0.4, float("nan")], "points"),
               report.slope(2, sizes, 0.1), log=True, caption="A caption.")
-    return made.result(3, ["bin/mlgimp -cell_size 1"])
+    return {**made.result(), "runs": ["bin/mlgimp -cell_size 1"]}
 
 
 class Studies(unittest.TestCase):
@@ -88,7 +86,3 @@ class Document(unittest.TestCase):
         """The committed document knows the studies of tests/cases, and no others."""
         marks = re.findall(r"<!-- (\S+): written by make verify -->", verify.DOCUMENT.read_text())
         self.assertEqual(sorted(marks), sorted(verify.collect()))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,23 +1,22 @@
-#!/usr/bin/env python3
 """Checks the analytic solutions against their equations, and runs the other scripts on made-up results."""
 
 import contextlib
 import io
 import json
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import h5py
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import pytest
 
 import analytic
 import figures
 import plot
 import results
+
+pytestmark = pytest.mark.fast
 
 HISTORY = ("step,time,depth,load,contact_points,contact_half_width,kinetic_energy,strain_energy,"
            "dissipated_energy,external_work,indenter_work,momentum_x,momentum_y,support_impulse_x,"
@@ -355,7 +354,3 @@ class Scripts(unittest.TestCase):
         self.assertAlmostEqual(scale.high / 2e6, 1, delta=0.02)
         one_sign = plot.colour_scale(np.linspace(1e6, 2e6, 1000), centred=False)
         self.assertGreater(one_sign.low, 0.9e6)
-
-
-if __name__ == "__main__":
-    unittest.main()

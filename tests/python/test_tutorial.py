@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Follows docs/tutorial.md: writes its files, runs its commands, and compares what they print with what it shows."""
 
 import re
@@ -9,10 +8,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+import pytest
 
 import harness
+from harness import ROOT
+
+pytestmark = pytest.mark.slow
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
@@ -87,7 +88,3 @@ class Tutorial(unittest.TestCase):
         command = command.replace("/usr/bin/python3", sys.executable)
         return subprocess.run(["bash", "-c", command], cwd=self.folder, env=harness.ENVIRONMENT, timeout=300,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-
-
-if __name__ == "__main__":
-    unittest.main()

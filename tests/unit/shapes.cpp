@@ -1,10 +1,13 @@
 // Shape functions by their properties at random places.
-#include "check.hpp"
-
 #include "pointwise/shape.hpp"
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 using namespace mlgimp;
 
@@ -50,13 +53,13 @@ template <class Shape> void CheckAxisWeights(const std::string &name, const std:
     }
   // Round-off grows as 1/l, down to l = 1e-3. A difference across a kink of the slope, which is 1/(2 l) steep, is off by
   // up to step/(4 l).
-  CheckAtMost(name + ": weights add up to one", unity, 1e-15);
-  CheckAtMost(name + ": slopes add up to zero", slopes, 1e-12);
-  CheckAtMost(name + ": linear functions and their slope are reproduced", linear, 1e-12);
-  CheckAtMost(name + ": weights leave [0, 1] by", outside, 1e-15);
-  CheckAtMost(name + ": weights are means of the hat function", mean, 1e-12);
-  CheckAtMost(name + ": slopes are derivatives of the weights", derivative, 1e-5);
-  CheckAtMost(name + ": a reflection exchanges weights", mirror, 1e-15);
+  EXPECT_LE(unity, 1e-15) << name + ": weights add up to one";
+  EXPECT_LE(slopes, 1e-12) << name + ": slopes add up to zero";
+  EXPECT_LE(linear, 1e-12) << name + ": linear functions and their slope are reproduced";
+  EXPECT_LE(outside, 1e-15) << name + ": weights leave [0, 1] by";
+  EXPECT_LE(mean, 1e-12) << name + ": weights are means of the hat function";
+  EXPECT_LE(derivative, 1e-5) << name + ": slopes are derivatives of the weights";
+  EXPECT_LE(mirror, 1e-15) << name + ": a reflection exchanges weights";
 }
 
 /// Stencils of a block of points in 2D against products of means of hat functions over the points' current extent.
@@ -101,30 +104,32 @@ template <class Shape> void CheckStencil(const std::string &name)
     largest = std::max({largest, std::abs(sum - 1), 1e-2 * std::abs(gradient[0][0] - 1), 1e-2 * std::abs(gradient[1][1] - 1),
                         1e-2 * std::abs(gradient[0][1]), 1e-2 * std::abs(gradient[1][0])});
   }
-  CheckAtMost(name + ": weights of points in the plane, gradients of linear functions", largest, 1e-12);
-  Check(name + ": clamped sizes are counted", counted == clamped, std::to_string(counted) + " of " + std::to_string(clamped));
+  EXPECT_LE(largest, 1e-12) << name + ": weights of points in the plane, gradients of linear functions";
+  EXPECT_EQ(counted, clamped) << name + ": clamped sizes are counted";
 }
 
-void ShapeFunctionTests()
+TEST(Shapes, AlongAnAxis)
 {
   CheckAxisWeights<Linear>("linear", {0});
   CheckAxisWeights<UniformGimp>("GIMP", {0.5, 0.25, 0.125, 0.01, Random(0.02, 0.5), Random(0.02, 0.5), Random(0.02, 0.5)});
+}
+
+TEST(Shapes, LeastHalfSize)
+{
   double mean = 0;
   for (int n = 0; n < 400; ++n)
     for (int k = 0; k < 3; ++k) {
       const double d = Random(-0.5, 0.5);
       mean = std::max(mean, std::abs(UniformGimp::Evaluate(d, kMinHalfSize).w[k] - MeanHat(k - 1, d, kMinHalfSize)));
     }
-  CheckAtMost("GIMP: least half size", mean, 1e-12);
+  EXPECT_LE(mean, 1e-12);
+}
+
+TEST(Shapes, InThePlane)
+{
   CheckStencil<Linear>("linear");
   CheckStencil<UniformGimp>("uGIMP");
   CheckStencil<ContiguousGimp>("cpGIMP");
 }
 
 } // namespace
-
-int main()
-{
-  ShapeFunctionTests();
-  return 0;
-}

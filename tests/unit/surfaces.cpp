@@ -1,11 +1,12 @@
 // Indenters, histories and tilings by their properties.
-#include "check.hpp"
-
 #include "pointwise/indenter.hpp"
 #include "pointwise/region.hpp"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
+#include <string>
 
 using namespace mlgimp;
 
@@ -45,15 +46,15 @@ void CheckSurface(const std::string &name, const IndenterSurface &surface, doubl
     signs &= surface.Gap(Vec2{x, y} + 1e-3 * normal).distance > 0 && surface.Gap(Vec2{x, y} + -1e-3 * normal).distance < 0;
     lowest = std::min(lowest, y);
   }
-  CheckAtMost(name + ": length of the normal less one", unit, 1e-14);
-  CheckAtMost(name + ": normal less gradient of the gap, on the surface", gradient, 1e-6);
-  Check(name + ": gap is positive outside and negative inside", signs);
-  Check(name + ": nothing lies below the tip", lowest > -1e-12);
-  CheckAtMost(name + ": gap at the tip", std::abs(surface.Gap({0, 0}).distance), 1e-15);
-  CheckAtMost(name + ": gap below the tip", std::abs(surface.Gap({0, -0.01}).distance - 0.01), 0.01 * 0.07); // 1 - cos 19.7
+  EXPECT_LE(unit, 1e-14) << name + ": length of the normal less one";
+  EXPECT_LE(gradient, 1e-6) << name + ": normal less gradient of the gap, on the surface";
+  EXPECT_TRUE(signs) << name + ": gap is positive outside and negative inside";
+  EXPECT_GT(lowest, -1e-12) << name + ": nothing lies below the tip";
+  EXPECT_LE(std::abs(surface.Gap({0, 0}).distance), 1e-15) << name + ": gap at the tip";
+  EXPECT_LE(std::abs(surface.Gap({0, -0.01}).distance - 0.01), 0.01 * 0.07) << name + ": gap below the tip"; // 1 - cos 19.7
 }
 
-void IndenterTests()
+TEST(Surfaces, Indenters)
 {
   constexpr double kHalfAngle = 70.3, kTipRadius = 0.2;
   const double slope = 1 / std::tan(kHalfAngle * M_PI / 180);
@@ -64,21 +65,25 @@ void IndenterTests()
   CheckSurface("flat punch", *CreateFlatPunch(2), 0.99, 1);
   CheckSurface("polygon", *CreatePolygonIndenter({{3, 7}, {5, 7.6}, {5, 10}, {1, 10}, {1, 7.5}}), 1.9, 1);
   const double x = 1e-3 * kTipRadius, height = Height(*rounded, x, 1);
-  CheckAtMost("rounded wedge: radius of curvature at the tip", std::abs(x * x / (2 * height) / kTipRadius - 1), 1e-5);
-  CheckAtMost("rounded wedge: slope far from the tip",
-              std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6);
-  CheckAtMost("wedge: slope", std::abs(Height(*CreateWedge(kHalfAngle, 0), 1, 1) / slope - 1), 1e-12);
-  CheckAtMost("cylinder: height", std::abs(Height(*CreateCylinder(2), 1, 2) - (2 - std::sqrt(3))), 1e-12);
-  CheckAtMost("cylinder: gap at a distance", std::abs(CreateCylinder(2)->Gap({3, -2}).distance - 3), 1e-14);
-  Check("IsConvex", IsConvex({{0, 0}, {1, 0}, {0, 1}}) && IsConvex({{0, 1}, {1, 0}, {0, 0}}) &&
-                        !IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
+  EXPECT_LE(std::abs(x * x / (2 * height) / kTipRadius - 1), 1e-5) << "rounded wedge: radius of curvature at the tip";
+  EXPECT_LE(std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6)
+      << "rounded wedge: slope far from the tip";
+  EXPECT_LE(std::abs(Height(*CreateWedge(kHalfAngle, 0), 1, 1) / slope - 1), 1e-12) << "wedge: slope";
+  EXPECT_LE(std::abs(Height(*CreateCylinder(2), 1, 2) - (2 - std::sqrt(3))), 1e-12) << "cylinder: height";
+  EXPECT_LE(std::abs(CreateCylinder(2)->Gap({3, -2}).distance - 3), 1e-14) << "cylinder: gap at a distance";
+  EXPECT_TRUE(IsConvex({{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_TRUE(IsConvex({{0, 1}, {1, 0}, {0, 0}}));
+  EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
 }
 
-void HistoryTests()
+TEST(Surfaces, Histories)
 {
   const PiecewiseLinear speed({0.5, 1, 3, 4}, {0, 2, 2, -1});
-  Check("history: values",
-        speed.Value(0) == 0 && speed.Value(0.75) == 1 && speed.Value(2) == 2 && speed.Value(3.5) == 0.5 && speed.Value(9) == -1);
+  EXPECT_EQ(speed.Value(0), 0);
+  EXPECT_EQ(speed.Value(0.75), 1);
+  EXPECT_EQ(speed.Value(2), 2);
+  EXPECT_EQ(speed.Value(3.5), 0.5);
+  EXPECT_EQ(speed.Value(9), -1);
   double worst = 0, sum = 0;
   constexpr int kParts = 5000;
   for (int n = 0; n < kParts; ++n) { // knots fall on ends of parts, where the trapezium rule is exact
@@ -86,25 +91,30 @@ void HistoryTests()
     sum += 0.5 * (speed.Value(t) + speed.Value(next)) * (next - t);
     worst = std::max(worst, std::abs(speed.Integral(next) - sum));
   }
-  CheckAtMost("history: integral", worst, 1e-12);
-  CheckAtMost("history: constant one", std::abs(PiecewiseLinear({2}, {3}).Integral(1.5) - 4.5), 1e-15);
+  EXPECT_LE(worst, 1e-12) << "history: integral";
+  EXPECT_LE(std::abs(PiecewiseLinear({2}, {3}).Integral(1.5) - 4.5), 1e-15) << "history: constant one";
+  EXPECT_EQ(PiecewiseLinear().Value(1), 0) << "a history of nothing";
+  EXPECT_EQ(PiecewiseLinear().Integral(1), 0);
+  EXPECT_TRUE(std::isinf(PiecewiseLinear().TimeOfIntegral(1, 10)));
   // The integral grows to 0.5 + 4 + 2/3 at t = 3 + 2/3 and falls again.
   worst = 0;
   for (double target : {1e-9, 0.1, 0.5, 2.0, 4.5, 5.0, 5.16})
     worst = std::max(worst, std::abs(speed.Integral(speed.TimeOfIntegral(target, 10)) - target) +
                                 (speed.TimeOfIntegral(target, 10) < 3.667 ? 0 : 1));
-  CheckAtMost("history: first time of an integral", worst, 1e-12);
-  Check("history: integrals never reached",
-        std::isinf(speed.TimeOfIntegral(5.17, 10)) && std::isinf(speed.TimeOfIntegral(2, 1.5)));
+  EXPECT_LE(worst, 1e-12) << "history: first time of an integral";
+  EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(5.17, 10))) << "never reached";
+  EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(2, 1.5))) << "not reached in time";
 
   const Indenter indenter = {CreateCylinder(1), {speed, 2, 0.5}, {3, 7}, 6};
-  CheckAtMost("motion: depth before turning", std::abs(indenter.Depth(1.5) - (0.5 + 1 - 1)), 1e-14);
-  CheckAtMost("motion: depth after turning", std::abs(indenter.Depth(3) - (2.5 - 0.5 - 1)), 1e-14);
-  Check("motion: velocity", indenter.Velocity(1.5)[1] == -2 && indenter.Velocity(3)[1] == 0.5 && indenter.Velocity(3)[0] == 0);
-  CheckAtMost("motion: gap moves with the tip", std::abs(indenter.Gap(indenter.Tip(1.7), 1.7).distance), 1e-14);
+  EXPECT_LE(std::abs(indenter.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: depth before turning";
+  EXPECT_LE(std::abs(indenter.Depth(3) - (2.5 - 0.5 - 1)), 1e-14) << "motion: depth after turning";
+  EXPECT_EQ(indenter.Velocity(1.5)[1], -2);
+  EXPECT_EQ(indenter.Velocity(3)[1], 0.5);
+  EXPECT_EQ(indenter.Velocity(3)[0], 0);
+  EXPECT_LE(std::abs(indenter.Gap(indenter.Tip(1.7), 1.7).distance), 1e-14) << "motion: gap moves with the tip";
 }
 
-void TilingTests()
+TEST(Surfaces, Tilings)
 {
   double area = 0, outside = 0, other = 0, miss = 0;
   for (int n = 0; n < 200; ++n) {
@@ -136,18 +146,10 @@ void TilingTests()
       for (int a = 0; a < 2; ++a) miss = std::max(miss, found ? std::abs(x[a] - tile.center[a]) - tile.half_size[a] : HUGE_VAL);
     }
   }
-  CheckAtMost("tiling: area less the box's, relative", area, 1e-12);
-  CheckAtMost("tiling: tiles beyond the box by", outside, 1e-12);
-  CheckAtMost("tiling: the tile at a tile's centre is another by", other, 1e-12);
-  CheckAtMost("tiling: places outside the tile found for them by", miss, 1e-12);
+  EXPECT_LE(area, 1e-12) << "tiling: area less the box's, relative";
+  EXPECT_LE(outside, 1e-12) << "tiling: tiles beyond the box by";
+  EXPECT_LE(other, 1e-12) << "tiling: the tile at a tile's centre is another by";
+  EXPECT_LE(miss, 1e-12) << "tiling: places outside the tile found for them by";
 }
 
 } // namespace
-
-int main()
-{
-  IndenterTests();
-  HistoryTests();
-  TilingTests();
-  return 0;
-}

@@ -1,36 +1,37 @@
-// What unit tests share: a line "ok NAME: detail" or "FAIL NAME: detail" per check, and small set-ups.
+// What tests that run a hierarchy of levels share: expectations with a figure, and small set-ups.
 #pragma once
 
 #include "levels/hierarchy.hpp"
+#include "unit/program.hpp"
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 namespace mlgimp
 {
 
-/// Prints one check; on one rank.
-inline void Check(const std::string &name, bool good, const std::string &detail = "")
+/// EXPECT_TRUE with a line "ok NAME: detail" or "FAIL NAME: detail", which the page of `make verify` shows.
+inline void ExpectTrue(const std::string &name, bool good, const std::string &detail = "")
 {
   std::printf("%s %s%s%s\n", good ? "ok" : "FAIL", name.c_str(), detail.empty() ? "" : ": ", detail.c_str());
+  EXPECT_TRUE(good) << name << ": " << detail;
 }
 
-/// Passes where value <= limit; a NaN does not.
-inline void CheckAtMost(const std::string &name, double value, double limit)
+/// The same for value <= limit, which a NaN is not.
+inline void ExpectAtMost(const std::string &name, double value, double limit)
 {
   char detail[80];
   std::snprintf(detail, sizeof detail, "%.3g (<= %.3g)", value, limit);
-  Check(name, value <= limit, detail);
+  ExpectTrue(name, value <= limit, detail);
 }
 
-inline void CheckAtLeast(const std::string &name, double value, double limit)
+inline void ExpectAtLeast(const std::string &name, double value, double limit)
 {
   char detail[80];
   std::snprintf(detail, sizeof detail, "%.3g (>= %.3g)", value, limit);
-  Check(name, value >= limit, detail);
+  ExpectTrue(name, value >= limit, detail);
 }
 
 /// One level over a box with the model's sides.
@@ -132,24 +133,6 @@ inline void AddBody(Model &model, std::unique_ptr<Region> region, const std::str
 {
   model.materials.push_back(CreateMaterial(law, constants));
   model.bodies.push_back({"body", std::move(region), static_cast<int>(model.materials.size()) - 1, velocity, points_per_cell});
-}
-
-/// The main function of a test program: runs the tests, or with the argument "table" the study behind them, which gets
-/// the number that follows (0 for none).
-template <class Tests, class Table> int RunProgram(int argc, char **argv, Tests tests, Table table)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
-  if (argc > 1 && std::string(argv[1]) == "table")
-    PetscCall(table(argc > 2 ? std::atoi(argv[2]) : 0));
-  else
-    PetscCall(tests());
-  PetscCall(PetscFinalize());
-  return 0;
-}
-template <class Tests> int RunProgram(int argc, char **argv, Tests tests)
-{
-  return RunProgram(argc, argv, tests, [&](int) { return tests(); });
 }
 
 } // namespace mlgimp

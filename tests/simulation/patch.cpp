@@ -1,6 +1,6 @@
 // Patch test: points of several sizes that tile a stretched body under uniform stress leave no force on the nodes within
 // it, wherever the grid lies; with the matching pressures on its sides, on no node at all.
-#include "check.hpp"
+#include "simulation/setup.hpp"
 
 #include <cmath>
 #include <random>
@@ -116,7 +116,7 @@ std::string Sizes(const Patch &patch)
   return std::to_string(patch.left) + " and " + std::to_string(patch.right) + " points a cell";
 }
 
-PetscErrorCode Tests()
+TEST(Patch, Stretched)
 {
   Forces forces;
   const double *s = kStress;
@@ -127,27 +127,30 @@ PetscErrorCode Tests()
       {1, 2, {0.9, 0, 0, 0.75}, {s[0], s[1], s[2], s[3]}},
       {3, 3, {1, 0, 0, 1}, {s[0], s[1], s[2], s[3]}},
   };
-  PetscFunctionBeginUser;
   for (Patch patch : patches) {
-    PetscCall(Worst(patch, &forces));
-    CheckAtMost("patch, " + Sizes(patch) + ": nodal force inside, of |sigma| h t", forces.inside, 1e-12);
-    Check("patch, " + Sizes(patch) + ": there are nodes inside, and forces at its rim", forces.nodes >= 30 && forces.all > 0.5);
+    ASSERT_EQ(Worst(patch, &forces), PETSC_SUCCESS);
+    ExpectAtMost("patch, " + Sizes(patch) + ": nodal force inside, of |sigma| h t", forces.inside, 1e-12);
+    ExpectTrue("patch, " + Sizes(patch) + ": there are nodes inside, and forces at its rim",
+               forces.nodes >= 30 && forces.all > 0.5);
     patch.pressed = true;
     patch.stress[3] = 0; // a pressure has no shear
-    PetscCall(Worst(patch, &forces));
-    CheckAtMost("patch under pressure, " + Sizes(patch) + ": nodal force anywhere, of p h t", forces.all, 1e-10);
+    ASSERT_EQ(Worst(patch, &forces), PETSC_SUCCESS);
+    ExpectAtMost("patch under pressure, " + Sizes(patch) + ": nodal force anywhere, of p h t", forces.all, 1e-10);
   }
-  const double angle = 20 * M_PI / 180, c = std::cos(angle), si = std::sin(angle);
+}
+
+TEST(Patch, ShearedAndTurned)
+{
+  Forces forces;
+  const double *s = kStress, angle = 20 * M_PI / 180, c = std::cos(angle), si = std::sin(angle);
   const Patch sheared = {2, 2, {1, 0.1, 0, 1}, {s[0], s[1], s[2], s[3]}},
               turned = {2, 2, {c, -si, si, c}, {s[0], s[1], s[2], s[3]}};
-  PetscCall(Worst(sheared, &forces));
-  CheckAtMost("patch, shear 0.1: nodal force inside, of |sigma| h t", forces.inside, 0.01);
-  PetscCall(Worst(turned, &forces));
-  Check("patch, rotation by 20 degrees (limit of cpGIMP, for information)", std::isfinite(forces.inside),
-        std::to_string(forces.inside) + " of |sigma| h t");
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ASSERT_EQ(Worst(sheared, &forces), PETSC_SUCCESS);
+  ExpectAtMost("patch, shear 0.1: nodal force inside, of |sigma| h t", forces.inside, 0.01);
+  ASSERT_EQ(Worst(turned, &forces), PETSC_SUCCESS);
+  ExpectAtMost("patch, rotation by 20 degrees (a limit of cpGIMP): nodal force inside, of |sigma| h t", forces.inside, 0.05);
 }
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests); }
+int main(int argc, char **argv) { return RunProgram(argc, argv); }

@@ -1,7 +1,6 @@
-// A block under uniform stress between rollers stays at rest, also where points of several levels meet; numbers of points.
-#include "check.hpp"
+// A block under uniform stress between rollers stays at rest, also where points of several levels meet.
+#include "simulation/setup.hpp"
 
-#include <climits>
 #include <cmath>
 
 using namespace mlgimp;
@@ -53,52 +52,18 @@ PetscErrorCode TestRest()
     for (int ratio : {2, 3}) {
       const std::string name = std::string("at rest under stress, ratio ") + std::to_string(ratio) + ", " + scheme.name;
       PetscCall(Rest({half}, ratio, scheme, {0.99, 1.01}, &speed));
-      CheckAtMost(name + ", border across: v/(c strain)", speed, 1e-12);
+      ExpectAtMost(name + ", border across: v/(c strain)", speed, 1e-12);
       PetscCall(Rest({inside}, ratio, scheme, {1.01, 0.98}, &speed));
-      CheckAtMost(name + ", box inside: v/(c strain)", speed, 1e-12);
+      ExpectAtMost(name + ", box inside: v/(c strain)", speed, 1e-12);
       if (ratio > 2) continue;
       PetscCall(Rest(nested, ratio, scheme, {0.99, 1.005}, &speed));
-      CheckAtMost(name + ", three levels: v/(c strain)", speed, 1e-12);
+      ExpectAtMost(name + ", three levels: v/(c strain)", speed, 1e-12);
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void TestNumbers()
-{
-  for (int children : {4, 9, 16}) {
-    constexpr std::int64_t kSeeds = 1000;
-    const PointNumbers numbers(kSeeds, children);
-    bool inverse = true, apart = true, seeds = true;
-    std::int64_t lower = 0, upper = kSeeds; // numbers of this generation: [lower, upper)
-    int generation = 0;
-    for (; generation < 100 && numbers.CanSplit(upper - 1); ++generation) {
-      const std::int64_t ids[] = {lower, lower + 1, lower + (upper - lower) / 2, upper - 1};
-      for (std::int64_t id : ids) {
-        seeds &= (numbers.Parent(id) == -1) == (generation == 0);
-        for (int c = 0; c < children; ++c) {
-          const std::int64_t child = numbers.Child(id, c);
-          inverse &= numbers.Parent(child) == id && numbers.ChildIndex(child) == c;
-          apart &= child >= upper && child - upper == (id - lower) * children + c;
-        }
-      }
-      const std::int64_t next = numbers.Child(upper - 1, children - 1) + 1;
-      apart &= numbers.Child(lower, 0) == upper && next > upper;
-      lower = upper, upper = next;
-    }
-    const std::string name = "point numbers, " + std::to_string(children) + " children: ";
-    Check(name + "Child, Parent and ChildIndex invert each other", inverse && seeds);
-    Check(name + "generations follow each other without overlap", apart);
-    Check(name + "no more splitting before the numbers overflow",
-          generation > 5 && generation < 100 && upper > 0 && upper < INT64_MAX / 2, std::to_string(generation) + " generations");
-  }
-}
+TEST(LevelsRest, UnderStress) { EXPECT_EQ(TestRest(), PETSC_SUCCESS); }
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  return RunProgram(argc, argv, [] {
-    TestNumbers();
-    return TestRest();
-  });
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv); }

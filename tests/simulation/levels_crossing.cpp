@@ -1,9 +1,8 @@
 // A block that flies obliquely into, through and out of finer levels: points, mass and momentum; the energy of one that
 // vibrates as it flies. With "table": that energy for all levels and schemes.
-#include "check.hpp"
+#include "simulation/setup.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <set>
 
 using namespace mlgimp;
@@ -100,14 +99,14 @@ PetscErrorCode TestFlight(const Case &levels, const Scheme &scheme)
   Flight f;
   PetscFunctionBeginUser;
   PetscCall(Fly(levels, scheme, 0, &f));
-  CheckAtMost(name + ": stress, of E", f.stress, 1e-10);
-  CheckAtMost(name + ": error of the mass", f.mass, 1e-14);
-  CheckAtMost(name + ": error of mass and momentum, booked by the transfer", f.transfer_error, 1e-12);
-  Check(name + ": all points arrive", f.arrived > 1 - 1e-9);
+  ExpectAtMost(name + ": stress, of E", f.stress, 1e-10);
+  ExpectAtMost(name + ": error of the mass", f.mass, 1e-14);
+  ExpectAtMost(name + ": error of mass and momentum, booked by the transfer", f.transfer_error, 1e-12);
+  ExpectTrue(name + ": all points arrive", f.arrived > 1 - 1e-9);
   char detail[80];
   std::snprintf(detail, sizeof detail, "%.0f split, %.0f left, %.0f merged", f.split, f.left, f.merged);
-  Check(name + ": numbers are unique and as many as the books say", f.numbers && f.split > 0 && f.left > 0, detail);
-  if (levels.merge) Check(name + ": points are merged", f.merged > 0);
+  ExpectTrue(name + ": numbers are unique and as many as the books say", f.numbers && f.split > 0 && f.left > 0, detail);
+  if (levels.merge) ExpectTrue(name + ": points are merged", f.merged > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,15 +140,15 @@ PetscErrorCode TestSplitVelocity(int ratio)
     }));
   }
   const std::string name = "splitting, ratio " + std::to_string(ratio) + ": ";
-  Check(name + "there are children", children >= 6 * ratio * ratio);
-  CheckAtMost(name + "velocity of children in a linear field, of its change over a coarse cell", error,
-              0.15); // 0.24 without L dx
+  ExpectTrue(name + "there are children", children >= 6 * ratio * ratio);
+  ExpectAtMost(name + "velocity of children in a linear field, of its change over a coarse cell", error,
+               0.15); // 0.24 without L dx
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 constexpr double kAmplitude = 0.005;
 
-PetscErrorCode Table()
+PetscErrorCode Table(int)
 {
   const Case cases[] = {{"two levels", kBox},     {"two levels, merging", kBox, 2, true},
                         {"three levels", kBoxes}, {"three levels, merging", kBoxes, 2, true},
@@ -172,28 +171,36 @@ PetscErrorCode Table()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Tests()
+TEST(LevelsCrossing, TwoLevels)
 {
-  PetscFunctionBeginUser;
-  PetscCall(TestFlight({"two levels", kBox}, kDefaultScheme));
-  PetscCall(TestFlight({"two levels, merging", kBox, 2, true}, kDefaultScheme));
-  PetscCall(TestFlight({"three levels", kBoxes}, kMusl));
-  PetscCall(TestFlight({"three levels, merging", kBoxes, 2, true}, kMusl));
-  PetscCall(TestFlight({"ratio 3", kBox, 3}, kUsl));
-  for (int ratio : {2, 3}) PetscCall(TestSplitVelocity(ratio));
+  EXPECT_EQ(TestFlight({"two levels", kBox}, kDefaultScheme), PETSC_SUCCESS);
+  EXPECT_EQ(TestFlight({"two levels, merging", kBox, 2, true}, kDefaultScheme), PETSC_SUCCESS);
+}
+
+TEST(LevelsCrossing, ThreeLevels)
+{
+  EXPECT_EQ(TestFlight({"three levels", kBoxes}, kMusl), PETSC_SUCCESS);
+  EXPECT_EQ(TestFlight({"three levels, merging", kBoxes, 2, true}, kMusl), PETSC_SUCCESS);
+}
+
+TEST(LevelsCrossing, RatioThree) { EXPECT_EQ(TestFlight({"ratio 3", kBox, 3}, kUsl), PETSC_SUCCESS); }
+
+TEST(LevelsCrossing, VelocityOfChildren)
+{
+  for (int ratio : {2, 3}) EXPECT_EQ(TestSplitVelocity(ratio), PETSC_SUCCESS);
+}
+
+TEST(LevelsCrossing, EnergyOfVibration)
+{
   Flight one, other;
-  PetscCall(Fly({"one level", {}}, kDefaultScheme, kAmplitude, &one));
+  ASSERT_EQ(Fly({"one level", {}}, kDefaultScheme, kAmplitude, &one), PETSC_SUCCESS);
   for (bool merge : {false, true}) {
-    PetscCall(Fly({"two levels", kBox, 2, merge}, kDefaultScheme, kAmplitude, &other));
-    CheckAtMost(std::string("vibrating block in flight") + (merge ? ", merging" : "") + ": energy against one level",
-                std::abs(other.energy / one.energy - 1), 1e-3);
+    ASSERT_EQ(Fly({"two levels", kBox, 2, merge}, kDefaultScheme, kAmplitude, &other), PETSC_SUCCESS);
+    ExpectAtMost(std::string("vibrating block in flight") + (merge ? ", merging" : "") + ": energy against one level",
+                 std::abs(other.energy / one.energy - 1), 1e-3);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-  return RunProgram(argc, argv, Tests, [](int) { return Table(); });
-}
+int main(int argc, char **argv) { return RunProgram(argc, argv, Table); }

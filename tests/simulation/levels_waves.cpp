@@ -3,10 +3,9 @@
 // The reflected wave is measured where the packet came from, twice: its largest speed less that on one level with the same
 // cells, and the largest difference from that level, point by point, behind which nothing can hide.
 // Without arguments: pressure waves at normal incidence. With "table": also shear waves, 30 degrees, and other ratios.
-#include "check.hpp"
+#include "simulation/setup.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <map>
 
 using namespace mlgimp;
@@ -149,25 +148,27 @@ PetscErrorCode Table(bool plane_only)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Tests()
+PetscErrorCode TestReflection(bool into)
 {
+  const std::string name =
+      std::string("pressure wave ") + (into ? "into" : "out of") + " the fine level: reflected, of the packet, ";
+  Reflection longer, shorter;
   PetscFunctionBeginUser;
-  for (bool into : {true, false}) {
-    const std::string name =
-        std::string("pressure wave ") + (into ? "into" : "out of") + " the fine level: reflected, of the packet, ";
-    Reflection longer, shorter;
-    PetscCall(Reflect({16, into}, &shorter));
-    PetscCall(Reflect({32, into}, &longer));
-    CheckAtMost(name + "wavelength of 16 coarse cells", shorter.difference, 0.01);
-    CheckAtMost(name + "wavelength of 32 coarse cells", longer.difference, 0.003);
-    Check(name + "falls with refinement", longer.difference < 0.5 * shorter.difference);
-  }
+  PetscCall(Reflect({16, into}, &shorter));
+  PetscCall(Reflect({32, into}, &longer));
+  ExpectAtMost(name + "wavelength of 16 coarse cells", shorter.difference, 0.01);
+  ExpectAtMost(name + "wavelength of 32 coarse cells", longer.difference, 0.003);
+  ExpectTrue(name + "falls with refinement", longer.difference < 0.5 * shorter.difference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+TEST(LevelsWaves, IntoTheFineLevel) { EXPECT_EQ(TestReflection(true), PETSC_SUCCESS); }
+
+TEST(LevelsWaves, OutOfTheFineLevel) { EXPECT_EQ(TestReflection(false), PETSC_SUCCESS); }
 
 } // namespace
 
 int main(int argc, char **argv)
 {
-  return RunProgram(argc, argv, Tests, [](int finer) { return Table(finer > 0); });
+  return RunProgram(argc, argv, [](int plane_only) { return Table(plane_only > 0); });
 }

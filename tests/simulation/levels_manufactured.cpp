@@ -1,10 +1,9 @@
 // The axis-aligned manufactured solution (see manufactured.cpp) across the borders of finer levels: order of convergence.
 //
 // Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells.
-#include "check.hpp"
+#include "simulation/setup.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <unordered_map>
 
 using namespace mlgimp;
@@ -175,22 +174,23 @@ PetscErrorCode TestOrder(const Case &levels, const Scheme &scheme)
   PetscFunctionBeginUser;
   PetscCall(Solve(16, levels, scheme, &coarse));
   PetscCall(Solve(64, levels, scheme, &fine));
-  CheckAtLeast(name + "max error", 0.5 * std::log2(coarse.largest / fine.largest), 1.6);
-  CheckAtLeast(name + "rms error", 0.5 * std::log2(coarse.rms / fine.rms), 1.6);
+  ExpectAtLeast(name + "max error", 0.5 * std::log2(coarse.largest / fine.largest), 1.6);
+  ExpectAtLeast(name + "rms error", 0.5 * std::log2(coarse.rms / fine.rms), 1.6);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Tests()
+TEST(LevelsManufactured, BorderAcross) { EXPECT_EQ(TestOrder(kHalf, kDefaultScheme), PETSC_SUCCESS); }
+
+TEST(LevelsManufactured, SmallBoxUsl) { EXPECT_EQ(TestOrder(kSmall, kUsl), PETSC_SUCCESS); }
+
+TEST(LevelsManufactured, SmallBoxXpic) { EXPECT_EQ(TestOrder(kSmall, kXpic10), PETSC_SUCCESS); }
+
+TEST(LevelsManufactured, ThreeLevels)
 {
-  PetscFunctionBeginUser;
-  PetscCall(TestOrder(kHalf, kDefaultScheme));
-  PetscCall(TestOrder(kSmall, kUsl));
-  PetscCall(TestOrder(kSmall, kXpic10));
-  PetscCall(TestOrder({"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}},
-                      kDefaultScheme));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const Case three = {"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}};
+  EXPECT_EQ(TestOrder(three, kDefaultScheme), PETSC_SUCCESS);
 }
 
 } // namespace
 
-int main(int argc, char **argv) { return RunProgram(argc, argv, Tests, Table); }
+int main(int argc, char **argv) { return RunProgram(argc, argv, Table); }

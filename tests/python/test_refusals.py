@@ -1,0 +1,139 @@
+"""Checks that the scripts end in one line 'error: ...' where files or arguments are not what they should be."""
+import json
+import os
+import re
+import subprocess
+import sys
+
+import h5py
+import pytest
+
+import converge
+import figures
+import harness
+import plot
+from test_scripts import HISTORY, write_results
+
+pytestmark = pytest.mark.fast
+
+
+@pytest.fixture
+def made(tmp_path):
+    """A folder with the results of a run."""
+    return write_results(tmp_path / "made", levels=2, cells=8)
+
+
+def refusal(main, *words):
+    """The one line with which a script ends."""
+    with pytest.raises(SystemExit) as caught:
+        main([str(word) for word in words])
+    assert re.fullmatch(r"error: [^\n]+", str(caught.value.code)), caught.value.code
+    return caught.value.code
+
+
+# ---- plot.py ----
+
+@pytest.mark.parametrize("out", ["/proc", "/proc/pictures", "/dev/null", "/dev/null/pictures"])
+def test_pictures_into_a_folder_that_cannot_be(made, out):
+    assert out in refusal(plot.main, made, "--out", out)
+
+
+@pytest.mark.parametrize("window", ["nan,1,0,1", "0,inf,0,1", "-inf,0,0,1", "1,0,0,1", "0,1", "a,b,c,d"])
+def test_window(made, window):
+    assert f"{window}: must be xmin,xmax,ymin,ymax" in refusal(plot.main, made, f"--window={window}")
+
+
+HISTORIES = {
+    "empty": (b"", "no column time"), "binary": (bytes(range(128, 256)), "no text"),
+    "another table": (b"depth_m,load_N\n0,0\n1,2\n", "no column time"), "text": (b"hello\nworld\n", "no column"),
+    "a row that is too short": (",".join(HISTORY).encode() + b"\n1\n", f"{len(HISTORY)} columns"),
+}
+
+
+@pytest.mark.parametrize("name", HISTORIES)
+def test_history(made, name):
+    content, expected = HISTORIES[name]
+    (made / "history.csv").write_bytes(content)
+    line = refusal(plot.main, made)
+    assert "history.csv" in line and expected in line
+
+
+SUMMARIES = {
+    "a list": [1, 2], "a number": 3, "levels without boxes": {"levels": [{"cell_size": 1}]},
+    "levels of numbers": {"levels": [1, 2]},
+    "half a box": {"levels": [{"lower": [0], "upper": [1, 1]}]}, "a box of text": {"levels": [{"lower": "ab", "upper": "cd"}]},
+    "levels that are no list": {"levels": 3},
+}
+
+
+@pytest.mark.parametrize("name", SUMMARIES)
+def test_summary(made, name):
+    (made / "summary.json").write_text(json.dumps(SUMMARIES[name]))
+    assert "summary.json" in refusal(plot.main, made)
+    assert "summary.json" in refusal(figures.main, "cells", made / "cells.png", f"{made}:run")
+
+
+def test_binary_summary(made):
+    (made / "summary.json").write_bytes(bytes(range(128, 256)))
+    assert "summary.json" in refusal(plot.main, made)
+
+
+@pytest.mark.parametrize("name", ["position", "half_size", "stress"])
+def test_frame(made, name):
+    with h5py.File(made / "points_000001.h5", "a") as file:
+        del file["level_1"][name]
+    assert name in refusal(plot.main, made)
+    with h5py.File(made / "points_000001.h5", "a") as file:
+        file["level_1"][name] = [1.0, 2.0]
+    assert "points_000001.h5" in refusal(plot.main, made)
+
+
+def test_frame_that_holds_no_groups(made):
+    with h5py.File(made / "points_000001.h5", "a") as file:
+        del file["level_1"]
+        file["level_1"] = [1.0]
+    assert "points_000001.h5" in refusal(plot.main, made)
+
+
+# ---- figures.py ----
+
+@pytest.mark.parametrize("picture", ["none/curves.png", "curves.abc"])
+def test_picture_that_cannot_be_written(made, picture):
+    assert picture in refusal(figures.main, "load-depth", made / picture, f"{made}:run")
+    assert picture in refusal(figures.main, "fields", made / picture, f"{made}:run")
+
+
+def test_label_that_is_no_formula(made):
+    line = refusal(figures.main, "load-depth", made / "curves.png", f"{made}:$\\frac{{$", f"{made}:other")
+    assert "cannot be drawn" in line
+
+
+def test_levels_without_cells(made):
+    assert "cell_size" in refusal(figures.main, "cells", made / "cells.png", f"{made}:run")
+
+
+@pytest.mark.parametrize("words", [[], ["curves"], ["load-depth"], ["load-depth", "curves.png", "no label"],
+                                   ["fields", "fields.png", "made:run", "--component", "zz9"]])
+def test_command_line(words):
+    refusal(figures.main, *words)
+
+
+# ---- converge.py ----
+
+@pytest.mark.parametrize("content", [bytes(range(256)), b"-cell_size 'open\n"], ids=["binary", "open quotation"])
+def test_options_file(tmp_path, content):
+    file = tmp_path / "case.opts"
+    file.write_bytes(content)
+    assert str(file) in refusal(converge.main, file)
+
+
+# ---- all ----
+
+def test_no_home(made):
+    """A user without a folder of his own hears nothing of matplotlib's cache."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("XDG_", "MPL"))}
+    for script in ("plot.py", "figures.py"):
+        words = [made] if script == "plot.py" else ["load-depth", made / "curves.png", f"{made}:run"]
+        done = subprocess.run([sys.executable, harness.ROOT / "scripts" / script, *words], capture_output=True, text=True,
+                              env={**environment, "HOME": "/dev/null/none"})
+        assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,256 @@
+// The option reader: values, defaults, and the one line that refuses what is not allowed.
+#include "program/command_line.hpp"
+#include "program/options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+using namespace mlgimp;
+
+namespace
+{
+
+std::string message; ///< of the last error of PETSc
+
+PetscErrorCode KeepMessage(MPI_Comm, int, const char *, const char *, PetscErrorCode code, PetscErrorType type, const char *text,
+                           void *)
+{
+  if (type == PETSC_ERROR_INITIAL) message = text;
+  return code;
+}
+
+using Read = std::function<PetscErrorCode(OptionReader &)>;
+
+PetscErrorCode InGroup(OptionReader &reader, const Read &read)
+{
+  PetscFunctionBeginUser;
+  PetscOptionsBegin(PETSC_COMM_SELF, nullptr, "unit test", nullptr);
+  reader.SetItems(PetscOptionsObject);
+  PetscCall(read(reader));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Reads from options of its own; returns the message of a refusal, or nothing.
+std::string Refusal(const std::string &options, const Read &read, bool help = false)
+{
+  PetscOptions own;
+  OptionReader reader(PETSC_COMM_SELF, help);
+  message.clear();
+  PetscCallAbort(PETSC_COMM_SELF, PetscOptionsCreate(&own));
+  PetscCallAbort(PETSC_COMM_SELF, PetscOptionsInsertString(own, options.c_str()));
+  PetscCallAbort(PETSC_COMM_SELF, PetscOptionsPush(own));
+  PetscCallAbort(PETSC_COMM_SELF, PetscPushErrorHandler(KeepMessage, nullptr));
+  const PetscErrorCode code = InGroup(reader, read);
+  PetscCallAbort(PETSC_COMM_SELF, PetscPopErrorHandler());
+  PetscCallAbort(PETSC_COMM_SELF, PetscOptionsPop());
+  PetscCallAbort(PETSC_COMM_SELF, PetscOptionsDestroy(&own));
+  EXPECT_EQ(code == PETSC_SUCCESS, message.empty());
+  return message;
+}
+
+std::string ReadNumber(const std::string &options, double *value, const Range &range = kPositive, bool required = false)
+{
+  return Refusal(options, [&](OptionReader &reader) { return reader.Number({"-size", "edge", "m"}, range, required, value); });
+}
+
+std::string ReadInteger(const std::string &options, int *value)
+{
+  return Refusal(options, [&](OptionReader &reader) { return reader.Integer({"-count", "number", ""}, Closed(1, 16), value); });
+}
+
+std::string ReadNames(const std::string &options, std::vector<std::string> *names)
+{
+  return Refusal(options, [&](OptionReader &reader) { return reader.Names({"-bodies", "names", ""}, false, names); });
+}
+
+std::string CheckWords(std::vector<std::string> words)
+{
+  std::vector<char *> arguments;
+  words.insert(words.begin(), "program");
+  for (std::string &word : words) arguments.push_back(word.data());
+  return ReadCommandLine(static_cast<int>(arguments.size()), arguments.data()).problem;
+}
+
+/// What is wrong with an options file of this text.
+std::string CheckFile(const std::string &text)
+{
+  const std::string path = testing::TempDir() + "mlgimp_unit_options_" + std::to_string(getpid()) + ".opts";
+  std::ofstream(path, std::ios::binary) << text;
+  const std::string found = CheckWords({"-options_file", path});
+  std::remove(path.c_str());
+  const std::size_t at = found.find(path);
+  return at == std::string::npos ? found : found.substr(0, at) + "FILE" + found.substr(at + path.size());
+}
+
+} // namespace
+
+TEST(Options, Numbers)
+{
+  double value = 3;
+  EXPECT_EQ(ReadNumber("", &value), "");
+  EXPECT_EQ(value, 3) << "the default";
+  EXPECT_EQ(ReadNumber("-size 2.5e-6", &value), "");
+  EXPECT_EQ(value, 2.5e-6);
+  EXPECT_EQ(ReadNumber("-size -1", &value, kAnyNumber), "");
+  EXPECT_EQ(value, -1);
+  for (const char *bad : {"0", "-1", "nan", "inf", "1e999", "1um", "1,2", "0x"})
+    EXPECT_EQ(ReadNumber(std::string("-size ") + bad, &value), std::string("-size ") + bad + ": must be > 0");
+  EXPECT_EQ(ReadNumber("-size", &value), "-size (nothing): must be > 0");
+  EXPECT_EQ(ReadNumber("-size 1", &value, Open(0, 1)), "-size 1: must be in (0, 1)");
+  EXPECT_EQ(ReadNumber("-size 1", &value, Closed(0, 1)), "");
+  EXPECT_EQ(ReadNumber("", &value, kPositive, true), "-size: must be given: edge");
+}
+
+TEST(Options, HelpRequiresNothing)
+{
+  double value = 3;
+  const Read read = [&](OptionReader &reader) { return reader.Number({"-size", "edge", "m"}, kPositive, true, &value); };
+  EXPECT_EQ(Refusal("", read, true), "");
+}
+
+TEST(Options, WholeNumbers)
+{
+  int value = 7;
+  EXPECT_EQ(ReadInteger("", &value), "");
+  EXPECT_EQ(value, 7);
+  EXPECT_EQ(ReadInteger("-count 16", &value), "");
+  EXPECT_EQ(value, 16);
+  for (const char *bad : {"0", "17", "1.5", "-1", "two", "4294967297"})
+    EXPECT_EQ(ReadInteger(std::string("-count ") + bad, &value),
+              std::string("-count ") + bad + ": must be a whole number in [1, 16]");
+}
+
+TEST(Options, ListsAndVectors)
+{
+  std::vector<double> values = {9};
+  Vec2 vector{};
+  const Read read = [&](OptionReader &reader) {
+    return reader.Numbers({"-times", "t", "s"}, kNotNegative, 2, 0, false, &values);
+  };
+  const Read pair = [&](OptionReader &reader) { return reader.Vector({"-tip", "place", "m"}, true, &vector); };
+  EXPECT_EQ(Refusal("-times 0,1e-3,4", read), "");
+  EXPECT_EQ(values, (std::vector<double>{0, 1e-3, 4}));
+  EXPECT_EQ(Refusal("-times 1", read), "-times 1: must be at least 2 numbers >= 0");
+  EXPECT_EQ(Refusal("-times 1,,2", read), "-times 1,,2: must be at least 2 numbers >= 0");
+  EXPECT_EQ(Refusal("-times 1,-2", read), "-times 1,-2: must be at least 2 numbers >= 0");
+  EXPECT_EQ(Refusal("-tip 1,-2", pair), "");
+  EXPECT_EQ(vector, (Vec2{1, -2}));
+  for (const char *bad : {"1", "1,2,3", "1,", "a,b"})
+    EXPECT_EQ(Refusal(std::string("-tip ") + bad, pair), std::string("-tip ") + bad + ": must be 2 numbers separated by commas");
+}
+
+TEST(Options, WordsAndFlags)
+{
+  std::string kind = "box";
+  bool on = true;
+  const Read choose = [&](OptionReader &reader) { return reader.Choice({"-kind", "shape", ""}, {"box", "disk"}, &kind); };
+  const Read flag = [&](OptionReader &reader) { return reader.Flag({"-on", "flag", ""}, &on); };
+  EXPECT_EQ(Refusal("", choose), "");
+  EXPECT_EQ(kind, "box");
+  EXPECT_EQ(Refusal("-kind disk", choose), "");
+  EXPECT_EQ(kind, "disk");
+  EXPECT_EQ(Refusal("-kind Disk", choose), "-kind Disk: must be one of box, disk");
+  EXPECT_EQ(Refusal("-on false", flag), "");
+  EXPECT_FALSE(on);
+  EXPECT_EQ(Refusal("-on", flag), "");
+  EXPECT_TRUE(on);
+  EXPECT_EQ(Refusal("-on maybe", flag), "-on maybe: must be true or false");
+}
+
+TEST(Options, Names)
+{
+  std::vector<std::string> names;
+  EXPECT_EQ(ReadNames("-bodies disk,block_2", &names), "");
+  EXPECT_EQ(names, (std::vector<std::string>{"disk", "block_2"}));
+  for (const char *bad : {"a,a", "2b", "a,", "a-b", "_a"})
+    EXPECT_EQ(ReadNames(std::string("-bodies ") + bad, &names),
+              std::string("-bodies ") + bad +
+                  ": must be different names of letters, digits and underscores, separated by commas");
+}
+
+TEST(Options, NoNameTwice)
+{
+  double value = 1;
+  const Read twice = [&](OptionReader &reader) {
+    PetscFunctionBeginUser;
+    PetscCall(reader.Number({"-size", "edge", "m"}, kPositive, false, &value));
+    PetscCall(reader.Number({"-size", "edge", "m"}, kPositive, false, &value));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  EXPECT_EQ(Refusal("", twice), "-size: must be an option of one meaning; give the body, material or load another name");
+}
+
+TEST(Options, WhatNothingReads)
+{
+  double value = 1;
+  const Read read = [&](OptionReader &reader) {
+    PetscFunctionBeginUser;
+    PetscCall(reader.Number({"-cell_size", "h", "m"}, kPositive, false, &value));
+    PetscCall(reader.Number({"-thickness", "t", "m"}, kPositive, false, &value));
+    PetscCall(reader.RefuseUnused());
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  EXPECT_EQ(Refusal("-cell_size 1", read), "");
+  EXPECT_EQ(Refusal("-cell_siez 1", read),
+            "-cell_siez: nothing reads this option in this case; the nearest known name is -cell_size");
+}
+
+/// 1 and 1.0 are the same case; what does not count for it is left out.
+TEST(Options, Identity)
+{
+  double value = 5;
+  std::vector<std::string> identity;
+  const Read read = [&](OptionReader &reader) {
+    PetscFunctionBeginUser;
+    PetscCall(reader.Number({"-size", "edge", "m"}, kPositive, false, &value));
+    reader.Identify(false);
+    PetscCall(reader.Number({"-frames", "n", ""}, kPositive, false, &value));
+    identity = reader.Identity();
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  EXPECT_EQ(Refusal("-size 1.0 -frames 3", read), "");
+  EXPECT_EQ(identity, std::vector<std::string>{"-size 1"});
+}
+
+TEST(Options, CommandLine)
+{
+  EXPECT_EQ(CheckWords({}), "");
+  EXPECT_EQ(CheckWords({"-cell_size", "1", "-overwrite", "-tip", "-1,2"}), "");
+  EXPECT_EQ(CheckWords({"word"}), "'word': must follow an option that takes it; options begin with a dash");
+  EXPECT_EQ(CheckWords({"-size", "1", "2"}), "'2': must follow an option that takes it; options begin with a dash");
+  EXPECT_EQ(CheckWords({"-size", "1", "-size", "2"}), "") << "the later one counts";
+  EXPECT_NE(CheckWords({"-size", std::string(70000, '1')}).find("65535 characters"), std::string::npos);
+  EXPECT_EQ(CheckWords({"-options_file", "/nowhere/at.opts"}),
+            "-options_file /nowhere/at.opts: must be a readable file with options");
+}
+
+TEST(Options, Files)
+{
+  EXPECT_EQ(CheckFile("# a comment\n-cell_size 1 # another\n\n-overwrite\n-tip -1,2\n"), "");
+  EXPECT_EQ(CheckFile(""), "-options_file FILE: must be a readable file with options");
+  EXPECT_EQ(CheckFile("-size 1\nsize 2\n"), "-options_file FILE: line 2: must be '-name value', found 'size'");
+  EXPECT_EQ(CheckFile("-tip 0, 1\n"), "-options_file FILE: line 1: must be '-name value' with no blanks in the value, found '1'");
+  EXPECT_EQ(CheckFile("-size 1\n-size 2\n"), "-size 2: must be given once, found again in line 2 of FILE (capitals make no difference)");
+  EXPECT_EQ(CheckFile("-options_file b.opts\n"),
+            "-options_file FILE: line 1: must not name another options file; give both on the command line");
+  EXPECT_EQ(CheckFile("-size \x1b[31m\n"), "-options_file FILE: line 1: must be text, found '-size ?[31m'");
+}
+
+TEST(Options, Texts)
+{
+  EXPECT_EQ(FormatNumber(0.1), "0.1");
+  EXPECT_EQ(FormatNumber(1.0 / 3), "0.33333333333333331");
+  EXPECT_EQ(FormatRounded(1.0 / 3), "0.3333");
+  EXPECT_EQ(OneLine("a\nb\x1b"
+                    "c"),
+            "a?b?c");
+  EXPECT_EQ(Shortened("short"), "short");
+  EXPECT_EQ(Shortened(std::string(300, 'x')), std::string(200, 'x') + "... (300 characters)");
+}

@@ -36,11 +36,20 @@ TESTS   := $(patsubst tests/unit/%.cpp,$(BIN)/test_%,$(wildcard tests/unit/*.cpp
 
 .PHONY: all programs deps run test verify bench lint clean
 all: $(BIN)/mlgimp
-programs: all $(TESTS)
+programs: all $(TESTS) $(BIN)/faults/mlgimp
 
 $(BIN)/mlgimp: $(BUILD)/program/main.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
 	$(CXX) $(CXXFLAGS) -o $@ $^ $(LIBRARIES)
+
+# The same program with failures to order, for tests; only this file knows of them.
+$(BIN)/faults/mlgimp: $(BUILD)/program/main.o $(BUILD)/faults/agree.o $(BUILD)/libmlgimp.a
+	@mkdir -p $(@D)
+	$(CXX) $(CXXFLAGS) -o $@ $^ $(LIBRARIES)
+
+$(BUILD)/faults/agree.o: src/program/agree.cpp makefile
+	@mkdir -p $(@D)
+	$(CXX) $(CXXFLAGS) $(FLAGS) -DMLGIMP_FAULTS -c -o $@ $<
 
 $(BUILD)/libmlgimp.a: $(OBJECTS)
 	$(AR) rcs $@ $^
@@ -91,4 +100,4 @@ $(BUILD)/%.tidy: %.cpp .clang-tidy
 clean:
 	rm -rf build bin
 
--include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(wildcard $(BUILD)/tests/*.d)
+-include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(BUILD)/faults/agree.d $(wildcard $(BUILD)/tests/*.d)

@@ -527,7 +527,7 @@ def test_signals_end_a_run_on_several_ranks(tmp_path):
     wait_for(lambda: (tmp_path / "history.csv").exists())
     process.send_signal(signal.SIGTERM)
     errors = process.communicate(timeout=10)[1]
-    assert process.returncode != 0 and "PETSC" not in errors and errors.count("mlgimp: error:") == 1, errors
+    assert process.returncode != 0 and "PETSC" not in errors and "mlgimp" not in errors, errors  # mpiexec tells
 
 
 def test_output_that_nobody_reads(tmp_path):

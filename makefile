@@ -54,11 +54,20 @@ LINK    = $(call RUN,$(CXX) $(CXXFLAGS) -o $@ $^ $(1) $(LIBRARIES),LINK $@)
 .PHONY: all programs deps run test verify bench lint clean
 .SECONDARY:
 all: $(BIN)/mlgimp
-programs: all $(TESTS)
+programs: all $(TESTS) $(BIN)/faults/mlgimp
 
 $(BIN)/mlgimp: $(BUILD)/program/main.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
 	$(call LINK)
+
+# The same program with failures to order, for tests; only this file knows of them.
+$(BIN)/faults/mlgimp: $(BUILD)/program/main.o $(BUILD)/faults/agree.o $(BUILD)/libmlgimp.a
+	@mkdir -p $(@D)
+	$(call LINK)
+
+$(BUILD)/faults/agree.o: src/program/agree.cpp makefile
+	@mkdir -p $(@D)
+	$(call COMPILE,-DMLGIMP_FAULTS)
 
 $(BUILD)/libmlgimp.a: $(OBJECTS)
 	@rm -f $@
@@ -118,4 +127,4 @@ $(BUILD)/%.tidy: %.cpp .clang-tidy
 clean:
 	rm -rf build bin
 
--include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(wildcard $(BUILD)/tests/*/*.d)
+-include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(BUILD)/faults/agree.d $(wildcard $(BUILD)/tests/*/*.d)

@@ -14,6 +14,7 @@ template <class T, PetscErrorCode (*Destroy)(T *)> class Handle
 public:
   Handle() = default;
   Handle(Handle &&other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  /// The other handle takes the object that this one had, and destroys it at its own end.
   Handle &operator=(Handle &&other) noexcept
   {
     std::swap(object_, other.object_);

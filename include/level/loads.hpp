@@ -3,6 +3,7 @@
 
 #include "level/grid.hpp"
 #include "level/points.hpp"
+#include "level/transfer.hpp"
 #include "pointwise/indenter.hpp"
 
 #include <string>
@@ -22,8 +23,9 @@ struct Load {
 /// Adds the forces of the loads at `time` to the nodal forces and to the external forces in `sums`.
 /// Loads on copies of another level's points (not `owned`) are no external forces here.
 /// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
-                        double time);
+/// failure: a point whose face has left this rank's nodes.
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness, double time,
+                        PointFailure &failure);
 
 /// One face of a point in the current configuration.
 struct Face {

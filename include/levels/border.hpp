@@ -83,7 +83,7 @@ private:
   bool InFineGrid(int i, int j) const;
   bool IsInterface(int i, int j) const;
   void ListInterface();
-  void ListBand();
+  PetscErrorCode ListBand();
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();
   /// `sums_` of owned interface nodes. Collective on the finer level's ranks.

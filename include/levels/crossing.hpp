@@ -48,6 +48,7 @@ private:
 struct CrossingTotals {
   double entered = 0, left = 0; ///< points that went to the finer, to the coarser level
   double split = 0, merged = 0; ///< parents split; parents put together again
+  double unsplit = 0;           ///< points that stayed as large as they were, since no numbers are left for their children
   double mass_error = 0;        ///< of splitting and merging, summed over transfers: absolute values, kg
   double momentum_error = 0;    ///< kg m/s
   double energy = 0;            ///< kinetic and strain energy that splitting and merging have added, J

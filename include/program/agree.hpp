@@ -12,7 +12,8 @@ namespace mlgimp
 /// called after everything that a rank reads, solves or decides by itself. problem: empty, or one line. Collective.
 ///
 /// place: a name for tests. Built with MLGIMP_FAULTS the program takes a problem from the environment variable MLGIMP_FAULT:
-/// "list" prints the places that a run passes, "PLACE RANK" makes that rank fail where the run first gets to the place.
+/// "list" prints the places that a run passes, "PLACE RANK KIND" makes that rank fail where the run first gets to the place: by
+/// a problem, or by an error, an exception or a lack of memory that the others do not know of.
 PetscErrorCode Agree(MPI_Comm comm, const char *place, std::string *problem);
 
 /// The first rank's text, on every rank. Collective.

@@ -23,8 +23,8 @@ inline constexpr char kOutOfMemory[] = "out of memory; try a larger -cell_size, 
 class ErrorExit
 {
 public:
-  /// Call after MPI_Init and before PetscInitialize; catches PETSc's errors and failures of `new` from there on, where they
-  /// happen: before destructors run that may wait for other ranks.
+  /// Call after MPI_Init and before PetscInitialize; catches PETSc's errors, exceptions and failures of `new` from there on,
+  /// where they happen: before destructors run that may wait for other ranks.
   PetscErrorCode Install();
   /// Returns where all ranks call it; else prints the line and ends all. The first call counts.
   void Meet(const std::string &line);

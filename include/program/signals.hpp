@@ -4,8 +4,9 @@
 namespace mlgimp
 {
 
-/// Call after PetscInitialize, whose handlers print traces, with the rank: the first one prints. Results need no care: each
-/// file is whole at any moment, or has another name.
-void InstallSignals(int rank);
+/// Call after PetscInitialize, whose handlers print traces. Only a program of one rank prints the line: mpiexec tells itself what
+/// has happened, and by such a signal it also ends the other ranks after an error of one. Results need no care: each file is
+/// whole at any moment, or has another name.
+void InstallSignals(int ranks);
 
 } // namespace mlgimp

@@ -87,13 +87,14 @@ PetscErrorCode ActiveSetSolver::SolveActive(const BandMatrix &A, const std::vect
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// lambda_j = max(0, r_j / sum_k A_jk): each unknown by itself, for a set that does not settle.
+/// lambda_j = max(0, r_j / sum_k A_jk): each unknown by itself, for a set that does not settle. Columns on both sides of a
+/// sharp tip push against each other, so that the sum may vanish: it is at least A_jj.
 static void SolveByRowSums(const BandMatrix &A, const std::vector<double> &r, std::vector<double> &lambda)
 {
   for (int row = 0; row < A.size; ++row) {
     double sum = 0;
     for (int column = A.First(row); column <= A.Last(row); ++column) sum += A.At(row, column);
-    lambda[row] = std::max(0.0, r[row] / sum);
+    lambda[row] = std::max(0.0, r[row] / std::max(sum, A.At(row, row)));
   }
 }
 

@@ -132,14 +132,14 @@ struct ContactSystem::Problem {
   }
 
   /// Half the width of the part under pressure; where it lies on one side of the tip, all of its width.
-  double HalfWidth(const std::vector<double> &lambda, bool smooth, double tip) const
+  double HalfWidth(const std::vector<double> &lambda, bool smooth, double tip, double rounding) const
   {
-    double reach[2] = {0, 0}; // to the left and to the right of the tip
+    double reach[2] = {0, 0}; // to the left and to the right of the tip; what lies at the tip counts on both sides
     for (int side = 0; side < 2; ++side) {
       const double sign = side ? 1 : -1;
       std::vector<std::pair<double, int>> loaded; // by distance from the tip
       for (int k = 0; k < static_cast<int>(rows.size()); ++k)
-        if (lambda[k] > 0 && sign * (rows[k].x - tip) >= 0) loaded.push_back({sign * (rows[k].x - tip), k});
+        if (lambda[k] > 0 && sign * (rows[k].x - tip) >= -rounding) loaded.push_back({sign * (rows[k].x - tip), k});
       if (loaded.empty()) continue;
       std::sort(loaded.begin(), loaded.end());
       const std::size_t n = loaded.size();
@@ -265,7 +265,8 @@ PetscErrorCode ContactSystem::SolveOnRoot(const ContactView &view, Problem &prob
     lambda.push_back(previous == pressures_.end() ? 0 : previous->second);
   }
   PetscCall(solver_.Solve(A, r, lambda, &report));
-  header.half_width = problem.HalfWidth(lambda, symmetric_, view.indenter.Tip(view.time)[0]);
+  const double rounding = 1e-6 * view.grid.Geometry().spacing;
+  header.half_width = problem.HalfWidth(lambda, symmetric_, view.indenter.Tip(view.time)[0], rounding);
   for (double pressure : lambda) header.peak_pressure = std::max(header.peak_pressure, pressure);
   header.set_updates = report.set_updates;
   header.fallback = report.fallback;

@@ -84,8 +84,10 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &) {
     transfer_->PointsToGrid(view, model_.acceleration, time, totals);
   }));
-  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time));
-  for (Points &copies : copies_) PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.thickness, time));
+  PointFailure failure;
+  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time, failure));
+  for (Points &copies : copies_) PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.thickness, time, failure));
+  NoteFailure(failure, time);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

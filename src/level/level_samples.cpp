@@ -111,13 +111,17 @@ PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
     bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
-    double fastest_point = 0, fastest_wave = 0;
-#pragma omp simd reduction(max : fastest_point, fastest_wave)
+    double fastest_point = 0, fastest_wave = 0, sum = 0; // the largest of numbers hides one that is none; their sum does not
+#pragma omp simd reduction(max : fastest_point, fastest_wave) reduction(+ : sum)
     for (int p = first; p < end; ++p) {
       const double *v = points.velocity + 2 * p, speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
       fastest_point = std::max(fastest_point, speed);
       fastest_wave = std::max(fastest_wave, speed + std::sqrt(speed2[p - first]));
+      sum += speed;
     }
+    for (int p = first; std::isnan(sum) && p < end; ++p)
+      if (std::isnan(points.velocity[2 * p] + points.velocity[2 * p + 1]))
+        NoteFailure({PointFailure::kNotFinite, points.id[p], {points.position[2 * p], points.position[2 * p + 1]}}, time_);
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
   }

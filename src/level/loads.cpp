@@ -23,14 +23,16 @@ static AxisWeights FaceWeights(double d, double l)
   return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }
 
-static void AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 force)
+/// False where the face has left the nodes that this rank holds.
+static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 force)
 {
   AxisWeights at[2];
   int nearest[2];
   for (int axis = 0; axis < 2; ++axis) {
     const double inverse_h = grid.IndexSpace().inverse_spacing;
     const int first = grid.GhostLower(axis) + 1, last = grid.GhostLower(axis) + grid.GhostSize(axis) - 2;
-    nearest[axis] = std::clamp(grid.Nearest(axis, face.center[axis]), first, last);
+    nearest[axis] = grid.Nearest(axis, face.center[axis]);
+    if (nearest[axis] < first || nearest[axis] > last) return false;
     const double d = (face.center[axis] - grid.Coordinate(axis, nearest[axis])) * inverse_h;
     at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
   }
@@ -44,10 +46,11 @@ static void AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 fo
         if (owned) sums[6 + axis] += part;
       }
     }
+  return true;
 }
 
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
-                        double time)
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness, double time,
+                        PointFailure &failure)
 {
   const std::vector<int> *surface = nullptr;
   PointArrays arrays;
@@ -62,7 +65,8 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
       const double share = arrays.load_share[loads.size() * p + k];
       if (share == 0) continue;
       const Face face = PointFace(arrays, p, loads[k].side);
-      AddFaceForce(grid, owned, face, -pressure[k] * share * thickness * face.area_normal);
+      if (AddFaceForce(grid, owned, face, -pressure[k] * share * thickness * face.area_normal)) continue;
+      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, arrays.id[p], face.center};
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

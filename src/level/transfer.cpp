@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace mlgimp
 {
@@ -12,7 +13,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kLargestStrainIncrement = 0.5; ///< of one step; AdvanceDeformation is exact below it
+constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays positive below it
 
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
@@ -38,13 +39,16 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
 }
 
 /// Asks for what the next block's weights are made of while this block's point p is in work: that loop does little else
-/// than wait for it. The addresses may lie beyond the arrays.
+/// than wait for it. The addresses may lie beyond the arrays, and so are computed as numbers.
 void PrefetchNext(const Block &b, int p)
 {
-  const int next = p + kBlock;
-  __builtin_prefetch(b.position + 2 * next);
-  __builtin_prefetch(b.half_size + 2 * next);
-  __builtin_prefetch(b.F + 4 * next);
+  const auto ask = [p](const double *field, int components) {
+    const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(field);
+    __builtin_prefetch(reinterpret_cast<const void *>(place + sizeof(double) * components * (p + kBlock)));
+  };
+  ask(b.position, 2);
+  ask(b.half_size, 2);
+  ask(b.F, 4);
 }
 
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).

@@ -22,7 +22,7 @@ PetscErrorCode Border::Create(MPI_Comm world, Level &coarse, Level &fine, int ra
   ratio_ = ratio;
   blend_width_ = blend_width;
   ListInterface();
-  ListBand();
+  PetscCall(ListBand());
   if (fine.Mesh().Participates()) PetscCall(CreateExchange());
   PetscCall(CreateTransfer());
   const int known = static_cast<int>(local_.size());
@@ -104,14 +104,15 @@ void Border::ListInterface()
     }
 }
 
-void Border::ListBand()
+PetscErrorCode Border::ListBand()
 {
   const Grid &mesh = fine_->Mesh(), &coarse = coarse_->Mesh();
   const auto [oi, oj] = Offset(*coarse_, *fine_);
   std::map<std::pair<int, int>, int> number, place; // of interface nodes: among all, among those known here
   PetscMPIInt block = -1;
+  PetscFunctionBeginUser;
   local_.clear(), band_.clear(), held_axes_.clear(), fine_nodes_.clear(), coarse_nodes_.clear(), coarse_numbers_.clear();
-  if (mesh.Participates()) MPI_Comm_rank(mesh.Comm(), &block);
+  if (mesh.Participates()) PetscCallMPI(MPI_Comm_rank(mesh.Comm(), &block));
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
     number[{node.i, node.j}] = k;
@@ -129,7 +130,7 @@ void Border::ListBand()
       if (coarse_->Geometry().sides.Holds(node.i, node.j, axis)) held_axes_.back() |= 1 << axis;
   }
   owned_ = static_cast<int>(local_.size());
-  if (!mesh.Participates()) return;
+  if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int j = mesh.OwnedLower(1); j < mesh.OwnedUpper(1); ++j)
     for (int i = mesh.OwnedLower(0); i < mesh.OwnedUpper(0); ++i) {
       if (!InFineGrid(i, j) || Beta(i, j) >= 1) continue;
@@ -149,6 +150,7 @@ void Border::ListBand()
       fine_nodes_.push_back({node.node, node.beta == 0});
       band_.push_back(node);
     }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Owned interface nodes to their copies on other ranks of the fine level.

@@ -159,7 +159,11 @@ PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector
   for (int p : points) {
     const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
     const double size = std::max(a.half_size[2 * p], a.half_size[2 * p + 1]);
-    if (size > 0.75 * ratio_ * usual && numbers_.CanSplit(a.id[p])) parents->push_back(p);
+    if (size <= 0.75 * ratio_ * usual) continue;
+    if (numbers_.CanSplit(a.id[p]))
+      parents->push_back(p);
+    else
+      ++totals_.unsplit;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

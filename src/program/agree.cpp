@@ -4,8 +4,10 @@
 #ifdef MLGIMP_FAULTS
 #include <cstdio>
 #include <cstdlib>
+#include <new>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #endif
 
 namespace mlgimp
@@ -22,20 +24,24 @@ static PetscErrorCode ShareTextOf(MPI_Comm comm, PetscMPIInt owner, std::string 
 }
 
 #ifdef MLGIMP_FAULTS
-static void InjectFault(int rank, const char *place, std::string *problem)
+static PetscErrorCode InjectFault(int rank, const char *place, std::string *problem)
 {
   static std::set<std::string> passed;
   const char *order = std::getenv("MLGIMP_FAULT");
-  if (!order || !passed.insert(place).second) return;
-  if (order == std::string("list")) {
-    if (rank == 0) std::fprintf(stderr, "fault place: %s\n", place);
-    return;
-  }
+  PetscFunctionBeginUser;
+  if (!order || !passed.insert(place).second) PetscFunctionReturn(PETSC_SUCCESS);
+  if (order == std::string("list") && rank == 0) std::fprintf(stderr, "fault place: %s\n", place);
   std::istringstream words(order);
-  std::string name;
+  std::string name, kind;
   int failing = -1;
-  words >> name >> failing;
-  if (name == place && rank == failing) *problem = "injected at " + name + " on rank " + std::to_string(rank);
+  words >> name >> failing >> kind;
+  if (name != place || rank != failing) PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string text = "injected at " + name + " on rank " + std::to_string(rank);
+  PetscCheck(kind != "error", PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", text.c_str());
+  if (kind == "exception") throw std::runtime_error(text);
+  if (kind == "memory") throw std::bad_alloc();
+  *problem = text;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 #endif
 
@@ -46,7 +52,7 @@ PetscErrorCode Agree(MPI_Comm comm, [[maybe_unused]] const char *place, std::str
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
 #ifdef MLGIMP_FAULTS
-  InjectFault(rank, place, problem);
+  PetscCall(InjectFault(rank, place, problem));
 #endif
   first = problem->empty() ? size : rank;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm));

@@ -101,7 +101,7 @@ PetscErrorCode OnTerminal(MPI_Comm comm, bool *yes)
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   int watched = ranks == 1 && isatty(STDOUT_FILENO);
-  for (const char *set_by_mpiexec : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS"})
+  for (const char *set_by_mpiexec : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"})
     if (getenv(set_by_mpiexec)) watched = 0;
   PetscCallMPI(MPI_Bcast(&watched, 1, MPI_INT, 0, comm));
   *yes = watched;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <exception>
 #include <new>
 #include <unistd.h>
 
@@ -35,11 +36,31 @@ static void PrintError(const std::string &line) { std::fprintf(stderr, "mlgimp: 
   _exit(1);
 }
 
+static ErrorExit *installed = nullptr; ///< a handler of exceptions gets nothing from its caller
+
+/// Exceptions that nobody catches end here before anything is unwound: destructors may wait for other ranks, as that of a file.
+[[noreturn]] static void EndByException()
+{
+  std::string line = "unknown exception";
+  try {
+    std::rethrow_exception(std::current_exception());
+  } catch (const std::bad_alloc &) {
+    line = kOutOfMemory;
+  } catch (const std::exception &error) {
+    line = error.what();
+  }
+  installed->Meet(line);
+  MPI_Finalize();
+  _exit(1);
+}
+
 PetscErrorCode ErrorExit::Install()
 {
   MPI_Comm_dup(MPI_COMM_WORLD, &comm_); // its own, so that no collective call that is under way meets it
   MPI_Comm_rank(comm_, &rank_);
+  installed = this;
   std::set_new_handler(EndWithoutMemory);
+  std::set_terminate(EndByException);
   return PetscPushErrorHandler(Handle, this);
 }
 

@@ -10,7 +10,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 
 static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact in plane strain.\n\n"
                             "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
@@ -59,17 +58,6 @@ static void ChooseLayersOfMpi()
   setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
 }
 
-/// Runs the program; any error has been printed when it returns.
-static PetscErrorCode Guarded(ErrorExit &errors, const std::string &name)
-{
-  try {
-    return Main(name);
-  } catch (const std::exception &error) {
-    errors.Meet(error.what());
-  }
-  return PETSC_ERR_LIB;
-}
-
 /// The words of a command line as main gets them; PETSc keeps the pointers.
 static std::vector<char *> Pointers(char *program, CommandLine &line)
 {
@@ -81,11 +69,12 @@ static std::vector<char *> Pointers(char *program, CommandLine &line)
 
 int main(int argc, char **argv)
 {
-  int rank = 0;
+  int rank = 0, ranks = 1;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is told like a full disk
   ChooseLayersOfMpi();
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   CommandLine line = ReadCommandLine(argc, argv);
   if (argc == 1 || !line.problem.empty()) {
     if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
@@ -100,8 +89,8 @@ int main(int argc, char **argv)
   PetscErrorCode code = errors.Install();
   if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
   if (!code) {
-    InstallSignals(rank);
-    code = Guarded(errors, line.name);
+    InstallSignals(ranks);
+    code = Main(line.name);
     if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // no news to whom has just been told of one
     const PetscErrorCode end = PetscFinalize();                        // reads options too
     if (!code) code = end;

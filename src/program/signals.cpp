@@ -33,9 +33,9 @@ void EndBySignal(int signal)
 
 } // namespace
 
-void InstallSignals(int rank)
+void InstallSignals(int ranks)
 {
-  may_print = rank == 0;
+  may_print = ranks == 1;
   for (const auto &ending : kEndings) {
     struct sigaction before {
     }, now{};

@@ -78,6 +78,7 @@ Json TransfersJson(const Books &books)
           {"left", Number(books.points_left)},
           {"split", Number(books.points_split)},
           {"merged", Number(books.points_merged)},
+          {"unsplit", Number(books.points_unsplit)},
           {"mass_error", Number(books.transfer_mass_error)},
           {"momentum_error", Number(books.transfer_momentum_error)},
           {"points_adrift", Number(books.points_adrift)},

@@ -55,3 +55,45 @@ def test_contact(expect, method, tolerance):
     history = harness.run({**WEDGE, "contact": method}).history
     expect("work on the body over that of the indenter", history["contact_work"][-1] / history["indenter_work"][-1],
            near=1, tolerance=tolerance)
+
+
+XPIC = {"domain_lower": "0,0", "domain_upper": "12,12", "materials": "al", "al_youngs_modulus": 1e9, "al_poissons_ratio": 0.3,
+        "al_density": 1000, "bodies": "block", "gravity": "0,-10", "xpic_fraction": 0.05, "max_steps": 400, "frames": 0}
+ON_A_SIDE = {"cell_size": 1, "block_lower": "0,0", "block_upper": "8,8", "boundary_y_lower": "symmetry", "boundary_x_lower": "fixed"}
+ACROSS = {"cell_size": 0.5, "block_lower": "2,2", "block_upper": "8,8", "block_velocity": "5,3", "levels": 2, "level_1_lower": "3,3",
+          "level_1_upper": "7,7"}
+
+
+@pytest.mark.parametrize("place", [ON_A_SIDE, ACROSS], ids=["at sides", "across levels"])
+@pytest.mark.parametrize("update", ["musl", "usl"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_momentum_with_xpic(place, update, order):
+    """What sides and borders of levels do to the velocities that XPIC mixes in is booked."""
+    history = harness.run({**XPIC, **place, "xpic_order": order, "stress_update": update}).history
+    momentum = numpy.sqrt(2 * numpy.max(history["kinetic_energy"] + history["strain_energy"]) * history["mass"][0])
+    for axis in "xy":
+        off = history[f"momentum_{axis}"] - sum(history[f"{impulse}_impulse_{axis}"] for impulse in IMPULSES)
+        assert numpy.max(numpy.abs(off - off[0])) <= 1e-11 * momentum
+
+
+COLLISION_AT_A_BORDER = {
+    "domain_lower": "0,0", "domain_upper": "40e-6,24e-6", "cell_size": 1e-6, "bodies": "l,r", "l_lower": "8e-6,8e-6",
+    "l_upper": "20e-6,16e-6", "r_lower": "20e-6,8e-6", "r_upper": "32e-6,16e-6", "l_velocity": "30,0", "r_velocity": "-30,0",
+    "materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700, "end_time": 160e-9, "frames": 0,
+    "short_wave_viscosity": "0,0"}
+AT_A_BORDER = {"levels": 2, "level_1_lower": "20e-6,6e-6", "level_1_upper": "30e-6,18e-6"}
+
+
+def test_exchange_of_short_waves(expect):
+    """Two halves of a block meet across a border without a filter. Short waves, a sixth of the energy, are absorbed in the band, and
+    nodes of next to no mass come and go: the column says what the coupling took. What is left is the error of the time integration,
+    which the same collision has on one level."""
+    def left_of(history):
+        energy, _ = energy_left(history)
+        return (energy - history["exchange_energy"] - history["transfer_energy"]) / history["kinetic_energy"][0]
+
+    two, one = (harness.run({**COLLISION_AT_A_BORDER, **more}).history for more in (AT_A_BORDER, {}))
+    error = numpy.interp(two["time"], one["time"], left_of(one))
+    expect("energy taken, of the first", 1 - (two["kinetic_energy"] + two["strain_energy"])[-1] / two["kinetic_energy"][0], at_least=0.1)
+    expect("energy less works and exchange, of the first", numpy.max(numpy.abs(left_of(two))), at_most=0.05)
+    expect("the same, less that on one level", numpy.max(numpy.abs(left_of(two) - error)), at_most=0.025)

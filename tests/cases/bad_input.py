@@ -108,7 +108,7 @@ CASES = [
     ("body twice", {"bodies": "block,block"}, ["-bodies block,block:", "different names"]),
     ("body's name illegal", {"bodies": "block,b-2"}, ["-bodies block,b-2:", "letters"]),
     ("body with the name of other options", {**TWO, "bodies": "block,domain"}, ["domain"]),
-    ("body outside", {"block_upper": "8,13"}, ["-bodies block:", "inside the domain", "8,13"]),
+    ("body outside", {"block_upper": "8,13"}, ["-block_upper 8,13:", "inside the domain"]),
     ("body without points", {"bodies": "block,film", "film_lower": "0,10", "film_upper": "8,10.0000001"}, ["-bodies film:", "point"]),
     ("bodies overlap", {**TWO, "ball_center": "6,9"}, ["-bodies ball:", "block", "overlap"]),
     ("box upside down", {"block_upper": "8,-1"}, ["-block_upper 8,-1:", "above -block_lower 0,0"]),
@@ -224,7 +224,6 @@ LEVEL_CASES = [
 # What is tried, words after the options of BLOCK, the text of an options file (bytes) or None, expected words.
 COMMAND_LINES = [
     ("a stray word", ["word"], None, ["'word'", "option"]),
-    ("an option twice on the command line", ["-cell_size", "2"], None, ["-cell_size", "once"]),
     ("an option twice in the file", ["-options_file", "case.opts"], b"-frames 1\n-damping 1\n-frames 2\n", ["-frames 2:", "once", "line 3"]),
     ("a mistyped option in the file", ["-options_file", "case.opts"], b"-dampign 1\n", ["-dampign", "nearest", "-damping"]),
     ("a missing options file", ["-options_file", "gone.opts"], None, ["-options_file gone.opts:", "readable"]),

@@ -87,7 +87,9 @@ TEST(Faces, ForcesOfAPressure)
                                      {0, side, {}, PiecewiseLinear({0, 2}, {0, 2 * kPressure})}};
     double *sums = grid.Arrays().sums;
     std::fill_n(sums, NodeArrays::kSums * grid.GhostedNodes(), 0.0);
-    ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, kThickness, 1.0), PETSC_SUCCESS);
+    PointFailure failure;
+    ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, kThickness, 1.0, failure), PETSC_SUCCESS);
+    EXPECT_EQ(failure.kind, PointFailure::kNone);
     const Face face = PointFace(a, 0, side);
     const Vec2 force = -kPressure * share * kThickness * face.area_normal;
     const double scale = kPressure * kThickness * kH;
@@ -124,7 +126,8 @@ TEST(Faces, ForcesAreMeansOfHats)
     a.faces[0] = OuterFaceBit(side);
     double *sums = grid.Arrays().sums;
     std::fill_n(sums, NodeArrays::kSums * grid.GhostedNodes(), 0.0);
-    ASSERT_EQ(AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, 1, 0), PETSC_SUCCESS);
+    PointFailure failure;
+    ASSERT_EQ(AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, 1, 0, failure), PETSC_SUCCESS);
     const Face face = PointFace(a, 0, side);
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {

@@ -1,0 +1,137 @@
+"""Input that no cell, step or number can resolve is refused, or told in one line, instead of giving a wrong answer in silence."""
+import subprocess
+import tempfile
+
+import numpy
+import pytest
+
+import harness
+
+BLOCK = {"domain_lower": "0,0", "domain_upper": "12,12", "cell_size": 1, "materials": "al", "al_youngs_modulus": 1e9,
+         "al_poissons_ratio": 0.3, "al_density": 1000, "bodies": "block", "block_lower": "0,0", "block_upper": "8,8", "frames": 0}
+PRESS = {**BLOCK, "indenter_tip": "4,8", "indenter_times": 0, "indenter_velocities": 50, "indenter_max_depth": 1,
+         "boundary_y_lower": "symmetry"}
+WARNING = "mlgimp: warning: "
+ON_RANKS = [1, pytest.param(3, marks=pytest.mark.mpi)]
+
+
+def end_of(options, ranks=1, timeout=60):
+    """(exit status, lines on standard error, folder) of a run."""
+    folder = tempfile.mkdtemp(dir=harness.scratch())
+    words = harness.to_arguments({**options, "output_dir": folder, "overwrite": None, "monitor": "false"})
+    done = subprocess.run(harness.command(words, ranks), capture_output=True, text=True, env=harness.environment(ranks), timeout=timeout)
+    return done.returncode, done.stderr.strip("\n").split("\n") if done.stderr else [], folder
+
+
+def refusal(options, ranks=1):
+    """The one line that a run ends with."""
+    status, lines, _ = end_of(options, ranks)
+    assert status > 0 and len(lines) == 1 and lines[0].startswith("mlgimp: error: "), (status, lines)
+    return lines[0]
+
+
+def warnings(options):
+    """What a run says that goes to its end."""
+    status, lines, _ = end_of(options)
+    assert status == 0 and all(line.startswith(WARNING) for line in lines), (status, lines)
+    return lines
+
+
+# ---- indenters that the surface cannot see ----
+
+@pytest.mark.parametrize("angle", [5.6, 3, 0.01])
+def test_needles_are_refused(angle):
+    """Contact leaves out faces that do not lean toward the indenter: a steeper wedge once went through the body without a load."""
+    assert f"-indenter_half_angle {angle}: must be above" in refusal({**PRESS, "indenter": "wedge", "indenter_half_angle": angle})
+
+
+@pytest.mark.parametrize("indenter", [
+    {"indenter": "flat_punch", "indenter_width": 0.13}, {"indenter": "flat_punch", "indenter_width": 0.99},
+    {"indenter": "cylinder", "indenter_radius": 0.06}, {"indenter": "polygon", "indenter_vertices": "0,0,0.3,3,0,4,-0.3,3"}])
+def test_indenters_narrower_than_a_cell_are_refused(indenter):
+    """They lie between the columns of cells that pressures belong to."""
+    assert f"-indenter {indenter['indenter']}: must be at least as wide as 1 m" in refusal({**PRESS, **indenter})
+
+
+def test_punch_as_wide_as_a_cell_of_its_level():
+    levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
+    case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05}
+    assert "at least as wide" in refusal({**case, "domain_upper": "16,12"})
+    assert warnings({**case, **levels}) == []
+
+
+def test_wedge_narrower_than_a_cell_at_its_largest_depth():
+    said = warnings({**PRESS, "indenter": "wedge", "indenter_half_angle": 45, "indenter_max_depth": 0.2})
+    assert len(said) == 1 and "-indenter wedge: at its largest depth of 0.2 m it is 0.4 m wide" in said[0]
+
+
+def test_wide_indenters_say_nothing():
+    for indenter in ({"indenter": "wedge", "indenter_half_angle": 70}, {"indenter": "cylinder", "indenter_radius": 10}):
+        assert warnings({**PRESS, **indenter, "indenter_velocities": 10}) == []
+
+
+def test_surface_deep_inside_the_indenter_is_told():
+    """A slender wedge goes between the columns: the surface is inside it, and the history and a line say so."""
+    case = {**PRESS, "cell_size": 0.25, "domain_upper": "14,12", "block_lower": "1,0", "block_upper": "13,8", "indenter_tip": "7,8",
+            "indenter": "wedge", "indenter_half_angle": 8, "indenter_velocities": 5, "indenter_max_depth": 2,
+            "al_model": "j2", "al_yield_stress": 1e6, "al_hardening_modulus": 0}
+    status, lines, folder = end_of(case)
+    told = [line for line in lines if line.startswith(WARNING + "-cell_size 0.25: the surface lies")]
+    history = __import__("results").read_history(folder)
+    assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
+
+
+# ---- steps ----
+
+@pytest.mark.parametrize("damping", [7000, 1e5])
+def test_damping_takes_energy(damping):
+    """The nodal update takes damping explicitly: beyond 2/dt it once made energy without limit."""
+    history = harness.run({**BLOCK, "damping": damping, "block_velocity": "1,0", "max_steps": 200}).history
+    assert numpy.all(numpy.diff(history["kinetic_energy"]) <= 0)
+    assert history["kinetic_energy"][0] == pytest.approx(history["dissipated_energy"][-1], rel=1e-6)
+
+
+def test_damping_brings_gravity_to_rest():
+    case = {**BLOCK, "damping": 6000, "gravity": "0,-10", "boundary_y_lower": "symmetry", "max_steps": 3000}
+    history = harness.run(case).history
+    assert history["kinetic_energy"][-1] < 1e-2 * numpy.max(history["kinetic_energy"]) + 1e-9
+    assert numpy.all(history["dissipated_energy"] >= 0)
+
+
+@pytest.mark.parametrize("ranks", ON_RANKS)
+def test_step_longer_than_damping_allows(ranks):
+    line = refusal({**BLOCK, "damping": 7000, "time_step": 3e-4, "max_steps": 10}, ranks)
+    assert "-time_step 0.0003: must be <= 0.0001429, the inverse of -damping" in line
+
+
+def test_indenter_faster_than_waves():
+    """It once jumped through the body in one step; now it meets it cell by cell."""
+    case = {**BLOCK, "indenter": "polygon", "indenter_tip": "4,9", "indenter_vertices": "0,0,3,1,0,2,-3,1", "indenter_times": 0,
+            "indenter_velocities": 1e4, "indenter_max_depth": 1, "boundary_y_lower": "symmetry"}
+    status, lines, folder = end_of(case)
+    history = __import__("results").read_history(folder)
+    assert numpy.max(numpy.diff(history["depth"])) <= 0.4 * (1 + 1e-9)
+    assert numpy.max(history["load"]) > 0, lines
+
+
+@pytest.mark.parametrize("ranks", ON_RANKS)
+@pytest.mark.parametrize("change", [
+    {"block_velocity": "1e200,0"}, {"al_youngs_modulus": 1e300, "al_density": 1e-300}, {"time_step": 1e-30},
+    {"damping": 1e30}])
+def test_runs_that_cannot_end(change, ranks):
+    """Steps of next to nothing: the run once went on for ever, and filled its history with rows of time 0."""
+    assert "-end_time 1: must be in reach; a step is" in refusal({**BLOCK, "end_time": 1, **change}, ranks)
+
+
+def test_unloading_that_cannot_end():
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.1, "indenter_unload_velocity": 1e-300}
+    assert "must be in reach" in refusal(case)
+
+
+# ---- loads ----
+
+def test_load_that_acts_on_a_part_of_its_side_is_told():
+    two = {**BLOCK, "bodies": "a,b", "a_lower": "0,0", "a_upper": "4,8", "b_lower": "4,0", "b_upper": "8,4", "loads": "p", "p_body": "a",
+           "p_side": "x_upper", "p_times": 0, "p_pressures": 1e3, "max_steps": 1, "block_lower": None, "block_upper": None}
+    said = warnings({name: value for name, value in two.items() if not name.startswith("block")})
+    assert len(said) == 1 and "-loads p: acts on 4 of the 8 m of its side" in said[0]

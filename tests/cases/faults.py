@@ -215,7 +215,6 @@ def test_damaged_checkpoint(expect):
     foot = [len(data) - 1 - choice.randrange(40) for _ in range(FLIPS // 4)]
     damages = [(f"bit of byte {place} flipped", flipped(data, place, choice.randrange(8))) for place in header + anywhere + foot]
     damages += [(f"cut to {size} bytes", data[:size]) for size in [0, len(data) - 1] + [choice.randrange(len(data)) for _ in range(CUTS - 2)]]
-    damages += [("a byte added", data + b"\n")]
     folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
     (folder / "history.csv").write_text("step\n")
     damaged = folder / "checkpoint_000006.h5"
@@ -343,7 +342,7 @@ def test_full_disk(expect, ranks):
 
 
 @pytest.mark.parametrize("ranks", [1, 3])
-@pytest.mark.parametrize("size", [20000, 350000, 420000])
+@pytest.mark.parametrize("size", [20000, 350000, 380000])
 def test_file_size_limit(tmp_path, size, ranks):
     """The same where files may not grow; also for users who may not mount a disk."""
     problems, _ = problems_of_full({**WEDGE, "frames": 8, "checkpoint_interval": 25}, tmp_path / "results", ranks, size)

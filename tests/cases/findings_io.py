@@ -5,6 +5,7 @@ import math
 import os
 import pathlib
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -358,8 +359,9 @@ def handmade():
         yield scalar("level_0/deformation_gradient", place, value)
     for value in (1, 7, -1, 2**31 - 1, -2**31):
         yield scalar("level_0/body", 2, value)
-    for value in (-1, 1, 2**62, -2**63, 2**63 - 1):
+    for value in (-1, 2**62, -2**63, 2**63 - 1):
         yield scalar("level_0/id", 0, value)
+    yield reshaped("level_0/id", lambda v: numpy.concatenate([v[1:2], v[1:]]))
     yield every_point("level_0/id", 5)
     for value in (-1, -2**31):
         yield scalar("level_0/faces", 0, value)
@@ -568,6 +570,13 @@ def test_errors_of_petsc_are_one_line(tmp_path):
     status, lines = ended({**BLOCK, "fp_trap": None}, tmp_path / "d")
     assert status == 0 or status == 1 and lines[0].startswith("mlgimp: error: floating-point"), lines
     assert not any("PETSC ERROR" in line for line in lines)
+
+
+def test_no_memory(tmp_path):
+    """Where the system gives less than the estimate at the start expects."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))
+    refused({**BLOCK, "cell_size": "0.02", "max_steps": "2"}, tmp_path / "o", "memory", preexec_fn=limit)
 
 
 def test_options_of_petsc_that_are_read_late(tmp_path):

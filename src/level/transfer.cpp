@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace mlgimp
 {
@@ -18,6 +17,7 @@ constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays po
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
   int start;
+  int last; ///< point of the rank, counted from `start`
   const Material &material;
 };
 
@@ -25,7 +25,7 @@ struct Block : PointArrays {
 Block CutBlock(const SweepView &view, int start)
 {
   const PointArrays &all = view.points;
-  return {Slice(all, start, view.bodies.BlockEnd(all, start)), start, view.bodies.Of(all, start)};
+  return {Slice(all, start, view.bodies.BlockEnd(all, start)), start, all.count - 1 - start, view.bodies.Of(all, start)};
 }
 
 /// Calls `work(block)` for all points, block by block.
@@ -39,16 +39,13 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
 }
 
 /// Asks for what the next block's weights are made of while this block's point p is in work: that loop does little else
-/// than wait for it. The addresses may lie beyond the arrays, and so are computed as numbers.
+/// than wait for it.
 void PrefetchNext(const Block &b, int p)
 {
-  const auto ask = [p](const double *field, int components) {
-    const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(field);
-    __builtin_prefetch(reinterpret_cast<const void *>(place + sizeof(double) * components * (p + kBlock)));
-  };
-  ask(b.position, 2);
-  ask(b.half_size, 2);
-  ask(b.F, 4);
+  const int next = std::min(p + kBlock, b.last);
+  __builtin_prefetch(b.position + 2 * next);
+  __builtin_prefetch(b.half_size + 2 * next);
+  __builtin_prefetch(b.F + 4 * next);
 }
 
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).

@@ -127,7 +127,7 @@ std::string Parse(int argc, char **argv, CommandLine *line)
       return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
     if (word == "-options_file") {
       const std::string path = ++k < argc ? argv[k] : "";
-      if (const std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
+      if (std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
       line->name = NameOf(path);
       continue;
     }

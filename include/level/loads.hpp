@@ -24,8 +24,8 @@ struct Load {
 /// Loads on copies of another level's points (not `owned`) are no external forces here.
 /// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
 /// failure: a point whose face has left this rank's nodes.
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness, double time,
-                        PointFailure &failure);
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
+                        double time, PointFailure &failure);
 
 /// One face of a point in the current configuration.
 struct Face {

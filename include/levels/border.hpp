@@ -99,8 +99,8 @@ private:
   std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
   std::vector<int> local_;               ///< those known here: owned ones first, in order
   int owned_ = 0;
-  std::vector<BandNode> band_;           ///< of owned fine nodes
-  std::vector<unsigned char> held_axes_; ///< [owned_] bit per axis held by a side
+  std::vector<BandNode> band_;                         ///< of owned fine nodes
+  std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   std::vector<int> coarse_numbers_;                    ///< of coarse_nodes_ among interface_
   SFHandle exchange_, transfer_;

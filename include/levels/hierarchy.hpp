@@ -37,8 +37,8 @@ struct Books {
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
       damping_impulse[2], stagger_impulse[2];
-  double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error, points_adrift,
-      mass_adrift, momentum_adrift[2];
+  double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error,
+      points_adrift, mass_adrift, momentum_adrift[2];
   double contact_work;    ///< of the contact forces on the body; less than indenter_work by what contact takes up
   double exchange_energy; ///< kinetic and strain energy that points got by the coupling of levels through nodes
   double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added

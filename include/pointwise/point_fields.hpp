@@ -48,8 +48,8 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(int loads, int h
       {"mass", FieldType::kReal, 1, "kg"},
       {"initial_half_size", FieldType::kReal, 2, "m"},
       {"body", FieldType::kInt32, 1, ""},
-      {"faces", FieldType::kInt32, 1, ""},          // bits: see below
-      {"load_share", FieldType::kReal, loads, ""},  // part of the point's face that each load acts on
+      {"faces", FieldType::kInt32, 1, ""},         // bits: see below
+      {"load_share", FieldType::kReal, loads, ""}, // part of the point's face that each load acts on
       {"history", FieldType::kReal, history_components, ""},
   }};
 }

@@ -49,8 +49,8 @@ static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 fo
   return true;
 }
 
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness, double time,
-                        PointFailure &failure)
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
+                        double time, PointFailure &failure)
 {
   const std::vector<int> *surface = nullptr;
   PointArrays arrays;

@@ -117,8 +117,7 @@ PetscErrorCode Border::ListBand()
     const InterfaceNode &node = interface_[k];
     number[{node.i, node.j}] = k;
     if (coarse.Participates() && node.i >= coarse.OwnedLower(0) && node.i < coarse.OwnedUpper(0) &&
-        node.j >= coarse.OwnedLower(1) && node.j < coarse.OwnedUpper(1))
-    {
+        node.j >= coarse.OwnedLower(1) && node.j < coarse.OwnedUpper(1)) {
       coarse_nodes_.push_back({coarse.Index(node.i, node.j), true});
       coarse_numbers_.push_back(k);
     }

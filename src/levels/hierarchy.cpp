@@ -319,7 +319,8 @@ PetscErrorCode Hierarchy::KeepBalance(int l)
   PetscCall(PointsOn(l, &total, &largest));
   PetscCallMPI(MPI_Comm_size(comm_, &ranks));
   const int blocks = levels_[l]->Mesh().Layout().Blocks();
-  if (largest * blocks > settings_.rebalance_threshold * total || NeedsOtherRanks(total, blocks, ranks, settings_.points_per_rank))
+  if (largest * blocks > settings_.rebalance_threshold * total ||
+      NeedsOtherRanks(total, blocks, ranks, settings_.points_per_rank))
     PetscCall(Rebalance(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -98,7 +98,8 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     CrossingTotals crossing = crossings_[b]->Totals();
     for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
     each(crossing.energy);
-    each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.unsplit, crossing.mass_error, crossing.momentum_error);
+    each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.unsplit, crossing.mass_error,
+         crossing.momentum_error);
     each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);
     borders_[b]->SetTotals(border);
     crossings_[b]->SetTotals(crossing);

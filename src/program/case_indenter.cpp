@@ -163,14 +163,15 @@ PetscErrorCode CheckIndenterSize(OptionReader &reader, const Case &c, const std:
   const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
   PetscFunctionBeginUser;
   if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
-    PetscCall(reader.Refuse("-indenter", kind, "at least as wide as " + cell + "; it is " +
-                                                   FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide"));
+    PetscCall(
+        reader.Refuse("-indenter", kind,
+                      "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide"));
   if (c.model.contact != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    PetscCall(PetscFPrintf(reader.Comm(), PETSC_STDERR,
-                           "mlgimp: warning: -indenter %s: at its largest depth of %s m it is %s m wide, less than %s: the load is "
-                           "that of the cells\n",
-                           kind.c_str(), FormatRounded(depth).c_str(), FormatRounded(indenter.surface->Width(depth)).c_str(),
-                           cell.c_str()));
+    PetscCall(PetscFPrintf(
+        reader.Comm(), PETSC_STDERR,
+        "mlgimp: warning: -indenter %s: at its largest depth of %s m it is %s m wide, less than %s: the load is "
+        "that of the cells\n",
+        kind.c_str(), FormatRounded(depth).c_str(), FormatRounded(indenter.surface->Width(depth)).c_str(), cell.c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -115,7 +115,8 @@ PetscErrorCode Simulation::FailOrRefuse(const std::string &message)
 PetscErrorCode Simulation::CheckStep(double speed)
 {
   const TimeSettings &time = case_.time;
-  const double scale = TimeScale(speed), limit = kLargestCfl * scale, step = StepLength(speed), left = time.end_time - state_.time;
+  const double scale = TimeScale(speed), limit = kLargestCfl * scale, step = StepLength(speed),
+               left = time.end_time - state_.time;
   const bool by_damping = scale < case_.cell_size / speed;
   constexpr double kMostSteps = 1e15; // far fewer than a double counts, far more than a machine makes
   PetscFunctionBeginUser;
@@ -291,11 +292,11 @@ PetscErrorCode Simulation::WarnOfPenetration(double penetration)
   const double cell = case_.CellSize(level);
   if (penetration <= cell) PetscFunctionReturn(PETSC_SUCCESS);
   warned_ = true;
-  PetscCall(PetscFPrintf(comm_, PETSC_STDERR,
-                         "mlgimp: warning: -cell_size %s: the surface lies %s m inside the indenter at time %s s, more than a cell "
-                         "of level %d: the indenter is too slender or too fast for the cells, and the load too small\n",
-                         FormatNumber(case_.cell_size).c_str(), FormatRounded(penetration).c_str(),
-                         FormatRounded(state_.time).c_str(), level));
+  PetscCall(PetscFPrintf(
+      comm_, PETSC_STDERR,
+      "mlgimp: warning: -cell_size %s: the surface lies %s m inside the indenter at time %s s, more than a cell "
+      "of level %d: the indenter is too slender or too fast for the cells, and the load too small\n",
+      FormatNumber(case_.cell_size).c_str(), FormatRounded(penetration).c_str(), FormatRounded(state_.time).c_str(), level));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

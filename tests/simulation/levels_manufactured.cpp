@@ -34,7 +34,8 @@ public:
   {
     std::int64_t seeds = 0;
     PetscFunctionBeginUser;
-    for (const LevelGeometry &level : settings.levels) seeds = Seeding(run.model, level.grid, level.sides, {}, settings.ratio, seeds).EndId();
+    for (const LevelGeometry &level : settings.levels)
+      seeds = Seeding(run.model, level.grid, level.sides, {}, settings.ratio, seeds).EndId();
     numbers_ = PointNumbers(seeds, settings.ratio * settings.ratio);
     ratio_ = settings.ratio;
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {

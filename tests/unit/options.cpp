@@ -1,6 +1,6 @@
 // The option reader: values, defaults, and the one line that refuses what is not allowed.
-#include "program/command_line.hpp"
 #include "program/options.hpp"
+#include "program/command_line.hpp"
 
 #include <gtest/gtest.h>
 
@@ -237,7 +237,8 @@ TEST(Options, Files)
   EXPECT_EQ(CheckFile(""), "-options_file FILE: must be a readable file with options");
   EXPECT_EQ(CheckFile("-size 1\nsize 2\n"), "-options_file FILE: line 2: must be '-name value', found 'size'");
   EXPECT_EQ(CheckFile("-tip 0, 1\n"), "-options_file FILE: line 1: must be '-name value' with no blanks in the value, found '1'");
-  EXPECT_EQ(CheckFile("-size 1\n-size 2\n"), "-size 2: must be given once, found again in line 2 of FILE (capitals make no difference)");
+  EXPECT_EQ(CheckFile("-size 1\n-size 2\n"),
+            "-size 2: must be given once, found again in line 2 of FILE (capitals make no difference)");
   EXPECT_EQ(CheckFile("-options_file b.opts\n"),
             "-options_file FILE: line 1: must not name another options file; give both on the command line");
   EXPECT_EQ(CheckFile("-size \x1b[31m\n"), "-options_file FILE: line 1: must be text, found '-size ?[31m'");

@@ -47,8 +47,10 @@ std::vector<std::int64_t> Read(Points &points)
   EXPECT_EQ(points.Arrays(&a), PETSC_SUCCESS);
   for (int p = 0; p < a.count; ++p) {
     const std::int64_t id = a.id[p];
-    const double *const reals[] = {a.position, a.velocity, a.F, a.stress, a.short_wave_stress, a.mass, a.half_size, a.load_share, a.history};
-    const PointField fields[] = {kPosition, kVelocity, kDeformation, kStress, kShortWaveStress, kMass, kHalfSize, kLoadShare, kHistory};
+    const double *const reals[] = {a.position, a.velocity,  a.F,          a.stress, a.short_wave_stress,
+                                   a.mass,     a.half_size, a.load_share, a.history};
+    const PointField fields[] = {kPosition, kVelocity, kDeformation, kStress, kShortWaveStress,
+                                 kMass,     kHalfSize, kLoadShare,   kHistory};
     for (int k = 0; k < 9; ++k) {
       const int components = points.Table()[fields[k]].components;
       for (int c = 0; c < components; ++c) EXPECT_EQ(reals[k][components * p + c], Value(id, fields[k], c)) << "point " << id;

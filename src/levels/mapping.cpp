@@ -27,12 +27,13 @@ struct BlockGraph {
   }
 };
 
-/// METIS's part of each block; all in part 0 where it finds no answer.
+/// METIS's part of each block; all in part 0 where it finds no answer, or would find fewer blocks than parts, and say so.
 std::vector<idx_t> Partition(const BlockGraph &graph, int parts)
 {
   idx_t vertices = graph.first.back(), levels = static_cast<idx_t>(graph.first.size()) - 1, count = parts, cut = 0;
   std::vector<idx_t> starts{0}, ends, weights, constraints(static_cast<std::size_t>(vertices) * levels, 0), part(vertices, 0);
   double largest = 1;
+  if (vertices < count) return part;
   for (const auto &list : graph.neighbours)
     for (const auto &[to, bytes] : list) largest = std::max(largest, bytes);
   for (const auto &list : graph.neighbours) {

@@ -88,9 +88,9 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
 
 /// Books the energy that the level's points get by the coupling in a step. With p and P the momenta of the points on a node
 /// before and after (P: in `rates`, not yet divided, or p + m dv where there are none), points get dv . (p + P)/2 of kinetic
-/// energy, exactly, of which `change` is the other level's part. Their strain takes dt f . u, with u the mean of the velocity
-/// that strain advances with in this step and the one before: (p + P)/(2 m), but at held nodes, and at all of them without a
-/// second extrapolation, `mean`.
+/// energy, exactly, of which `change` is the other level's part. Their strain, and loads and gravity, take dt f . u, with u the
+/// mean of the velocity that strain advances with in this step and the one before: (p + P)/(2 m), but at held nodes, and at all
+/// of them without a second extrapolation, `mean`.
 void BookCoupling(const Grid &grid, const NodalSettings &settings, bool has_rates, double dt,
                   const std::vector<CoupledNode> &nodes, NodalTotals &totals);
 

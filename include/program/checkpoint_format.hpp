@@ -29,7 +29,7 @@ inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 /// Group of the copies of points that the next coarser (0) or finer level (1) owns.
 inline std::string CopiesName(int l, int origin) { return LevelName(l) + "/copies_" + std::to_string(origin); }
 
-inline std::string BorderName(int b) { return "/border_force_" + std::to_string(b); }
+inline std::string BorderName(int b) { return "/border_state_" + std::to_string(b); }
 
 inline std::vector<double> StateAsNumbers(const RunState &s)
 {

@@ -73,11 +73,10 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals 
   for (int k = 0; k < 4 * b.count; ++k) sum += F[k];
   if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) {
     for (int p = 0; p < b.count; ++p) {
-      double rate = 0;
-      for (int k = 0; k < 4; ++k) rate = std::max(rate, std::abs(dt * L[p][k]));
+      const double row_x = std::abs(L[p][0]) + std::abs(L[p][1]), row_y = std::abs(L[p][2]) + std::abs(L[p][3]);
       if (!std::isfinite(b.F[4 * p] + b.F[4 * p + 1] + b.F[4 * p + 2] + b.F[4 * p + 3]))
         Record(failure, PointFailure::kNotFinite, b, p);
-      else if (rate > 0.5 * kLargestStrainIncrement)
+      else if (dt * std::max(row_x, row_y) > kLargestStrainIncrement)
         Record(failure, PointFailure::kDeformedTooFast, b, p);
     }
   }

@@ -146,7 +146,7 @@ static std::string Describe(const LevelFailure &failure, int l)
     advice = "a larger domain, or sides that hold the body";
     break;
   case PointFailure::kDeformedTooFast:
-    what = "deforms by more than a quarter in one step";
+    what = "deforms by more than a half in one step";
     advice = "a smaller -cfl or -time_step, some -xpic_fraction, or a slower load";
     break;
   default:

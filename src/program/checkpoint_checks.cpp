@@ -40,7 +40,10 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
   if (!(size[0] > 0 && size[1] > 0) || !AllFinite(size, 2)) return "a size that is not above zero";
   if (a.body[p] < 0 || a.body[p] >= bodies) return "a body that is not there";
-  if (a.faces[p] < 0) return "faces that are not there";
+  if (a.faces[p] < 0 || a.faces[p] >= 1 << kSides) return "faces that are not there";
+  for (int k = 0; k < a.loads; ++k)
+    if (const double share = a.load_share[a.loads * p + k]; !(share >= 0 && share <= 1))
+      return "a share of a load that is not in [0, 1]";
   return nullptr;
 }
 

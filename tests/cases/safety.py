@@ -192,7 +192,8 @@ def test_one_run_a_folder(tmp_path):
 
 # ---- Checkpoints
 
-TINY = {**BLOCK, "domain_upper": "8,8", "block_upper": "4,4", "block_points_per_cell": "1", "block_velocity": "1,1", "max_steps": "8"}
+TINY = {**BLOCK, "domain_upper": "8,8", "block_upper": "4,4", "block_points_per_cell": "1", "block_velocity": "1,1", "max_steps": "8",
+        "loads": "p", "p_side": "x_upper", "p_times": "0", "p_pressures": "0"}
 NESTED = {**TINY, "levels": "2", "level_1_lower": "2,2", "level_1_upper": "6,6"}
 
 
@@ -363,8 +364,10 @@ def handmade():
         yield scalar("level_0/id", 0, value)
     yield reshaped("level_0/id", lambda v: numpy.concatenate([v[1:2], v[1:]]))
     yield every_point("level_0/id", 5)
-    for value in (-1, -2**31):
+    for value in (-1, -2**31, 16):
         yield scalar("level_0/faces", 0, value)
+    for value in (math.nan, -0.1, 1.5):
+        yield scalar("level_0/load_share", 5, value)
     for value in (3, 0, -1, 17, 1e10, 1e300, math.nan, math.inf, 15.5, 2**31):
         yield scalar("level_0/counts", 0, value)
     yield reshaped("level_0/counts", lambda v: numpy.concatenate([v, v]))
@@ -441,12 +444,12 @@ def handmade():
 def handmade_levels():
     """The same for what only levels have."""
     for value in (math.nan, math.inf):
-        yield scalar("border_force_0", 0, value)
-    yield reshaped("border_force_0", lambda v: v[:-1])
-    yield reshaped("border_force_0", lambda v: v[:0])
-    yield reshaped("border_force_0", lambda v: numpy.concatenate([v, v]))
-    yield hollow("border_force_0", (2**40,))
-    yield gone("border_force_0")
+        yield scalar("border_state_0", 0, value)
+    yield reshaped("border_state_0", lambda v: v[:-1])
+    yield reshaped("border_state_0", lambda v: v[:0])
+    yield reshaped("border_state_0", lambda v: numpy.concatenate([v, v]))
+    yield hollow("border_state_0", (2**40,))
+    yield gone("border_state_0")
     for value in (math.nan, -10, 1e300, 20):
         yield scalar("level_1/position", 0, value)
     yield scalar("level_1", 0, 4, "pace")

@@ -106,7 +106,8 @@ Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec2 cell_center) const
   const double start = IsCut(axis, cell, cell_center) ? Line(axis, cell) : bounds_.lower[axis];
   const double end = IsCut(axis, cell + 1, cell_center) ? Line(axis, cell + 1) : bounds_.upper[axis];
   const double middle = 0.5 * (start + end) + rounding;
-  if (middle < Line(axis, cell) || middle >= Line(axis, cell + 1)) return {}; // a neighbour's
+  if (middle < Line(axis, cell) || middle >= Line(axis, cell + 1)) return {};      // a neighbour's
+  if (end - start < (kSliver - 2 * kRounding) * cell_size_ / per_cell_) return {}; // of a body that is nothing but a sliver
   const int count = std::max(1, static_cast<int>(std::floor(per_cell_ * (end - start) / cell_size_ + 0.5 + kRounding)));
   return {start, (end - start) / count, count};
 }

@@ -58,6 +58,18 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The corner on the cell lines themselves, as a grid beside the lines would have its points elsewhere; on the domain's sides
+/// as they were given.
+Vec2 OnLines(const Case &c, Vec2 corner, double cell)
+{
+  for (int axis = 0; axis < 2; ++axis) {
+    const double lower = c.domain.lower[axis], upper = c.domain.upper[axis];
+    const double line = std::round((corner[axis] - lower) / cell), last = std::round((upper - lower) / cell);
+    corner[axis] = line == last ? upper : lower + line * cell;
+  }
+  return corner;
+}
+
 PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
 {
   const std::string name = "-level_" + std::to_string(k);
@@ -74,6 +86,7 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
       PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper),
                               "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
                                   FormatVector(box.lower)));
+  box = {OnLines(*c, box.lower, coarse), OnLines(*c, box.upper, coarse)};
   c->boxes.push_back(box);
   PetscCall(CheckNesting(reader, *c, k));
   const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeArrays::kSums;

@@ -154,9 +154,9 @@ def layouts(folder):
     cuts, counts = set(), set()
     for path in sorted(folder.glob("checkpoint_*.h5")):
         with h5py.File(path, "r") as file:
-            level = file["level_0"].attrs
-            cuts.add((tuple(level["columns"]), tuple(level["rows"])))
-            counts.add(tuple(level["counts"]))
+            columns, rows, points = (tuple(file[f"level_0/{name}"]) for name in ("columns", "rows", "counts"))
+            cuts.add((columns, rows))
+            counts.add(points)
     return len(cuts), len(counts)
 
 

@@ -92,7 +92,9 @@ std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec2> vertices)
 /// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
 bool Tiling::IsCut(int axis, int line, Vec2 cell_center) const
 {
+  constexpr double kFar = 2; // cells; slivers of the coarser level's points are at most 1.6 wide
   const double place = Line(axis, line);
+  if (place - bounds_.lower[axis] > kFar * cell_size_ && bounds_.upper[axis] - place > kFar * cell_size_) return true;
   Vec2 below = cell_center, above = cell_center;
   below[axis] = place - 0.5 * cell_size_;
   above[axis] = place + 0.5 * cell_size_;

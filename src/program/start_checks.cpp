@@ -104,6 +104,12 @@ PetscErrorCode CheckLoad(MPI_Comm comm, const Case &c, std::size_t k, double len
   PetscCheck(!IsFree(c, load.body, load.side) || std::abs(length - wanted) < 2 * kRounding * c.cell_size, comm,
              PETSC_ERR_USER_INPUT, "-loads %s: must act on %s m of body %s; the faces it acts on add up to %s m",
              c.load_names[k].c_str(), FormatNumber(wanted).c_str(), body.name.c_str(), FormatNumber(length).c_str());
+  const double start = std::isfinite(load.span[0]) ? load.span[0] : bounds.lower[along];
+  const double end = std::isfinite(load.span[1]) ? load.span[1] : bounds.upper[along];
+  if (end - start > wanted + 2 * kRounding * c.cell_size)
+    PetscCall(PetscFPrintf(
+        comm, PETSC_STDERR, "mlgimp: warning: -%s_span %s: reaches beyond the side of body %s; the load acts on %s m\n",
+        c.load_names[k].c_str(), FormatVector({start, end}).c_str(), body.name.c_str(), FormatRounded(wanted).c_str()));
   if (length < wanted - 2 * kRounding * c.cell_size)
     PetscCall(PetscFPrintf(comm, PETSC_STDERR,
                            "mlgimp: warning: -loads %s: acts on %s of the %s m of its side; the rest touches a body or a held "

@@ -135,3 +135,11 @@ def test_load_that_acts_on_a_part_of_its_side_is_told():
            "p_side": "x_upper", "p_times": 0, "p_pressures": 1e3, "max_steps": 1, "block_lower": None, "block_upper": None}
     said = warnings({name: value for name, value in two.items() if not name.startswith("block")})
     assert len(said) == 1 and "-loads p: acts on 4 of the 8 m of its side" in said[0]
+
+
+@pytest.mark.parametrize("span, acts", [("7,12", "1"), ("-3,2", "2"), ("-1,9", "8")])
+def test_span_beyond_its_side_is_told(span, acts):
+    load = {"loads": "p", "p_side": "y_upper", "p_times": 0, "p_pressures": 1e3, "max_steps": 1}
+    said = warnings({**BLOCK, **load, "p_span": span})
+    assert len(said) == 1 and f"-p_span {span}: reaches beyond the side of body block; the load acts on {acts} m" in said[0]
+    assert warnings({**BLOCK, **load, "p_span": "2,8"}) == [] == warnings({**BLOCK, **load})

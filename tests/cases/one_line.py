@@ -1,0 +1,181 @@
+"""Signals, terminals, errors of libraries and options: what ends a run does so in one line, and what need not end it does not."""
+import json
+import math
+import os
+import resource
+import signal
+import subprocess
+
+import harness
+from safety import BLOCK, start, ended, refused, succeeds, wait_for
+
+# ---- Signals and terminals
+
+ENDLESS = {**BLOCK, "max_steps": "2000000000", "history_interval": "100", "overwrite": None}
+
+
+def test_signals_end_a_run_in_one_line(tmp_path):
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+        folder = tmp_path / number.name
+        process = start(ENDLESS, folder, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        wait_for(lambda: (folder / "history.csv").exists() and len((folder / "history.csv").read_text()) > 2000)
+        process.send_signal(number)
+        errors = process.communicate(timeout=10)[1]
+        assert process.returncode == -number and errors.startswith(f"mlgimp: error: ended by {number.name}") and errors.count("\n") == 1, errors
+        rows = (folder / "history.csv").read_text()
+        assert rows.endswith("\n") and len({line.count(",") for line in rows.splitlines()}) == 1
+        assert not list(folder.glob("*.part"))
+
+
+def test_signals_end_a_run_on_several_ranks(tmp_path):
+    process = start(ENDLESS, tmp_path, ranks=3)
+    wait_for(lambda: (tmp_path / "history.csv").exists())
+    process.send_signal(signal.SIGTERM)
+    errors = process.communicate(timeout=10)[1]
+    assert process.returncode != 0 and "PETSC" not in errors and "mlgimp" not in errors, errors  # mpiexec tells
+
+
+def test_output_that_nobody_reads(tmp_path):
+    """As with `| head`."""
+    process = start({**ENDLESS, "monitor": "true"}, tmp_path)
+    process.stdout.read(20)
+    process.stdout.close()
+    process.wait(timeout=10)
+    errors = process.stderr.read()
+    assert process.returncode == -signal.SIGPIPE and errors.startswith("mlgimp: error: ended by SIGPIPE") and errors.count("\n") == 1, errors
+
+
+def test_progress_only_on_a_terminal_without_mpiexec(tmp_path):
+    case = {name: value for name, value in BLOCK.items() if name != "monitor"}
+    words = harness.to_arguments({**case, "max_steps": "5", "overwrite": None, "output_dir": tmp_path})
+    for ranks, shown in ((1, True), (2, False)):
+        line = " ".join(harness.command(words, ranks))
+        done = subprocess.run(["script", "-qec", line, "/dev/null"], capture_output=True, text=True, env=harness.environment(ranks),
+                              stdin=subprocess.DEVNULL, cwd=harness.ROOT, timeout=30)
+        assert done.returncode == 0 and ("step 5" in done.stdout) == shown, done.stdout
+        done = subprocess.run(harness.command(words, ranks), capture_output=True, text=True, env=harness.environment(ranks),
+                              cwd=harness.ROOT, timeout=30)
+        assert done.returncode == 0 and done.stdout == ""
+
+
+# ---- Errors of PETSc and of the machine
+
+WEDGE = {"indenter": "wedge", "indenter_half_angle": "70", "indenter_tip": "4,8", "indenter_times": "0", "indenter_velocities": "20",
+         "boundary_y_lower": "symmetry"}
+
+
+def test_errors_of_petsc_are_one_line(tmp_path):
+    orders = {**WEDGE, "contact_pc_type": "lu", "contact_pc_factor_mat_ordering_type": "nonsense"}
+    for ranks in (1, 3):
+        refused({**BLOCK, **orders}, tmp_path / f"a{ranks}", "nonsense", ranks=ranks)
+        refused({**BLOCK, **WEDGE, "contact_ksp_atol": "tight"}, tmp_path / f"b{ranks}", "tight", ranks=ranks)
+    refused({**BLOCK, "log_view": ":/nowhere/at/all"}, tmp_path / "c", ranks=3)
+    status, lines = ended({**BLOCK, "fp_trap": None}, tmp_path / "d")
+    assert status == 0 or status == 1 and lines[0].startswith("mlgimp: error: floating-point"), lines
+    assert not any("PETSC ERROR" in line for line in lines)
+
+
+def test_no_memory(tmp_path):
+    """Where the system gives less than the estimate at the start expects."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))
+    refused({**BLOCK, "cell_size": "0.02", "max_steps": "2"}, tmp_path / "o", "memory", preexec_fn=limit)
+
+
+def test_options_of_petsc_that_are_read_late(tmp_path):
+    for option in ("mat_view", "ksp_view", "contact_mat_view", "malloc_dump", "log_view_memory"):
+        status, lines = ended({**BLOCK, "max_steps": "2", "overwrite": None, option: None}, tmp_path)
+        assert status == 0 and all(line.startswith("mlgimp: warning: ") for line in lines), lines
+    refused({**BLOCK, "frame": "3"}, tmp_path / "no", "-frame:", "-frames")
+    refused({**BLOCK, "contact_ksp_rtoll": "3", **WEDGE}, tmp_path / "no", "-contact_ksp_rtoll", "-contact_ksp_rtol")
+    refused({**BLOCK, "bananas": "3"}, tmp_path / "no", "-bananas", "nothing reads")
+
+
+# ---- Options
+
+
+def test_options_from_a_pipe(tmp_path):
+    text = "".join(f"-{name} {value}\n" for name, value in {**BLOCK, "max_steps": "3"}.items())
+    for ranks in (1, 3):
+        done = subprocess.run(harness.command(["-options_file", "/dev/stdin", "-output_dir", tmp_path, "-overwrite"], ranks), input=text,
+                              capture_output=True, text=True, env=harness.environment(ranks), cwd=harness.ROOT, timeout=30)
+        assert done.returncode == 0, done.stderr
+        assert json.loads((tmp_path / "summary.json").read_text())["case"] == "stdin"
+    os.mkfifo(tmp_path / "pipe")
+    refused({"options_file": tmp_path / "pipe"}, tmp_path / "no", "-options_file", "readable")
+
+
+def test_too_many_options(tmp_path):
+    count = 255
+    bodies = [f"b{k}" for k in range(count)]
+    options = {name: value for name, value in BLOCK.items() if not name.startswith(("block", "bodies"))}
+    options.update({"domain_upper": f"{4 * count},12", "bodies": ",".join(bodies)})
+    for k, name in enumerate(bodies):
+        options.update({f"{name}_lower": f"{4 * k},1", f"{name}_upper": f"{4 * k + 2},3"})
+    for ranks in (1, 2):
+        refused(options, tmp_path, "options", "512", ranks=ranks)
+
+
+def test_an_option_twice(tmp_path):
+    words = harness.to_arguments({**BLOCK, "max_steps": "3", "overwrite": None, "output_dir": tmp_path / "o"})
+    done = subprocess.run(harness.command([*words, "-max_steps", "5"], 1), capture_output=True, text=True, env=harness.environment(1),
+                          cwd=harness.ROOT, timeout=30)
+    assert done.returncode == 0 and json.loads((tmp_path / "o/summary.json").read_text())["steps"] == 5
+    refused({**BLOCK, "damping": "1", "Damping": "2"}, tmp_path / "no", "-Damping", "capitals")
+    for text, word in (("-damping 1\n-Damping 2\n", "capitals"), ("-damping 1\n-damping 1\n", "once"),
+                       ("\ufeff-damping 1\n", "byte-order mark"), ("-damping\u00a02\n", "no-break space"), ("-damping -frames\n", "-frames")):
+        (tmp_path / "case.opts").write_text(text)
+        refused({**BLOCK, "options_file": tmp_path / "case.opts"}, tmp_path / "no", word)
+
+
+def test_usage(tmp_path):
+    for ranks in (1, 2):
+        done = subprocess.run(harness.command([], ranks), capture_output=True, text=True, env=harness.environment(ranks), timeout=30)
+        assert done.returncode == 1 and "-options_file" in done.stderr and "-help" in done.stderr and len(done.stderr) < 500
+
+
+def test_summary_is_json(tmp_path):
+    for number, case in enumerate(({"thickness": "1e-200", "al_density": "1e-200"}, {"thickness": "1e200", "al_density": "1e200"})):
+        status, lines = ended({**BLOCK, "max_steps": "1", **case}, tmp_path / f"{number}")
+        summary = (tmp_path / f"{number}" / "summary.json").read_text()
+
+        def refuse(constant):
+            raise ValueError(constant)
+        json.loads(summary, parse_constant=refuse)
+    (tmp_path / "a\udcffb.opts").write_text("-damping 0\n")
+    succeeds({"options_file": tmp_path / "a\udcffb.opts", **BLOCK, "max_steps": "1"}, tmp_path / "bytes")
+    assert json.loads((tmp_path / "bytes/summary.json").read_text(encoding="utf-8"))["case"] == "a\ufffdb"
+
+
+def test_polygons_with_no_inside(tmp_path):
+    star = [(6 + 5 * math.sin(4 * math.pi * k / 5), 6 + 5 * math.cos(4 * math.pi * k / 5)) for k in range(5)]
+    square = [(1, 1), (5, 1), (5, 5), (1, 5)]
+    wrong = {"bow tie": [(1, 1), (5, 5), (5, 1), (1, 5)], "star": star, "repeated vertex": square + [(1, 1)], "twice wound": square * 2,
+             "on a line": [(1, 1), (3, 3), (5, 5)], "spike": [(1, 1), (5, 1), (5, 5), (5, 3), (1, 5)][:3] + [(5, 8), (5, 6), (1, 5)],
+             "touching": [(1, 1), (9, 1), (5, 5), (9, 9), (1, 9), (5, 5.0), ], "vertex on an edge": [(1, 1), (9, 1), (9, 9), (5, 1), (1, 9)]}
+    case = {name: value for name, value in BLOCK.items() if name not in ("block_lower", "block_upper")}
+    for name, vertices in wrong.items():
+        text = ",".join(f"{x!r},{y!r}" for x, y in vertices)
+        refused({**case, "block_shape": "polygon", "block_vertices": text}, tmp_path / "no", "-block_vertices: must be a polygon")
+    for scale in ("", "e-9", "e9"):
+        right = ",".join(f"{x}{scale}" for vertex in [(1, 1), (3, 1), (5, 1), (5, 5), (3, 2), (1, 5), (1, 3)] for x in vertex)
+        units = {"domain_upper": f"12{scale},12{scale}", "cell_size": f"1{scale}"}
+        succeeds({**case, **units, "block_shape": "polygon", "block_vertices": right, "max_steps": "1"}, tmp_path / f"yes{scale}")
+
+
+def test_places_are_named(tmp_path):
+    refused({**BLOCK, "block_upper": "8,13"}, tmp_path, "-block_upper 8,13:", "inside the domain")
+    refused({**BLOCK, "block_lower": "-1,0"}, tmp_path, "-block_lower -1,0:", "inside the domain")
+    refused({**BLOCK, "domain_upper": "12e-300,12e-300", "cell_size": "1e-300"}, tmp_path, "-cell_size 1e-300:")
+    refused({**BLOCK, "domain_upper": "12e200,12e200", "cell_size": "1e200"}, tmp_path, "-cell_size 1e+200:")
+    far = {"domain_lower": "-10000,0", "levels": "2", "level_1_upper": "10,10"}
+    refused({**BLOCK, **far, "level_1_lower": "2.009,2"}, tmp_path, "-level_1_lower 2.009,2:", "cell lines")
+    succeeds({**BLOCK, **far, "level_1_lower": "2.000001,2", "max_steps": "1"}, tmp_path / "near")
+
+
+def test_bodies_that_overlap_thinly(tmp_path):
+    two = {"bodies": "block,other", "domain_upper": "100,12", "block_upper": "50,8"}
+    box = {"other_lower": "49.9999,0", "other_upper": "60,8"}
+    refused({**BLOCK, **two, **box}, tmp_path, "-bodies other:", "overlap")
+    disk = {"other_shape": "disk", "other_center": "53.95,4", "other_radius": "4"}
+    refused({**BLOCK, **two, **disk}, tmp_path, "-bodies other:", "overlap")

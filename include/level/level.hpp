@@ -76,8 +76,8 @@ public:
   /// Counts the step; migrates and sorts where due.
   PetscErrorCode KeepOrder();
 
-  /// Owned nodes whose velocities neighbouring levels have a part in.
-  void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes); }
+  /// Owned nodes whose velocities neighbouring levels have a part in. From now on their exchange of energy is booked.
+  void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes), is_coupled_ = true; }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
@@ -159,6 +159,7 @@ private:
   std::unique_ptr<Transfer> transfer_;
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
+  bool is_coupled_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][2] between two sweeps of a step, for each store
   NodalTotals nodal_totals_;
   SweepTotals sweep_totals_;

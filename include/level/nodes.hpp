@@ -34,9 +34,8 @@ struct Sides {
   }
 };
 
-/// Of the mass of a full cell of the lightest material: nodes with less are empty, and the forces on them are lost; with less
-/// of them the energy that the coupling of levels brings is not told apart.
-inline constexpr double kEmptyNode = 1e-24, kLightNode = 1e-3;
+/// Of the mass of a full cell of the lightest material: nodes with less are empty, and the forces on them are lost.
+inline constexpr double kEmptyNode = 1e-24;
 
 /// Settings of the nodal update.
 struct NodalSettings {
@@ -54,17 +53,14 @@ struct NodalTotals {
   Vec2 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
   Vec2 xpic_side_impulse{};                                                     ///< of sides on what XPIC mixes in, N s
   double external_work = 0, damping_dissipation = 0;                            ///< J
-  double exchange_work = 0; ///< kinetic and strain energy that points got by the coupling of levels, J
+  double exchange_work = 0; ///< of internal forces and of neighbouring levels on points, J; see BookExchange
 };
 
 /// An owned node whose velocity a neighbouring level has a part in.
 struct CoupledNode {
-  int node;                  ///< place in the ghosted arrays
-  bool held;                 ///< its second velocity is the first
-  bool has_previous = false; ///< there has been a step
-  Vec2 velocity{};           ///< at the end of the last step, before sides and contact, m/s
-  Vec2 mean{};               ///< of that and the one before, m/s
-  Vec2 change{};             ///< of its velocity by the other level in the last step, m/s
+  int node;      ///< place in the ghosted arrays
+  bool held;     ///< its second velocity is the first
+  Vec2 change{}; ///< of its velocity by the other level in the last step, m/s
 };
 
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and books their impulses.
@@ -82,17 +78,16 @@ void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalT
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings);
 
-/// Keeps the velocities of nodes and by how much the coupling of levels has changed them: dv less dt f/m of the level's own
-/// points. Before sides and contact change them too.
+/// Keeps by how much the coupling of levels has changed the velocities of nodes: dv less dt f/m of the level's own points.
+/// Before sides and contact change them too.
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
-/// Books the energy that the level's points get by the coupling in a step. With p and P the momenta of the points on a node
-/// before and after (P: in `rates`, not yet divided, or p + m dv where there are none), points get dv . (p + P)/2 of kinetic
-/// energy, exactly, of which `change` is the other level's part. Their strain, and loads and gravity, take dt f . u, with u the
-/// mean of the velocity that strain advances with in this step and the one before: (p + P)/(2 m), but at held nodes, and at all
-/// of them without a second extrapolation, `mean`.
-void BookCoupling(const Grid &grid, const NodalSettings &settings, bool has_rates, double dt,
-                  const std::vector<CoupledNode> &nodes, NodalTotals &totals);
+/// Books the kinetic energy that the level's points get in a step from internal forces and from neighbouring levels. With p
+/// and P the momenta of the points on a node before and after (P: in `rates`, not yet divided), it is exactly dv . (p + P)/2, dv
+/// being the part of the change of velocity that these two have in it. Less the strain energy that the points give for it, this
+/// is what coupling brings: see Books::exchange_energy.
+void BookExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
+                  NodalTotals &totals);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second

@@ -62,8 +62,7 @@ public:
   /// restart. Empty where there has been no step. Collective on all.
   PetscErrorCode GatherState(std::vector<double> *state) const;
   void RestoreState(const std::vector<double> &state);
-  /// Of an interface node: coarse force (2), velocity of the last substep (2), mean velocity of the step (2).
-  static constexpr int kState = 6;
+  static constexpr int kState = 2; ///< of an interface node: the coarse force
   std::size_t InterfaceNodes() const { return interface_.size(); }
 
   const BorderTotals &Totals() const { return totals_; }
@@ -102,7 +101,6 @@ private:
   std::vector<BandNode> band_;                         ///< of owned fine nodes
   std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
-  std::vector<int> coarse_numbers_;                    ///< of coarse_nodes_ among interface_
   SFHandle exchange_, transfer_;
   std::vector<double> coarse_sums_;    ///< [owned_][kSums]: of the coarse points
   std::vector<double> previous_force_; ///< [owned_][2]

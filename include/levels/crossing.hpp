@@ -52,6 +52,7 @@ struct CrossingTotals {
   double mass_error = 0;        ///< of splitting and merging, summed over transfers: absolute values, kg
   double momentum_error = 0;    ///< kg m/s
   double energy = 0;            ///< kinetic and strain energy that splitting and merging have added, J
+  double strain_energy = 0;     ///< the latter alone, J
   double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
 };
 

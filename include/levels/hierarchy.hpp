@@ -39,8 +39,10 @@ struct Books {
       damping_impulse[2], stagger_impulse[2];
   double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error,
       points_adrift, mass_adrift, momentum_adrift[2];
-  double contact_work;    ///< of the contact forces on the body; less than indenter_work by what contact takes up
-  double exchange_energy; ///< kinetic and strain energy that points got by the coupling of levels through nodes
+  double contact_work; ///< of the contact forces on the body; less than indenter_work by what contact takes up
+  /// With levels coupled by nodes, kinetic and strain energy that points got since the start, without stress, from anything but
+  /// contact, sides, loads, body forces, damping, splitting and merging: from the coupling, and from time steps of finite length.
+  double exchange_energy;
   double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added
   double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
   double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
@@ -112,6 +114,7 @@ private:
   RankMap RanksInUse() const;
   PetscErrorCode RenewBorder(int b);
   PetscErrorCode Reconnect();
+  bool CoupledByNodes() const { return Levels() > 1 && settings_.coupling == LevelCoupling::kNodes; }
   void CoupleNodes(int l);
   PetscErrorCode KeepBalance(int l);
   PetscErrorCode Rebalance(int l);

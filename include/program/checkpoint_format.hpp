@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 7;
+inline constexpr int kFormatVersion = 8;
 
 inline hid_t H5Type(FieldType type)
 {

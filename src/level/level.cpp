@@ -181,7 +181,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscFunctionBeginUser;
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(rates); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  BookCoupling(*grid_, nodal_, true, dt, coupled_nodes_, nodal_totals_);
+  if (is_coupled_) BookExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
   UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
   PetscCall(PetscLogFlops(kRatesFlops * grid_->OwnedNodes()));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
@@ -192,7 +192,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
 PetscErrorCode Level::AdvancePoints(double dt)
 {
   // The weights must not change within a step, so F advances in its last sweep.
-  const bool rates = model_.UsesRates(), strain = model_.stress_update != StressUpdate::kUsf;
+  const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
   const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, !rates};
   const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
   const double first_flops = kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops;
@@ -205,7 +205,6 @@ PetscErrorCode Level::AdvancePoints(double dt)
     transfer_->GridToPoints(view, first, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (!rates) BookCoupling(*grid_, nodal_, false, dt, coupled_nodes_, nodal_totals_);
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));

@@ -113,35 +113,31 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
   for (CoupledNode &coupled : nodes) {
     const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(coupled.node);
     const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(coupled.node);
-    for (int axis = 0; axis < 2; ++axis) {
-      const double now = velocity[axis], change = velocity[2 + axis];
-      const double before = coupled.held && coupled.has_previous ? coupled.velocity[axis] : now - change;
-      coupled.mean[axis] = 0.5 * (before + now);
-      coupled.velocity[axis] = now;
-      coupled.change[axis] = sums[0] > settings.mass_cutoff ? change - dt * sums[4 + axis] / sums[0] : 0;
-    }
-    coupled.has_previous = true;
+    for (int axis = 0; axis < 2; ++axis)
+      coupled.change[axis] = sums[0] > settings.mass_cutoff ? velocity[2 + axis] - dt * sums[4 + axis] / sums[0] : 0;
   }
 }
 
-void BookCoupling(const Grid &grid, const NodalSettings &settings, bool has_rates, double dt,
-                  const std::vector<CoupledNode> &nodes, NodalTotals &totals)
+void BookExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
+                  NodalTotals &totals)
 {
-  // Weights on a node of little mass change much in a step, and so does its force: the mean of two steps says nothing.
-  const double light = kLightNode / kEmptyNode * settings.mass_cutoff;
-  for (const CoupledNode &coupled : nodes) {
-    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(coupled.node);
-    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(coupled.node);
-    const double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(coupled.node);
-    if (sums[0] <= settings.mass_cutoff) continue;
+  const NodeArrays &nodes = grid.Arrays();
+  double work = 0;
+  ForEachOwned(grid, [&](int index) {
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
+    const double *after = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+    if (sums[0] <= settings.mass_cutoff) return;
     for (int axis = 0; axis < 2; ++axis) {
-      const double before = sums[1 + axis], after = has_rates ? rates[axis] : before + sums[0] * velocity[2 + axis];
-      const double mean_momentum = 0.5 * (before + after);
-      totals.exchange_work += coupled.change[axis] * mean_momentum;
-      if ((coupled.held || !settings.second_extrapolation) && sums[0] > light)
-        totals.exchange_work += dt * sums[4 + axis] * (mean_momentum / sums[0] - coupled.mean[axis]);
+      const double outside = sums[6 + axis] + sums[0] * settings.gravity[axis] - settings.damping * sums[1 + axis];
+      work += 0.5 * dt * (sums[4 + axis] - outside) / sums[0] * (sums[1 + axis] + after[axis]);
     }
+  });
+  for (const CoupledNode &node : coupled) {
+    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(node.node);
+    const double *after = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(node.node);
+    for (int axis = 0; axis < 2; ++axis) work += 0.5 * node.change[axis] * (sums[1 + axis] + after[axis]);
   }
+  totals.exchange_work += work;
 }
 
 /// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.

@@ -111,16 +111,14 @@ PetscErrorCode Border::ListBand()
   std::map<std::pair<int, int>, int> number, place; // of interface nodes: among all, among those known here
   PetscMPIInt block = -1;
   PetscFunctionBeginUser;
-  local_.clear(), band_.clear(), held_axes_.clear(), fine_nodes_.clear(), coarse_nodes_.clear(), coarse_numbers_.clear();
+  local_.clear(), band_.clear(), held_axes_.clear(), fine_nodes_.clear(), coarse_nodes_.clear();
   if (mesh.Participates()) PetscCallMPI(MPI_Comm_rank(mesh.Comm(), &block));
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
     number[{node.i, node.j}] = k;
     if (coarse.Participates() && node.i >= coarse.OwnedLower(0) && node.i < coarse.OwnedUpper(0) &&
-        node.j >= coarse.OwnedLower(1) && node.j < coarse.OwnedUpper(1)) {
+        node.j >= coarse.OwnedLower(1) && node.j < coarse.OwnedUpper(1))
       coarse_nodes_.push_back({coarse.Index(node.i, node.j), true});
-      coarse_numbers_.push_back(k);
-    }
     if (node.block != block) continue;
     place[{node.i, node.j}] = static_cast<int>(local_.size());
     local_.push_back(k);
@@ -345,8 +343,6 @@ PetscErrorCode Border::GatherState(std::vector<double> *state) const
     for (int axis = 0; axis < 2; ++axis) {
       double *node = &(*state)[kState * static_cast<std::size_t>(local_[k])];
       node[axis] = coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis];
-      node[2 + axis] = velocity_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis];
-      node[4 + axis] = mean_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis];
     }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, state->data(), static_cast<int>(state->size()), MPI_DOUBLE, MPI_SUM, world_));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -356,23 +352,10 @@ void Border::RestoreState(const std::vector<double> &state)
 {
   has_previous_ = !state.empty();
   if (!has_previous_) return;
-  const auto at = [&](int number, int component) { return state[kState * static_cast<std::size_t>(number) + component]; };
-  for (std::size_t k = 0; k < local_.size(); ++k)
-    for (int axis = 0; axis < 2; ++axis) velocity_[NodeArrays::kVelocity * k + axis] = at(local_[k], 2 + axis);
   for (int k = 0; k < owned_; ++k)
-    for (int axis = 0; axis < 2; ++axis) {
-      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] = at(local_[k], axis);
-      mean_[NodeArrays::kVelocity * static_cast<std::size_t>(k) + axis] = at(local_[k], 4 + axis);
-    }
-  for (std::size_t k = 0; k < coarse_nodes_.size(); ++k) {
-    coarse_nodes_[k].velocity = {at(coarse_numbers_[k], 4), at(coarse_numbers_[k], 5)};
-    coarse_nodes_[k].has_previous = true;
-  }
-  for (std::size_t k = 0; k < band_.size(); ++k) {
-    const std::array<double, NodeArrays::kVelocity> velocity = Interpolate(band_[k]);
-    fine_nodes_[k].velocity = {velocity[0], velocity[1]};
-    fine_nodes_[k].has_previous = true;
-  }
+    for (int axis = 0; axis < 2; ++axis)
+      coarse_sums_[NodeArrays::kSums * static_cast<std::size_t>(k) + 4 + axis] =
+          state[kState * static_cast<std::size_t>(local_[k]) + axis];
 }
 
 } // namespace mlgimp

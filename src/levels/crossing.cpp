@@ -71,7 +71,9 @@ void BookChange(const PointTally &before, const PointTally &after, CrossingTotal
 {
   totals->mass_error += std::abs(after.mass - before.mass);
   for (int d = 0; d < 2; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
-  totals->energy += after.kinetic_energy + after.strain_energy - before.kinetic_energy - before.strain_energy;
+  const double strain = after.strain_energy - before.strain_energy;
+  totals->energy += after.kinetic_energy - before.kinetic_energy + strain;
+  totals->strain_energy += strain;
 }
 
 PetscErrorCode Crossing::Transfer(double dt, Border *border)

@@ -152,7 +152,7 @@ PetscErrorCode Hierarchy::RenewBorder(int b)
 void Hierarchy::CoupleNodes(int l)
 {
   std::vector<CoupledNode> nodes;
-  if (settings_.coupling == LevelCoupling::kPoints) return;
+  if (!CoupledByNodes()) return;
   if (l > 0) nodes = borders_[l - 1]->FineNodes();
   if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
   levels_[l]->SetCoupledNodes(std::move(nodes));

@@ -74,6 +74,10 @@ PetscErrorCode Hierarchy::ReduceBooks(Books *books)
   *books = {};
   for (auto &level : levels_) PetscCall(LocalBooks(*level, books));
   for (int b = 0; b + 1 < Levels(); ++b) BorderBooks(borders_[b]->Totals(), crossings_[b]->Totals(), books);
+  if (CoupledByNodes()) {
+    books->exchange_energy += books->strain_energy + books->short_wave_dissipation + books->plastic_dissipation;
+    for (const auto &crossing : crossings_) books->exchange_energy -= crossing->Totals().strain_energy;
+  }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, books, sizeof(Books) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,7 +101,7 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     BorderTotals border = borders_[b]->Totals();
     CrossingTotals crossing = crossings_[b]->Totals();
     for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
-    each(crossing.energy);
+    each(crossing.energy, crossing.strain_energy);
     each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.unsplit, crossing.mass_error,
          crossing.momentum_error);
     each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);

@@ -18,7 +18,7 @@ namespace mlgimp
 struct ContactView {
   const Grid &grid;
   Points &points;
-  const Sides &sides;
+  const BoundaryConditions &sides;
   const Indenter &indenter;
   double thickness;   ///< m
   double mass_cutoff; ///< kg
@@ -58,7 +58,7 @@ std::vector<std::string> ContactMethods();
 /// Reads the options of the solver under the prefix -contact_.
 PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact);
 
-/// Adds the change that contact makes to the velocity (v, dv) of a node, and books its work where the rank owns the node.
+/// Adds the change that contact makes to the velocity (v, dv) of a node, and adds up its work where the rank owns the node.
 void ChangeVelocity(const ContactView &view, int i, int j, Vec2 change, ContactReport *report);
 
 /// A piece of a deformed face, its place, outward normal and length.

@@ -76,7 +76,7 @@ public:
   int OwnedUpper(int axis) const { return owned_upper_[axis]; }
   /// Place of the node with box indices (i, j) in the ghosted arrays; it must be owned or a ghost.
   int Index(int i, int j) const { return (j - ghost_lower_[1]) * ghost_size_[0] + i - ghost_lower_[0]; }
-  bool Holds(int i, int j) const
+  bool IsLocal(int i, int j) const
   {
     return i >= ghost_lower_[0] && i < ghost_lower_[0] + ghost_size_[0] && j >= ghost_lower_[1] &&
            j < ghost_lower_[1] + ghost_size_[1];

@@ -15,14 +15,14 @@ namespace mlgimp
 /// Where a level lies.
 struct LevelGeometry {
   GridGeometry grid;
-  Sides sides;
+  BoundaryConditions sides;
   std::array<bool, kSides> border{}; ///< sides that lie within the next coarser level, not on the domain's side
   /// Nearest nodes that points of this level may have along an axis: beyond a border points may stray until they move.
   int FirstNode(int axis) const { return border[2 * axis] ? 1 - grid.padding : 0; }
   int LastNode(int axis) const { return grid.cells[axis] + (border[2 * axis + 1] ? grid.padding - 1 : 0); }
 };
 
-/// What contact did since the run began, booked on the first rank of the level, and in the last step.
+/// What contact did since the run began, added up on the first rank of the level, and in the last step.
 struct ContactTotals {
   Vec2 impulse{};           ///< on the body, N s
   double indenter_work = 0; ///< J
@@ -33,7 +33,7 @@ struct ContactTotals {
 };
 
 /// Sums over a level's points on this rank.
-struct PointTally {
+struct PointSums {
   double kinetic_energy = 0, strain_energy = 0, mass = 0; ///< J, J, kg
   Vec2 momentum{};                                        ///< kg m/s
   double count = 0;
@@ -47,7 +47,7 @@ struct LevelFailure {
 };
 
 /// What a level carries from step to step beside points, totals and contact pressures.
-struct LevelPace {
+struct LevelClock {
   long steps = 0;
   double drift = 0;          ///< how far points may have moved since they were last sent to their owners, cells
   double drift_per_step = 1; ///< cells
@@ -63,7 +63,7 @@ public:
   PetscErrorCode Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout);
 
   // One explicit step from `time` to `time + dt` is these, in this order. Between them the nodes of neighbouring levels
-  // are coupled (see levels/border.hpp). Nothing happens on ranks that hold no part of the grid.
+  // are coupled (see hierarchy/level_interface.hpp). Nothing happens on ranks that hold no part of the grid.
 
   /// Mass, momentum and forces of the points on owned nodes.
   PetscErrorCode GatherForces(double time, double dt);
@@ -74,9 +74,9 @@ public:
   /// Velocities, positions, strain and stress of the points.
   PetscErrorCode AdvancePoints(double dt);
   /// Counts the step; migrates and sorts where due.
-  PetscErrorCode KeepOrder();
+  PetscErrorCode EndStep();
 
-  /// Owned nodes whose velocities neighbouring levels have a part in. From now on their exchange of energy is booked.
+  /// Owned nodes whose velocities neighbouring levels have a part in. From now on their exchange of energy is added up.
   void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes), is_coupled_ = true; }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
@@ -100,7 +100,7 @@ public:
   /// lies beyond this level's grid.
   PetscMPIInt OwnerOf(const PointArrays &points, int p);
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
-  PetscErrorCode Recut(const GridLayout &layout);
+  PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.
   PetscErrorCode Sort();
   /// Bounds the drift of points in a step by the largest speed now: they migrate before they drift out of the halo.
@@ -109,19 +109,19 @@ public:
   /// Least distance of this rank's surface points from the indenter at a time, m; infinite where there is none.
   PetscErrorCode IndenterDistance(double time, double *distance);
   /// While the indenter is out of reach, contact is left out of the steps.
-  void WatchContact(bool within_reach) { pace_.contact_awake = within_reach; }
+  void WatchContact(bool within_reach) { clock_.contact_awake = within_reach; }
   /// Contact pressures that the next step starts from, the same on every rank that holds a part of the grid.
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
 
-  PetscErrorCode Tally(PointTally *tally);
-  PetscErrorCode Tally(const std::vector<int> &points, PointTally *tally);
+  PetscErrorCode SumPoints(PointSums *point_sums);
+  PetscErrorCode SumPoints(const std::vector<int> &points, PointSums *point_sums);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
   PetscErrorCode LargestSpeeds(double *wave, double *point);
 
   Points &PointStore() { return points_; }
   /// Copies of points that the next coarser (0) or finer level (1) owns. They move and act with the level's own points,
-  /// but do not count in any book.
+  /// but do not count in any budget.
   Points &CopyStore(int origin) { return copies_[origin]; }
   const Grid &Mesh() const { return *grid_; }
   const LevelGeometry &Geometry() const { return geometry_; }
@@ -131,9 +131,9 @@ public:
   NodalTotals &Nodal() { return nodal_totals_; }
   SweepTotals &Sweeps() { return sweep_totals_; }
   ContactTotals &Contacts() { return contact_totals_; }
-  long Steps() const { return pace_.steps; }
-  const LevelPace &Pace() const { return pace_; }
-  void SetPace(const LevelPace &pace) { pace_ = pace; }
+  long Steps() const { return clock_.steps; }
+  const LevelClock &Clock() const { return clock_; }
+  void SetClock(const LevelClock &clock) { clock_ = clock; }
   void SetXpicFraction(double fraction) { nodal_.xpic_fraction = fraction; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
@@ -144,7 +144,7 @@ private:
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates(double dt);
   /// Calls sweep(view, totals, failure) for the level's own points and for both stores of copies, where there are any;
-  /// what copies do is not booked. flops: of a point.
+  /// what copies do is not added up. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
   void NoteFailure(const PointFailure &failure, double time);
 
@@ -156,7 +156,7 @@ private:
   BodyTable bodies_;
   std::unique_ptr<Grid> grid_;
   Points points_, copies_[2];
-  std::unique_ptr<Transfer> transfer_;
+  std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
   bool is_coupled_ = false;
@@ -166,7 +166,7 @@ private:
   ContactTotals contact_totals_;
   LevelFailure failure_;
   double time_ = 0;
-  LevelPace pace_;
+  LevelClock clock_;
   int sort_interval_ = 50;
 };
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "level/grid.hpp"
+#include "level/kernels.hpp"
 #include "level/points.hpp"
-#include "level/transfer.hpp"
 #include "pointwise/indenter.hpp"
 
 #include <string>

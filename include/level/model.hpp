@@ -1,9 +1,9 @@
 // The physics that all levels share: bodies, materials, loads, indenter, and the variants of the step.
 #pragma once
 
+#include "level/kernels.hpp"
 #include "level/loads.hpp"
 #include "level/nodes.hpp"
-#include "level/transfer.hpp"
 #include "pointwise/indenter.hpp"
 #include "pointwise/material.hpp"
 #include "pointwise/region.hpp"
@@ -29,7 +29,7 @@ struct Body {
 
 struct Model {
   double thickness = 1; ///< m
-  std::array<SideKind, kSides> sides{};
+  std::array<BoundaryKind, kSides> sides{};
   std::vector<std::unique_ptr<Material>> materials;
   std::vector<Body> bodies;
   std::vector<Load> loads;

@@ -1,4 +1,4 @@
-// What happens at the nodes of a level: the update of velocities, the sides of the domain, and the books of both.
+// What happens at the nodes of a level: the update of velocities, the sides of the domain, and the budgets of both.
 #pragma once
 
 #include "base/tensor.hpp"
@@ -9,11 +9,11 @@
 namespace mlgimp
 {
 
-enum class SideKind { kFree, kSymmetry, kFixed };
+enum class BoundaryKind { kFree, kSymmetry, kFixed };
 
 /// The sides of the domain as a level's grid sees them.
-struct Sides {
-  std::array<SideKind, kSides> kind{};
+struct BoundaryConditions {
+  std::array<BoundaryKind, kSides> kind{};
   std::array<int, kSides> node{}; ///< box index of the side's nodes; nodes beyond it are bound as well
 
   bool Reaches(Side side, int i, int j) const
@@ -21,15 +21,15 @@ struct Sides {
     const int index = AxisOf(side) == 0 ? i : j;
     return SignOf(side) < 0 ? index <= node[side] : index >= node[side];
   }
-  bool Binds(Side side, int axis) const
+  bool Constrains(Side side, int axis) const
   {
-    return kind[side] == SideKind::kFixed || (kind[side] == SideKind::kSymmetry && AxisOf(side) == axis);
+    return kind[side] == BoundaryKind::kFixed || (kind[side] == BoundaryKind::kSymmetry && AxisOf(side) == axis);
   }
   /// True where the velocity component `axis` of node (i, j) is held at zero.
-  bool Holds(int i, int j, int axis) const
+  bool Constrains(int i, int j, int axis) const
   {
     for (int s = 0; s < kSides; ++s)
-      if (Reaches(static_cast<Side>(s), i, j) && Binds(static_cast<Side>(s), axis)) return true;
+      if (Reaches(static_cast<Side>(s), i, j) && Constrains(static_cast<Side>(s), axis)) return true;
     return false;
   }
 };
@@ -53,7 +53,7 @@ struct NodalTotals {
   Vec2 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
   Vec2 xpic_side_impulse{};                                                     ///< of sides on what XPIC mixes in, N s
   double external_work = 0, damping_dissipation = 0;                            ///< J
-  double exchange_work = 0; ///< of internal forces and of neighbouring levels on points, J; see BookExchange
+  double exchange_work = 0; ///< of internal forces and of neighbouring levels on points, J; see AddExchange
 };
 
 /// An owned node whose velocity a neighbouring level has a part in.
@@ -63,37 +63,38 @@ struct CoupledNode {
   Vec2 change{}; ///< of its velocity by the other level in the last step, m/s
 };
 
-/// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and books their impulses.
+/// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
-/// v = p/m + dt f/m on owned nodes; velocity := (v, dv). Books the impulse of loads.
+/// v = p/m + dt f/m on owned nodes; velocity := (v, dv). Adds up the impulse of loads.
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
-/// Holds the velocities of owned nodes at the sides, booking the impulse on the body.
-void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &settings, NodalTotals &totals);
+/// Holds the velocities of owned nodes at the sides, adding up the impulse on the body.
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                             NodalTotals &totals);
 
-/// Books the work of gravity, loads and damping with the mean velocity of the step, after sides and contact.
-void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+/// Adds up the work of gravity, loads and damping with the mean velocity of the step, after sides and contact.
+void AddWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
-void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings);
+void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);
 
 /// Keeps by how much the coupling of levels has changed the velocities of nodes: dv less dt f/m of the level's own points.
 /// Before sides and contact change them too.
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
-/// Books the kinetic energy that the level's points get in a step from internal forces and from neighbouring levels. With p
+/// Adds up the kinetic energy that the level's points get in a step from internal forces and from neighbouring levels. With p
 /// and P the momenta of the points on a node before and after (P: in `rates`, not yet divided), it is exactly dv . (p + P)/2, dv
 /// being the part of the change of velocity that these two have in it. Less the strain energy that the points give for it, this
-/// is what coupling brings: see Books::exchange_energy.
-void BookExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                  NodalTotals &totals);
+/// is what coupling brings: see Budgets::exchange_energy.
+void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
+                 NodalTotals &totals);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
 /// extrapolation it is the new velocity itself. Owned nodes; at those that are held the second velocity is the new one too.
-/// Books the impulse of sides on the projected velocities.
-void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<CoupledNode> &coupled,
-                 NodalTotals &totals);
+/// Adds up the impulse of sides on the projected velocities.
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                 const std::vector<CoupledNode> &coupled, NodalTotals &totals);
 
 } // namespace mlgimp

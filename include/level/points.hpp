@@ -56,7 +56,7 @@ private:
 };
 
 /// Points that leave, and the rank each goes to.
-struct Departures {
+struct Migrants {
   std::vector<int> points;        ///< indices, ascending
   std::vector<PetscMPIInt> ranks; ///< destination of each
   /// A point without a destination (-1) stays where it is.
@@ -70,11 +70,10 @@ struct Departures {
 
 /// Moves points out of `from` into `to` (the same object for migration within a level), across the ranks of `comm`.
 /// Collective. Arrivals are ordered by source rank and place, so that a fixed number of ranks repeats bit for bit.
-PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures);
+PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Migrants &migrants);
 
 /// The same, but the points stay in `from` as well. Departures are ordered by rank. origins: of each arrival, in the order
-/// of storage, its rank and its place among that rank's departures.
-PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures,
-                          std::vector<PetscSFNode> *origins);
+/// of storage, its rank and its place among that rank's migrants.
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Migrants &migrants, std::vector<PetscSFNode> *origins);
 
 } // namespace mlgimp

@@ -23,7 +23,7 @@ class Seeding
 public:
   /// cell_size_at: of all levels, different on each; the level owns the cells where it is that of `geometry`. ratio: of
   /// neighbouring levels; first_id: the least number of the level's points.
-  Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, CellSizeAt cell_size_at, int ratio,
+  Seeding(const Model &model, const GridGeometry &geometry, const BoundaryConditions &sides, CellSizeAt cell_size_at, int ratio,
           std::int64_t first_id);
 
   /// Calls work for every seed with its cell within [lower, upper) along both axes, row by row.
@@ -47,7 +47,7 @@ private:
 
   const Model &model_;
   GridGeometry geometry_;
-  Sides sides_;
+  BoundaryConditions sides_;
   CellSizeAt cell_size_at_;
   std::int64_t first_id_;
   int tiles_per_cell_ = 1; ///< the most of any body

@@ -1,7 +1,7 @@
 // A case: everything that options say, validated.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 #include "program/options.hpp"
 
 #include <string>

@@ -18,7 +18,7 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
 
 std::string WrongState(const std::vector<double> &numbers, const Case &settings);
 /// numbers: as the attribute "pace" of level l has them, at a step of level 0.
-std::string WrongPace(const std::vector<double> &numbers, long step, const Case &settings, int l);
+std::string WrongClock(const std::vector<double> &numbers, long step, const Case &settings, int l);
 /// counts: of the points of each rank that wrote, which must add up to `rows`.
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows);
 /// The layout of a level among so many ranks.

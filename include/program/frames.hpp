@@ -1,7 +1,7 @@
 // Frames of points for pictures and other tools: points_FFFFFF.h5 and the time series points.xdmf.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 
 #include <string>
 #include <vector>

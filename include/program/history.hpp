@@ -1,7 +1,7 @@
 // history.csv: one row of totals per interval, flushed as written.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 #include "program/files.hpp"
 
 #include <string>
@@ -14,7 +14,7 @@ namespace mlgimp
 struct HistoryRow {
   long step;
   double time, depth, load, half_width, penetration, peak_pressure;
-  Books books;
+  Budgets budgets;
 };
 
 class History

@@ -1,7 +1,7 @@
 // A run: set-up from a case, the loop over steps, and all that is written on the way.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 #include "program/case.hpp"
 #include "program/checkpoint.hpp"
 #include "program/frames.hpp"
@@ -47,7 +47,7 @@ private:
   double Progress() const;
   double TimeScale(double speed) const;
   double StepLength(double speed) const;
-  double FastestSignal(const Pulse &pulse) const;
+  double FastestSignal(const SpeedCheck &speeds) const;
   PetscErrorCode CheckStep(double speed);
   PetscErrorCode FailOrRefuse(const std::string &message);
 
@@ -56,7 +56,7 @@ private:
   LogEvents events_{};
   Hierarchy hierarchy_;
   RunState state_;
-  Books books_{}; ///< of the last history row
+  Budgets budgets_{}; ///< of the last history row
   OutputFolder folder_;
   History history_;
   FrameWriter frames_;

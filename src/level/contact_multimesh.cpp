@@ -52,7 +52,7 @@ private:
     for (int d = 0; d < 2; ++d) {
       const double change = approach * gap.normal[d];
       if (owned) local[0][d] += mass * change;
-      if (view.sides.Holds(i, j, d)) {
+      if (view.sides.Constrains(i, j, d)) {
         if (owned) local[1][d] -= mass * change;
       } else {
         free[d] = change;

@@ -301,7 +301,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
                           static_cast<double>(e.j + padding) * width + e.i + padding,
                           {e.test[0], e.test[1]},
                           {e.force[0], e.force[1]},
-                          {view.sides.Holds(e.i, e.j, 0) ? 0 : 1 / mass, view.sides.Holds(e.i, e.j, 1) ? 0 : 1 / mass},
+                          {view.sides.Constrains(e.i, e.j, 0) ? 0 : 1 / mass, view.sides.Constrains(e.i, e.j, 1) ? 0 : 1 / mass},
                           {velocity[0], velocity[1]}});
   }
   Problem mine{std::move(my_rows), std::move(my_entries), {}};
@@ -334,7 +334,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   for (int k = 0; k < static_cast<int>(header.nodes); ++k, next += 3) {
     const std::int64_t node = static_cast<std::int64_t>(next[0]);
     const int i = static_cast<int>(node % width) - padding, j = static_cast<int>(node / width) - padding;
-    if (!grid.Holds(i, j)) continue;
+    if (!grid.IsLocal(i, j)) continue;
     ChangeVelocity(view, i, j, {next[1], next[2]}, report);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

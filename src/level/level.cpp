@@ -36,7 +36,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   PetscCall(grid_->Create(world, geometry.grid, layout));
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
-  transfer_ = CreateTransfer(model_.shape_function);
+  kernels_ = CreateKernels(model_.shape_function);
   if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
@@ -65,11 +65,11 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     const bool owned = k == 0;
     PointArrays points;
     PointFailure failure;
-    SweepTotals unbooked;
+    SweepTotals discarded;
     if (!owned && stores[k]->Count() == 0) continue;
     PetscCall(stores[k]->Arrays(&points));
     grid_velocity_[k].resize(2 * static_cast<std::size_t>(points.count));
-    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? sweep_totals_ : unbooked, failure);
+    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? sweep_totals_ : discarded, failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
@@ -82,7 +82,7 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
   PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &) {
-    transfer_->PointsToGrid(view, model_.acceleration, time, totals);
+    kernels_->PointsToGrid(view, model_.acceleration, time, totals);
   }));
   PointFailure failure;
   PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time, failure));
@@ -101,7 +101,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_ && pace_.contact_awake)
+  if (contact_ && clock_.contact_awake)
     PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
@@ -122,13 +122,13 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt)
 {
   PetscFunctionBeginUser;
-  if (!grid_->Participates() || !pace_.contact_awake) contact_totals_.last = {};
+  if (!grid_->Participates() || !clock_.contact_awake) contact_totals_.last = {};
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
-  ApplySides(*grid_, geometry_.sides, nodal_, nodal_totals_);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, nodal_totals_);
   PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
-  if (contact_ && pace_.contact_awake) PetscCall(ApplyContact(time, dt));
-  if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) BookWork(*grid_, nodal_, dt, nodal_totals_);
+  if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
+  if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) AddWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,7 +169,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(
       ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-        transfer_->ApplyRates(view, plan, totals, failure);
+        kernels_->ApplyRates(view, plan, totals, failure);
       }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -181,7 +181,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscFunctionBeginUser;
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(rates); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  if (is_coupled_) BookExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
+  if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
   UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
   PetscCall(PetscLogFlops(kRatesFlops * grid_->OwnedNodes()));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
@@ -202,30 +202,30 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-    transfer_->GridToPoints(view, first, totals, failure);
+    kernels_->GridToPoints(view, first, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(second_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-    transfer_->ApplyRates(view, second, totals, failure);
+    kernels_->ApplyRates(view, second, totals, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::KeepOrder()
+PetscErrorCode Level::EndStep()
 {
   PetscFunctionBeginUser;
   constexpr double kMostDrift = 0.9; // cells; the halo has room for one
-  ++pace_.steps;
-  pace_.drift += pace_.drift_per_step;
-  const bool due = pace_.drift + pace_.drift_per_step > kMostDrift;
-  if (due) pace_.drift = 0; // on ranks without a part of the grid too, so that all tell the same
+  ++clock_.steps;
+  clock_.drift += clock_.drift_per_step;
+  const bool due = clock_.drift + clock_.drift_per_step > kMostDrift;
+  if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all tell the same
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (due) PetscCall(Migrate());
-  if (pace_.steps % sort_interval_ == 0) PetscCall(Sort());
+  if (clock_.steps % sort_interval_ == 0) PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,7 +233,7 @@ void Level::BoundDrift(double largest_speed, double dt)
 {
   // Speeds may double before they are measured again, and a body at rest may be set in motion.
   constexpr double kSafety = 2, kSurprise = 0.02; // -, cells a step
-  pace_.drift_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
+  clock_.drift_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
 }
 
 PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
@@ -248,14 +248,14 @@ PetscErrorCode Level::Migrate(bool everywhere)
 {
   PointArrays points;
   PetscMPIInt rank;
-  Departures departures;
+  Migrants migrants;
   PointFailure failure;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(points_.Arrays(&points));
-  pace_.drift = 0;
+  clock_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
     double *x = points.position + 2 * p;
     int node[2];
@@ -268,11 +268,11 @@ PetscErrorCode Level::Migrate(bool everywhere)
     }
     const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node[0], node[1]) : grid_->BlockOfNode(node[0], node[1]);
     if (owner == rank) continue;
-    departures.points.push_back(p);
-    departures.ranks.push_back(owner);
+    migrants.points.push_back(p);
+    migrants.ranks.push_back(owner);
   }
   NoteFailure(failure, time_);
-  PetscCall(MovePoints(comm, points_, points_, departures));
+  PetscCall(MovePoints(comm, points_, points_, migrants));
   PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -281,11 +281,11 @@ PetscErrorCode Level::MigrateCopies()
 {
   PetscFunctionBeginUser;
   for (Points &copies : copies_) {
-    Departures departures;
+    Migrants migrants;
     PointArrays points;
     PetscCall(copies.Arrays(&points));
-    for (int p = 0; p < points.count; ++p) departures.Add(p, OwnerOf(points, p));
-    PetscCall(MovePoints(world_, copies, copies, departures));
+    for (int p = 0; p < points.count; ++p) migrants.Add(p, OwnerOf(points, p));
+    PetscCall(MovePoints(world_, copies, copies, migrants));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -306,7 +306,7 @@ PetscErrorCode Level::SharePressures()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::Recut(const GridLayout &layout)
+PetscErrorCode Level::Repartition(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
   PetscCall(SharePressures());
@@ -350,9 +350,9 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   std::fill_n(rates, NodeArrays::kRates * nodes, 0.0);
   std::fill_n(sums, NodeArrays::kSums * nodes, 0.0);
   PetscCall(ForEachStore(0, [&](const SweepView &view, SweepTotals &, PointFailure &) {
-    SweepTotals unbooked;
-    transfer_->ScatterTensors(view);
-    transfer_->PointsToGrid(view, {}, 0, unbooked);
+    SweepTotals discarded;
+    kernels_->ScatterTensors(view);
+    kernels_->PointsToGrid(view, {}, 0, discarded);
   }));
   PetscCall(grid_->ReduceToOwners(rates));
   PetscCall(grid_->ReduceToOwners(sums));
@@ -363,7 +363,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
       rates[NodeArrays::kRates * i + c] /= std::max(sums[NodeArrays::kSums * i], nodal_.mass_cutoff);
   PetscCall(points_.Arrays(&arrays));
   for (std::size_t k = 0; k < points.size(); ++k)
-    transfer_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
+    kernels_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,14 +17,14 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   PetscCall(points_.Arrays(&arrays));
   const SweepView view = {*grid_, arrays, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k)
-    transfer_->VelocityAt(view, points[k], nodal_.mass_cutoff, (*samples)[k].change.data(), (*samples)[k].L);
+    kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff, (*samples)[k].change.data(), (*samples)[k].L);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
 {
   PointArrays all;
-  SweepTotals unbooked;
+  SweepTotals discarded;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(points_.Arrays(&all));
@@ -33,14 +33,14 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
-    transfer_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, unbooked);
+    kernels_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, discarded);
   }
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Adds at most kBlock points of one material.
-static void AddPoints(const PointArrays &points, const Material &material, PointTally *tally)
+static void AddPoints(const PointArrays &points, const Material &material, PointSums *point_sums)
 {
   double energy[kBlock];
   material.StoredEnergy(points.count, points.F, points.stress, points.history, points.history_components, energy);
@@ -55,33 +55,33 @@ static void AddPoints(const PointArrays &points, const Material &material, Point
     momentum_x += m * x;
     momentum_y += m * y;
   }
-  tally->kinetic_energy += kinetic;
-  tally->strain_energy += strain / material.Density();
-  tally->mass += mass;
-  tally->momentum = tally->momentum + Vec2{momentum_x, momentum_y};
-  tally->count += points.count;
+  point_sums->kinetic_energy += kinetic;
+  point_sums->strain_energy += strain / material.Density();
+  point_sums->mass += mass;
+  point_sums->momentum = point_sums->momentum + Vec2{momentum_x, momentum_y};
+  point_sums->count += points.count;
 }
 
-PetscErrorCode Level::Tally(PointTally *tally)
+PetscErrorCode Level::SumPoints(PointSums *point_sums)
 {
   PointArrays points;
   PetscFunctionBeginUser;
-  *tally = {};
+  *point_sums = {};
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    AddPoints(Slice(points, first, end), bodies_.Of(points, first), tally);
+    AddPoints(Slice(points, first, end), bodies_.Of(points, first), point_sums);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::Tally(const std::vector<int> &list, PointTally *tally)
+PetscErrorCode Level::SumPoints(const std::vector<int> &list, PointSums *point_sums)
 {
   PointArrays points;
   PetscFunctionBeginUser;
-  *tally = {};
+  *point_sums = {};
   PetscCall(points_.Arrays(&points));
-  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), tally);
+  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), point_sums);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,11 +19,11 @@ template <class Work> void ForEachOwned(const Grid &grid, Work work)
 }
 
 /// Calls work(index, side) for every owned node at or beyond each bound side.
-template <class Work> void ForEachBound(const Grid &grid, const Sides &sides, Work work)
+template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryConditions &sides, Work work)
 {
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);
-    if (sides.kind[s] == SideKind::kFree) continue;
+    if (sides.kind[s] == BoundaryKind::kFree) continue;
     int lower[2] = {grid.OwnedLower(0), grid.OwnedLower(1)}, upper[2] = {grid.OwnedUpper(0), grid.OwnedUpper(1)};
     const int axis = AxisOf(side);
     if (SignOf(side) < 0)
@@ -35,7 +35,7 @@ template <class Work> void ForEachBound(const Grid &grid, const Sides &sides, Wo
   }
 }
 
-/// Share of a node's mass that points of this level have; the rest are copies, whose books their owners keep.
+/// Share of a node's mass that points of this level have; the rest are copies, whose budgets their owners keep.
 double OwnedShare(const double *sums) { return sums[0] > 0 ? sums[3] / sums[0] : 0; }
 
 } // namespace
@@ -75,15 +75,16 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
   totals.load_impulse = totals.load_impulse + load_impulse;
 }
 
-void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &settings, NodalTotals &totals)
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                             NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
-  ForEachBound(grid, sides, [&](int index, Side side) {
+  ForEachConstrained(grid, sides, [&](int index, Side side) {
     const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
     if (sums[0] <= settings.mass_cutoff) return;
     for (int axis = 0; axis < 2; ++axis) {
-      if (!sides.Binds(side, axis)) continue;
+      if (!sides.Constrains(side, axis)) continue;
       totals.support_impulse[axis] -= sums[3] * velocity[axis];
       velocity[2 + axis] -= velocity[axis];
       velocity[axis] = 0;
@@ -91,7 +92,7 @@ void ApplySides(const Grid &grid, const Sides &sides, const NodalSettings &setti
   });
 }
 
-void BookWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+void AddWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
   double work = 0, damped = 0;
@@ -118,8 +119,8 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
   }
 }
 
-void BookExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                  NodalTotals &totals)
+void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
+                 NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
   double work = 0;
@@ -141,14 +142,14 @@ void BookExchange(const Grid &grid, const NodalSettings &settings, double dt, co
 }
 
 /// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
-static Vec2 BindRates(const Grid &grid, const Sides &sides)
+static Vec2 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
   Vec2 impulse{};
-  ForEachBound(grid, sides, [&](int index, Side side) {
+  ForEachConstrained(grid, sides, [&](int index, Side side) {
     const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
     for (int axis = 0; axis < 2; ++axis) {
-      if (!sides.Binds(side, axis)) continue;
+      if (!sides.Constrains(side, axis)) continue;
       impulse[axis] -= sums[3] * rates[2 + axis];
       rates[axis] = rates[2 + axis] = 0;
     }
@@ -156,7 +157,7 @@ static Vec2 BindRates(const Grid &grid, const Sides &sides)
   return impulse;
 }
 
-void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSettings &settings)
+void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
   const NodeArrays &nodes = grid.Arrays();
   ForEachOwned(grid, [&](int index) {
@@ -167,11 +168,11 @@ void VelocitiesFromSums(const Grid &grid, const Sides &sides, const NodalSetting
     rates[0] = sums[1] / sums[0];
     rates[1] = sums[2] / sums[0];
   });
-  BindRates(grid, sides);
+  ConstrainRates(grid, sides);
 }
 
-void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &settings, const std::vector<CoupledNode> &coupled,
-                 NodalTotals &totals)
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                 const std::vector<CoupledNode> &coupled, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
   ForEachOwned(grid, [&](int index) {
@@ -197,7 +198,7 @@ void UpdateRates(const Grid &grid, const Sides &sides, const NodalSettings &sett
       double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(node.node);
       rates[axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(node.node) + axis];
     }
-  totals.xpic_side_impulse = totals.xpic_side_impulse + settings.xpic_fraction * BindRates(grid, sides);
+  totals.xpic_side_impulse = totals.xpic_side_impulse + settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 
 } // namespace mlgimp

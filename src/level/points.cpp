@@ -191,38 +191,38 @@ private:
   std::size_t record_bytes_ = 0;
 };
 
-/// Number of points for a rank, and the place of the first among all departures.
-struct Portion {
+/// Number of points for a rank, and the place of the first among all migrants.
+struct BlockOfPoints {
   int count, start;
 };
 
-/// Packed departures grouped by destination rank.
-struct Parcel {
+/// Packed migrants grouped by destination rank.
+struct SendBuffer {
   std::vector<PetscMPIInt> ranks;
-  std::vector<Portion> portions;
+  std::vector<BlockOfPoints> blocks;
   std::vector<char> records;
 };
 
-PetscErrorCode PackParcel(Points &from, const Departures &departures, Parcel *parcel)
+PetscErrorCode Pack(Points &from, const Migrants &migrants, SendBuffer *buffer)
 {
-  const std::size_t n = departures.points.size();
+  const std::size_t n = migrants.points.size();
   std::vector<std::size_t> order(n);
   RecordCopier copier;
   PetscFunctionBeginUser;
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return departures.ranks[a] < departures.ranks[b]; });
+                   [&](std::size_t a, std::size_t b) { return migrants.ranks[a] < migrants.ranks[b]; });
   PetscCall(RecordCopier::Create(from, &copier));
-  parcel->records.resize(n * copier.RecordBytes());
+  buffer->records.resize(n * copier.RecordBytes());
   for (std::size_t k = 0; k < n; ++k) {
-    const PetscMPIInt rank = departures.ranks[order[k]];
-    if (parcel->ranks.empty() || parcel->ranks.back() != rank) {
-      parcel->ranks.push_back(rank);
-      parcel->portions.push_back({0, static_cast<int>(k)});
+    const PetscMPIInt rank = migrants.ranks[order[k]];
+    if (buffer->ranks.empty() || buffer->ranks.back() != rank) {
+      buffer->ranks.push_back(rank);
+      buffer->blocks.push_back({0, static_cast<int>(k)});
     }
-    ++parcel->portions.back().count;
-    copier.Pack(departures.points[order[k]], &parcel->records[k * copier.RecordBytes()]);
+    ++buffer->blocks.back().count;
+    copier.Pack(migrants.points[order[k]], &buffer->records[k * copier.RecordBytes()]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,29 +250,29 @@ namespace
 {
 
 /// What comes from a rank.
-struct Arrival {
+struct Incoming {
   PetscMPIInt rank;
-  Portion portion;
+  BlockOfPoints block;
 };
 
 /// Tells every rank what comes to it. Collective.
-PetscErrorCode AnnounceArrivals(MPI_Comm comm, const Parcel &parcel, std::vector<Arrival> *arrivals)
+PetscErrorCode AnnounceIncoming(MPI_Comm comm, const SendBuffer &buffer, std::vector<Incoming> *incoming)
 {
   PetscMPIInt sources, *ranks = nullptr;
-  Portion *portions = nullptr;
+  BlockOfPoints *blocks = nullptr;
   PetscFunctionBeginUser;
-  PetscCall(PetscCommBuildTwoSided(comm, 2, MPI_INT, static_cast<PetscMPIInt>(parcel.ranks.size()), parcel.ranks.data(),
-                                   parcel.portions.data(), &sources, &ranks, static_cast<void *>(&portions)));
-  for (PetscMPIInt k = 0; k < sources; ++k) arrivals->push_back({ranks[k], portions[k]});
+  PetscCall(PetscCommBuildTwoSided(comm, 2, MPI_INT, static_cast<PetscMPIInt>(buffer.ranks.size()), buffer.ranks.data(),
+                                   buffer.blocks.data(), &sources, &ranks, static_cast<void *>(&blocks)));
+  for (PetscMPIInt k = 0; k < sources; ++k) incoming->push_back({ranks[k], blocks[k]});
   PetscCall(PetscFree(ranks));
-  PetscCall(PetscFree(portions));
-  std::sort(arrivals->begin(), arrivals->end(), [](const Arrival &a, const Arrival &b) { return a.rank < b.rank; });
+  PetscCall(PetscFree(blocks));
+  std::sort(incoming->begin(), incoming->end(), [](const Incoming &a, const Incoming &b) { return a.rank < b.rank; });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Sends packed points and adds the arrivals to `to`. Nothing is collective but the duplication of the communicator,
+/// Sends packed points and adds the incoming to `to`. Nothing is collective but the duplication of the communicator,
 /// which counts tags and so must happen on all ranks.
-PetscErrorCode Deliver(MPI_Comm comm, const Parcel &parcel, const std::vector<Arrival> &arrivals, Points &to)
+PetscErrorCode Deliver(MPI_Comm comm, const SendBuffer &buffer, const std::vector<Incoming> &incoming, Points &to)
 {
   PetscMPIInt tag;
   MPI_Comm inner;
@@ -282,55 +282,54 @@ PetscErrorCode Deliver(MPI_Comm comm, const Parcel &parcel, const std::vector<Ar
   int arriving = 0;
   PetscFunctionBeginUser;
   PetscCall(PetscCommDuplicate(comm, &inner, &tag));
-  for (const Arrival &arrival : arrivals) arriving += arrival.portion.count;
+  for (const Incoming &message : incoming) arriving += message.block.count;
   const int before = to.Count();
   if (arriving > 0) PetscCall(to.Resize(before + arriving));
   PetscCall(RecordCopier::Create(to, &copier));
   const std::size_t bytes = copier.RecordBytes();
-  std::vector<char> incoming(bytes * arriving);
+  std::vector<char> received(bytes * arriving);
   PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
   PetscCallMPI(MPI_Type_commit(&record));
   std::size_t offset = 0;
-  for (const auto &[rank, portion] : arrivals) {
-    PetscCallMPI(MPI_Irecv(&incoming[offset], portion.count, record, rank, tag, inner, &requests.emplace_back()));
-    offset += bytes * portion.count;
+  for (const auto &[rank, block] : incoming) {
+    PetscCallMPI(MPI_Irecv(&received[offset], block.count, record, rank, tag, inner, &requests.emplace_back()));
+    offset += bytes * block.count;
   }
-  for (std::size_t k = 0; k < parcel.ranks.size(); ++k)
-    PetscCallMPI(MPI_Isend(&parcel.records[bytes * parcel.portions[k].start], parcel.portions[k].count, record, parcel.ranks[k],
-                           tag, inner, &requests.emplace_back()));
+  for (std::size_t k = 0; k < buffer.ranks.size(); ++k)
+    PetscCallMPI(MPI_Isend(&buffer.records[bytes * buffer.blocks[k].start], buffer.blocks[k].count, record, buffer.ranks[k], tag,
+                           inner, &requests.emplace_back()));
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCallMPI(MPI_Type_free(&record));
   PetscCall(PetscCommDestroy(&inner));
-  for (int k = 0; k < arriving; ++k) copier.Unpack(&incoming[bytes * k], before + k);
+  for (int k = 0; k < arriving; ++k) copier.Unpack(&received[bytes * k], before + k);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures)
+PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Migrants &migrants)
 {
-  Parcel parcel;
-  std::vector<Arrival> arrivals;
+  SendBuffer buffer;
+  std::vector<Incoming> incoming;
   PetscFunctionBeginUser;
-  PetscCall(PackParcel(from, departures, &parcel));
-  PetscCall(AnnounceArrivals(comm, parcel, &arrivals));
-  PetscCall(from.Remove(departures.points));
-  PetscCall(Deliver(comm, parcel, arrivals, to));
+  PetscCall(Pack(from, migrants, &buffer));
+  PetscCall(AnnounceIncoming(comm, buffer, &incoming));
+  PetscCall(from.Remove(migrants.points));
+  PetscCall(Deliver(comm, buffer, incoming, to));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Departures &departures,
-                          std::vector<PetscSFNode> *origins)
+PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Migrants &migrants, std::vector<PetscSFNode> *origins)
 {
-  Parcel parcel;
-  std::vector<Arrival> arrivals;
+  SendBuffer buffer;
+  std::vector<Incoming> incoming;
   PetscFunctionBeginUser;
-  PetscCall(PackParcel(from, departures, &parcel));
-  PetscCall(AnnounceArrivals(comm, parcel, &arrivals));
-  PetscCall(Deliver(comm, parcel, arrivals, to));
+  PetscCall(Pack(from, migrants, &buffer));
+  PetscCall(AnnounceIncoming(comm, buffer, &incoming));
+  PetscCall(Deliver(comm, buffer, incoming, to));
   origins->clear();
-  for (const auto &[rank, portion] : arrivals)
-    for (int k = 0; k < portion.count; ++k) origins->push_back({rank, portion.start + k});
+  for (const auto &[rank, block] : incoming)
+    for (int k = 0; k < block.count; ++k) origins->push_back({rank, block.start + k});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,8 +6,8 @@
 namespace mlgimp
 {
 
-Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Sides &sides, CellSizeAt cell_size_at, int ratio,
-                 std::int64_t first_id)
+Seeding::Seeding(const Model &model, const GridGeometry &geometry, const BoundaryConditions &sides, CellSizeAt cell_size_at,
+                 int ratio, std::int64_t first_id)
     : model_(model), geometry_(geometry), sides_(sides), cell_size_at_(std::move(cell_size_at)), first_id_(first_id)
 {
   for (const Body &body : model.bodies) {
@@ -83,7 +83,7 @@ bool Seeding::Occupied(Vec2 x) const
 bool Seeding::AtWall(const Seed &seed, Side side) const
 {
   const int axis = AxisOf(side);
-  if (sides_.kind[side] == SideKind::kFree) return false;
+  if (sides_.kind[side] == BoundaryKind::kFree) return false;
   const double face = seed.tile.center[axis] + SignOf(side) * seed.tile.half_size[axis];
   const double wall = geometry_.lower[axis] + sides_.node[side] * geometry_.spacing;
   return SignOf(side) * (wall - face) <= kSliver * geometry_.spacing / model_.bodies[seed.body].points_per_cell;

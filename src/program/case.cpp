@@ -32,7 +32,7 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
     std::string kind = "free";
     PetscCall(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain", ""}, kinds, &kind));
-    c->model.sides[s] = static_cast<SideKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
+    c->model.sides[s] = static_cast<BoundaryKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
   }
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   if (!kCellSizes.Contains(c->cell_size))

@@ -122,7 +122,7 @@ PetscErrorCode ReadNodeCoupling(OptionReader &reader, Case *c)
 PetscErrorCode ReadPointCoupling(OptionReader &reader, Case *c)
 {
   HierarchySettings &settings = c->hierarchy;
-  GhostRepairs &repairs = settings.repairs;
+  CopyRepairs &repairs = settings.repairs;
   std::string ownership = "flags";
   PetscFunctionBeginUser;
   settings.ghost_cells = 2 * settings.ratio;
@@ -180,7 +180,7 @@ LevelGeometry MakeLevel(const Case &c, int k)
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);
     geometry.border[s] = c.IsBorder(k, side);
-    geometry.sides.kind[s] = geometry.border[s] ? SideKind::kFree : c.model.sides[s];
+    geometry.sides.kind[s] = geometry.border[s] ? BoundaryKind::kFree : c.model.sides[s];
     geometry.sides.node[s] = SignOf(side) < 0 ? 0 : geometry.grid.cells[AxisOf(side)];
   }
   return geometry;

@@ -48,14 +48,14 @@ static PetscErrorCode WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   Level &level = hierarchy.At(l);
   const std::string group = LevelName(l);
   const GridLayout &layout = level.Mesh().Layout();
-  const LevelPace &pace = level.Pace();
+  const LevelClock &clock = level.Clock();
   std::vector<double> keys, pressures;
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
   const bool first = rank == 0;
   PetscCall(WritePoints(file, hierarchy.Comm(), group, level.PointStore()));
-  PetscCall(file.Attribute(group, "pace", {double(pace.steps), pace.drift, pace.drift_per_step, double(pace.contact_awake)}));
+  PetscCall(file.Attribute(group, "pace", {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_awake)}));
   PetscCall(file.List(group + "/columns", first ? Numbers(layout.widths[0]) : std::vector<double>()));
   PetscCall(file.List(group + "/rows", first ? Numbers(layout.widths[1]) : std::vector<double>()));
   PetscCall(file.List(group + "/ranks", first ? Numbers(layout.ranks) : std::vector<double>()));
@@ -78,7 +78,7 @@ static PetscErrorCode WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
-  PetscCall(hierarchy.GatherBorderState(b, &state));
+  PetscCall(hierarchy.GatherInterfaceState(b, &state));
   PetscCall(file.List(BorderName(b), rank == 0 ? state : std::vector<double>()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -98,7 +98,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
   return "";
 }
 
-std::string WrongPace(const std::vector<double> &n, long step, const Case &settings, int l)
+std::string WrongClock(const std::vector<double> &n, long step, const Case &settings, int l)
 {
   const bool whole = IsWhole(n[0], 1, kLargestWhole) && n[0] == static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);

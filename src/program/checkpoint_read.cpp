@@ -154,7 +154,7 @@ PetscErrorCode CheckpointReader::ReadTotals()
 PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
 {
   double points = 0;
-  Books books;
+  Budgets budgets;
   PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     hsize_t rows = 0;
@@ -164,9 +164,9 @@ PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
       Note(WrongCounts(counts, writers_, static_cast<double>(rows)));
     points += static_cast<double>(rows);
   }
-  PetscCall(hierarchy_.ReduceBooks(&books)); // of totals only: there are no points yet
+  PetscCall(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
   const double children = std::pow(case_.hierarchy.ratio, 2) - 1;
-  const double created = (books.points_split - books.points_merged) * children - state.initial_created;
+  const double created = (budgets.points_split - budgets.points_merged) * children - state.initial_created;
   if (KeepsPoints() && points != state.initial_points + created)
     Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(state.initial_points + created));
   PetscCall(Settle("checkpoint_points"));
@@ -237,7 +237,7 @@ PetscErrorCode CheckpointReader::ReadLayout(int l)
   layout.widths[0].assign(columns.begin(), columns.end());
   layout.widths[1].assign(rows.begin(), rows.end());
   layout.ranks.assign(ranks.begin(), ranks.end());
-  PetscCall(hierarchy_.At(l).Recut(layout));
+  PetscCall(hierarchy_.At(l).Repartition(layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,11 +245,11 @@ PetscErrorCode CheckpointReader::ReadLevel(const RunState &state, int l)
 {
   Level &level = hierarchy_.At(l);
   const std::string group = LevelName(l);
-  std::vector<double> pace(4), keys, values;
+  std::vector<double> clock(4), keys, values;
   ContactPressures pressures;
   PetscFunctionBeginUser;
-  if (Found(file_.Has(group) && file_.Attribute(group, "pace", &pace), group + "/pace"))
-    Note(WrongPace(pace, state.step, case_, l));
+  if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
+    Note(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values)) Note(WrongPressures(keys, values));
   PetscCall(Settle("checkpoint_pace"));
   PetscCall(ReadLayout(l));
@@ -258,7 +258,7 @@ PetscErrorCode CheckpointReader::ReadLevel(const RunState &state, int l)
     PetscCall(ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin)));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
   level.SetPressures(pressures);
-  level.SetPace({static_cast<long>(pace[0]), pace[1], pace[2], pace[3] != 0});
+  level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0});
   if (same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(level.Migrate(true));
   PetscCall(level.MigrateCopies());
@@ -270,11 +270,11 @@ PetscErrorCode CheckpointReader::ReadBorder(int b)
 {
   std::vector<double> state;
   PetscFunctionBeginUser;
-  const std::size_t size = hierarchy_.Copies().ready ? 0 : Border::kState * hierarchy_.BorderNodes(b);
+  const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
   if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
   Found(state.size() == size, BorderName(b));
   PetscCall(Settle("checkpoint_border"));
-  PetscCall(hierarchy_.RestoreBorderState(b, state));
+  PetscCall(hierarchy_.RestoreInterfaceState(b, state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -283,17 +283,17 @@ PetscErrorCode CheckpointReader::CheckWhole(const RunState &state)
 {
   constexpr double kMassError = 1e-6;
   std::vector<std::int64_t> ids;
-  Books books;
+  Budgets budgets;
   PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     PointArrays points;
     PetscCall(hierarchy_.At(l).PointStore().Arrays(&points));
     ids.insert(ids.end(), points.id, points.id + points.count);
   }
-  PetscCall(hierarchy_.ReduceBooks(&books));
-  if (!std::isfinite(books.kinetic_energy) || !std::isfinite(books.strain_energy)) Note("its energies are not finite");
+  PetscCall(hierarchy_.ReduceBudgets(&budgets));
+  if (!std::isfinite(budgets.kinetic_energy) || !std::isfinite(budgets.strain_energy)) Note("its energies are not finite");
   if (KeepsPoints()) {
-    if (!(std::abs(books.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
+    if (!(std::abs(budgets.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
     PetscCall(FindRepeated(comm_, ids, &wrong_));
   }
   PetscCall(Settle("checkpoint_whole"));

@@ -37,14 +37,14 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
   } else {
     PetscCall(CheckBodies(hierarchy_, case_));
     PetscCall(CheckIndenter(hierarchy_, case_));
-    PetscCall(hierarchy_.ReduceBooks(&books_));
-    state_.initial_mass = books_.mass;
-    state_.initial_points = books_.points;
-    state_.initial_created = books_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
+    PetscCall(hierarchy_.ReduceBudgets(&budgets_));
+    state_.initial_mass = budgets_.mass;
+    state_.initial_points = budgets_.points;
+    state_.initial_created = budgets_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
   }
   PetscCall(folder_.Check(comm, &problem));
   if (!problem.empty()) PetscCall(Refuse(comm, problem));
-  // A run that goes on as it was keeps the step and the pace of its levels until it would have looked at them.
+  // A run that goes on as it was keeps the step and the clock of its levels until it would have looked at them.
   if (!same_ranks || state_.step_settings != StepSettings()) PetscCall(ControlStep());
   state_.step_settings = StepSettings();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -95,11 +95,11 @@ double Simulation::StepLength(double speed) const
 }
 
 /// The fastest signal: waves, or points and the indenter that come toward each other.
-double Simulation::FastestSignal(const Pulse &pulse) const
+double Simulation::FastestSignal(const SpeedCheck &speeds) const
 {
-  if (!case_.model.indenter) return pulse.wave_speed;
-  const double soon = state_.time + 2 * kControlInterval * StepLength(pulse.wave_speed);
-  return std::max(pulse.wave_speed, pulse.point_speed + case_.model.indenter->motion.Fastest(state_.time, soon));
+  if (!case_.model.indenter) return speeds.wave_speed;
+  const double soon = state_.time + 2 * kControlInterval * StepLength(speeds.wave_speed);
+  return std::max(speeds.wave_speed, speeds.point_speed + case_.model.indenter->motion.Fastest(state_.time, soon));
 }
 
 /// Ends the run, before its first step as one with wrong input.
@@ -132,16 +132,16 @@ PetscErrorCode Simulation::CheckStep(double speed)
 
 PetscErrorCode Simulation::ControlStep()
 {
-  Pulse pulse;
+  SpeedCheck speeds;
   PetscFunctionBeginUser;
-  PetscCall(hierarchy_.MeasurePulse(state_.time, &pulse));
-  if (pulse.failed) PetscFunctionReturn(PETSC_SUCCESS);
-  const double speed = FastestSignal(pulse);
+  PetscCall(hierarchy_.CheckSpeeds(state_.time, &speeds));
+  if (speeds.failed) PetscFunctionReturn(PETSC_SUCCESS);
+  const double speed = FastestSignal(speeds);
   PetscCall(CheckStep(speed));
   // A restart goes on with the speed that its run last looked at, so that its steps are the same.
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
-  PetscCall(hierarchy_.Adapt(pulse, state_.time, state_.time_step, 2 * kControlInterval));
+  PetscCall(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -319,16 +319,16 @@ PetscErrorCode Simulation::WriteHistoryRow()
   HistoryRow row{};
   std::string problem;
   PetscFunctionBeginUser;
-  PetscCall(hierarchy_.ReduceBooks(&books_));
+  PetscCall(hierarchy_.ReduceBudgets(&budgets_));
   const double passed = state_.time - state_.time_at_row;
-  if (passed > 0) load_ = -(books_.contact_impulse[1] - state_.impulse_at_row) / passed;
-  state_.impulse_at_row = books_.contact_impulse[1];
+  if (passed > 0) load_ = -(budgets_.contact_impulse[1] - state_.impulse_at_row) / passed;
+  state_.impulse_at_row = budgets_.contact_impulse[1];
   state_.time_at_row = state_.time;
   row.step = state_.step;
   row.time = state_.time;
   row.depth = indenter ? indenter->Depth(state_.time) : 0;
   row.load = load_;
-  row.books = books_;
+  row.budgets = budgets_;
   PetscCall(LargestContact(&row));
   PetscCall(WarnOfPenetration(row.penetration));
   PetscCall(history_.Write(row, &problem));

@@ -49,7 +49,7 @@ bool Differ(double a, double b) { return std::abs(a - b) > kSame * std::abs(b); 
 bool IsFree(const Case &c, std::size_t body, Side side)
 {
   const Box bounds = c.model.bodies[body].region->Bounds();
-  if (c.model.sides[side] != SideKind::kFree && std::abs(bounds.At(side) - c.domain.At(side)) < c.cell_size) return false;
+  if (c.model.sides[side] != BoundaryKind::kFree && std::abs(bounds.At(side) - c.domain.At(side)) < c.cell_size) return false;
   for (std::size_t b = 0; b < c.model.bodies.size(); ++b) {
     const Box other = c.model.bodies[b].region->Bounds();
     bool near = b != body;

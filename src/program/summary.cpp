@@ -72,18 +72,18 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
           {"ranks", ranks}};
 }
 
-Json TransfersJson(const Books &books)
+Json TransfersJson(const Budgets &budgets)
 {
-  return {{"entered", Number(books.points_entered)},
-          {"left", Number(books.points_left)},
-          {"split", Number(books.points_split)},
-          {"merged", Number(books.points_merged)},
-          {"unsplit", Number(books.points_unsplit)},
-          {"mass_error", Number(books.transfer_mass_error)},
-          {"momentum_error", Number(books.transfer_momentum_error)},
-          {"points_adrift", Number(books.points_adrift)},
-          {"mass_adrift", Number(books.mass_adrift)},
-          {"momentum_adrift", Pair({books.momentum_adrift[0], books.momentum_adrift[1]})}};
+  return {{"entered", Number(budgets.points_entered)},
+          {"left", Number(budgets.points_left)},
+          {"split", Number(budgets.points_split)},
+          {"merged", Number(budgets.points_merged)},
+          {"unsplit", Number(budgets.points_unsplit)},
+          {"mass_error", Number(budgets.transfer_mass_error)},
+          {"momentum_error", Number(budgets.transfer_momentum_error)},
+          {"points_adrift", Number(budgets.points_adrift)},
+          {"mass_adrift", Number(budgets.mass_adrift)},
+          {"momentum_adrift", Pair({budgets.momentum_adrift[0], budgets.momentum_adrift[1]})}};
 }
 
 } // namespace
@@ -91,13 +91,13 @@ Json TransfersJson(const Books &books)
 PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
 {
   PetscMPIInt rank, ranks;
-  Books books;
+  Budgets budgets;
   Hierarchy &hierarchy = in.hierarchy;
   double times[6] = {in.step_seconds, 0, 0, 0, in.point_steps, 0};
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
   PetscCallMPI(MPI_Comm_size(hierarchy.Comm(), &ranks));
-  PetscCall(hierarchy.ReduceBooks(&books));
+  PetscCall(hierarchy.ReduceBudgets(&budgets));
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.contact, &times[1]));
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.halo, &times[2]));
   PetscCall(EventSeconds(hierarchy.Stages(), in.events.transfer, &times[3]));
@@ -107,7 +107,7 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
   double mapped = 0, unmapped = 0;
   hierarchy.BytesBetweenLevels(&mapped, &unmapped);
   const int ratio = in.settings.hierarchy.ratio;
-  const double created = (books.points_split - books.points_merged) * (ratio * ratio - 1) - in.state.initial_created;
+  const double created = (budgets.points_split - budgets.points_merged) * (ratio * ratio - 1) - in.state.initial_created;
   Json levels = Json::array();
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     double points = 0, largest = 0;
@@ -127,14 +127,14 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
                      {"transfer_share", Number(times[3] / total)},
                      {"coupling_share", Number(times[5] / total)},
                      {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
-                     {"mass_error", Number(books.mass / in.state.initial_mass - 1)},
+                     {"mass_error", Number(budgets.mass / in.state.initial_mass - 1)},
                      {"points_created", Number(created)},
-                     {"points_lost", Number(in.state.initial_points + created - books.points)},
-                     {"transfers", TransfersJson(books)},
-                     {"contact_steps", Number(books.contact_steps)},
-                     {"contact_set_updates", Number(books.contact_set_updates)},
-                     {"contact_fallbacks", Number(books.contact_fallbacks)},
-                     {"clamped_half_sizes", Number(books.clamped_sizes)},
+                     {"points_lost", Number(in.state.initial_points + created - budgets.points)},
+                     {"transfers", TransfersJson(budgets)},
+                     {"contact_steps", Number(budgets.contact_steps)},
+                     {"contact_set_updates", Number(budgets.contact_set_updates)},
+                     {"contact_fallbacks", Number(budgets.contact_fallbacks)},
+                     {"clamped_half_sizes", Number(budgets.clamped_sizes)},
                      {"versions", Versions()}};
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; // what is no UTF-8 is replaced
   if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", text);

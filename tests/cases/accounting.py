@@ -1,4 +1,4 @@
-"""The books of history.csv: energy, momentum and mass balance, and what contact and the coupling of levels add is seen."""
+"""The budgets of history.csv: energy, momentum and mass balance, and what contact and the coupling of levels add is seen."""
 import numpy
 import pytest
 
@@ -68,7 +68,7 @@ ACROSS = {"cell_size": 0.5, "block_lower": "2,2", "block_upper": "8,8", "block_v
 @pytest.mark.parametrize("update", ["musl", "usl"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_momentum_with_xpic(place, update, order):
-    """What sides and borders of levels do to the velocities that XPIC mixes in is booked."""
+    """What sides and borders of levels do to the velocities that XPIC mixes in is added up."""
     history = harness.run({**XPIC, **place, "xpic_order": order, "stress_update": update}).history
     momentum = numpy.sqrt(2 * numpy.max(history["kinetic_energy"] + history["strain_energy"]) * history["mass"][0])
     for axis in "xy":

@@ -1,4 +1,4 @@
-"""Three levels against one: load and stress of the wedge indentation, books, and the cost of levels."""
+"""Three levels against one: load and stress of the wedge indentation, budgets, and the cost of levels."""
 import numpy
 import pytest
 import report as page
@@ -25,11 +25,11 @@ def axis_stress(result, depths):
 
 
 def momentum_errors(history):
-    """(conserved book, stagger) over sqrt(2 E m): momentum less all impulses; its part from the borders' extrapolation."""
+    """(conserved budget, stagger) over sqrt(2 E m): momentum less all impulses; its part from the borders' extrapolation."""
     scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
-    book = max(abs(momentum_left(history, axis)).max() for axis in "xy")
+    budget = max(abs(momentum_left(history, axis)).max() for axis in "xy")
     stagger = max(abs(history[f"stagger_impulse_{axis}"]).max() for axis in "xy")
-    return book / scale, stagger / scale
+    return budget / scale, stagger / scale
 
 
 def compare(expect, name, levels, uniform, depths_below):

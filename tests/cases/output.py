@@ -1,4 +1,4 @@
-"""What a run leaves behind: its files are complete, agree with each other and with the books of the run."""
+"""What a run leaves behind: its files are complete, agree with each other and with the budgets of the run."""
 import importlib
 import re
 import subprocess
@@ -127,29 +127,29 @@ def check_summary(expect, result, ranks):
     expect.that(f"{name}: shares", all(0 <= share <= 1 for share in shares) and sum(shares) <= 1, f"{shares}")
 
 
-def expect_books(expect, name, history, energy_tolerance):
+def expect_budgets(expect, name, history, energy_tolerance):
     """Momentum to round-off, energy to what explicit time stepping leaves."""
     for axis in "xy":
         parts = [history[f"{kind}_impulse_{axis}"] for kind in ("contact", "support", "load", "gravity", "damping")]
         momentum = history[f"momentum_{axis}"]
         error = numpy.max(numpy.abs(momentum - momentum[0] - sum(parts)))
         largest = max(numpy.max(numpy.abs(part)) for part in parts + [momentum])
-        expect(f"{name}: momentum book, {axis}", error / largest, at_most=1e-9)
+        expect(f"{name}: momentum budget, {axis}", error / largest, at_most=1e-9)
     energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
     supplied = energy[0] + history["external_work"] + history["indenter_work"]
-    expect(f"{name}: energy book", numpy.max(numpy.abs(energy - supplied)) / numpy.max(supplied), at_most=energy_tolerance)
+    expect(f"{name}: energy budget", numpy.max(numpy.abs(energy - supplied)) / numpy.max(supplied), at_most=energy_tolerance)
 
 
-def test_books(expect):
+def test_budgets(expect):
     wedge = {**WEDGE, "frames": 0}
-    expect_books(expect, "wedge", harness.run(wedge).history, 0.01)
-    expect_books(expect, "wedge, 2 ranks", harness.run(wedge, ranks=2).history, 0.01)
-    expect_books(expect, "wedge with damping and a history every 7 steps",
+    expect_budgets(expect, "wedge", harness.run(wedge).history, 0.01)
+    expect_budgets(expect, "wedge, 2 ranks", harness.run(wedge, ranks=2).history, 0.01)
+    expect_budgets(expect, "wedge with damping and a history every 7 steps",
                  harness.run({**wedge, "damping": 2e8, "history_interval": 7}).history, 0.01)
-    expect_books(expect, "wedge held and fixed", harness.run({**wedge, "boundary_y_lower": "fixed"}).history, 0.01)
+    expect_budgets(expect, "wedge held and fixed", harness.run({**wedge, "boundary_y_lower": "fixed"}).history, 0.01)
     collision = {**COLLISION, "frames": 0, "checkpoint_interval": 0}
-    expect_books(expect, "collision", harness.run(collision).history, 0.01)
-    expect_books(expect, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
+    expect_budgets(expect, "collision", harness.run(collision).history, 0.01)
+    expect_budgets(expect, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
 
 
 def table_of(text, event):

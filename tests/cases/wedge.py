@@ -115,7 +115,7 @@ def plot_budgets(study, name, history):
     parts = ("kinetic_energy", "strain_energy", "dissipated_energy", "indenter_work")
     study.plot(f"Energy, {name}", "time (ns)", "energy (nJ)", *(page.curve(part.replace("_", " "), time, 1e9 * history[part]) for part in parts))
     largest = numpy.abs(history["indenter_work"]).max()
-    study.plot(f"Energy that the books lack, {name}", "time (ns)", "residual / work (%)",
+    study.plot(f"Energy that the budgets lack, {name}", "time (ns)", "residual / work (%)",
                 page.curve("residual", time, 100 * results.energy_residual(history) / largest))
     scale = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
     study.plot(f"Momentum along y, {name}", "time (ns)", "momentum / sqrt(2 E m)",

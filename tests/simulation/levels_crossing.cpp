@@ -29,10 +29,10 @@ struct Flight {
   double mass = 0, arrived = 0; ///< error of the mass; share of the points beyond the finer levels
   double split = 0, left = 0, merged = 0, transfer_error = 0;
   double energy = 0, vibration = 0; ///< mean of the last tenth; that without the flight's own, of the start's
-  bool numbers = true;              ///< unique, and as many as the books say
+  bool numbers = true;              ///< unique, and as many as the budgets say
 };
 
-double Vibration(const Books &b)
+double Vibration(const Budgets &b)
 {
   return b.kinetic_energy + b.strain_energy - 0.5 * (b.momentum[0] * b.momentum[0] + b.momentum[1] * b.momentum[1]) / b.mass;
 }
@@ -41,7 +41,7 @@ double Vibration(const Books &b)
 PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, Flight *f)
 {
   LevelsRun run;
-  Books first, books;
+  Budgets first, budgets;
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
   const double c = CreateMaterial("neo_hookean", kMaterial)->SpeedOfSound();
@@ -56,7 +56,7 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     a.velocity[2 * p] += amplitude * c * std::sin(M_PI * (a.position[2 * p] - middle[0]) / size[0]);
   }));
-  PetscCall(run.hierarchy.ReduceBooks(&first));
+  PetscCall(run.hierarchy.ReduceBudgets(&first));
   run.dt = 0.4 * h / (run.model.materials[0]->SpeedOfSound() * (1 + kSpeed));
   const int steps = static_cast<int>(24.5 / (velocity[0] * run.dt));
   *f = {};
@@ -70,25 +70,25 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
             f->stress = std::abs(a.stress[4 * p + k]) / kMaterial.youngs_modulus;
       }));
     else if (step > 0.9 * steps) {
-      PetscCall(run.hierarchy.ReduceBooks(&books));
-      f->energy += books.kinetic_energy + books.strain_energy;
-      f->vibration += Vibration(books) / Vibration(first);
+      PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+      f->energy += budgets.kinetic_energy + budgets.strain_energy;
+      f->vibration += Vibration(budgets) / Vibration(first);
       ++samples;
     }
   }
-  PetscCall(run.hierarchy.ReduceBooks(&books));
+  PetscCall(run.hierarchy.ReduceBudgets(&budgets));
   std::set<std::int64_t> ids;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     ids.insert(a.id[p]);
-    f->arrived += (l == 0 && a.position[2 * p] > (levels.boxes.empty() ? 23 : levels.boxes[0].upper[0])) / books.points;
+    f->arrived += (l == 0 && a.position[2 * p] > (levels.boxes.empty() ? 23 : levels.boxes[0].upper[0])) / budgets.points;
   }));
   const int children = levels.ratio * levels.ratio;
   f->energy /= std::max(samples, 1), f->vibration /= std::max(samples, 1);
-  f->mass = std::abs(books.mass / first.mass - 1);
-  f->split = books.points_split, f->left = books.points_left, f->merged = books.points_merged;
-  f->transfer_error = books.transfer_mass_error / first.mass + books.transfer_momentum_error / (first.mass * Norm(velocity));
-  f->numbers = static_cast<double>(ids.size()) == books.points && !run.Failed() &&
-               books.points == first.points + (children - 1) * (books.points_split - books.points_merged);
+  f->mass = std::abs(budgets.mass / first.mass - 1);
+  f->split = budgets.points_split, f->left = budgets.points_left, f->merged = budgets.points_merged;
+  f->transfer_error = budgets.transfer_mass_error / first.mass + budgets.transfer_momentum_error / (first.mass * Norm(velocity));
+  f->numbers = static_cast<double>(ids.size()) == budgets.points && !run.Failed() &&
+               budgets.points == first.points + (children - 1) * (budgets.points_split - budgets.points_merged);
   if (run.Failed()) f->energy = f->stress = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,11 +101,11 @@ PetscErrorCode TestFlight(const Case &levels, const Scheme &scheme)
   PetscCall(Fly(levels, scheme, 0, &f));
   ExpectAtMost(name + ": stress, of E", f.stress, 1e-10);
   ExpectAtMost(name + ": error of the mass", f.mass, 1e-14);
-  ExpectAtMost(name + ": error of mass and momentum, booked by the transfer", f.transfer_error, 1e-12);
+  ExpectAtMost(name + ": error of mass and momentum, added up by the transfer", f.transfer_error, 1e-12);
   ExpectTrue(name + ": all points arrive", f.arrived > 1 - 1e-9);
   char detail[80];
   std::snprintf(detail, sizeof detail, "%.0f split, %.0f left, %.0f merged", f.split, f.left, f.merged);
-  ExpectTrue(name + ": numbers are unique and as many as the books say", f.numbers && f.split > 0 && f.left > 0, detail);
+  ExpectTrue(name + ": numbers are unique and as many as the budgets say", f.numbers && f.split > 0 && f.left > 0, detail);
   if (levels.merge) ExpectTrue(name + ": points are merged", f.merged > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -91,7 +91,7 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
   LevelsRun run;
   Reference reference;
   PetscFunctionBeginUser;
-  run.model.sides.fill(SideKind::kSymmetry);
+  run.model.sides.fill(BoundaryKind::kSymmetry);
   run.SetScheme(scheme);
   AddBody(run.model, CreateBoxRegion(kSquare), "neo_hookean", {kE, kNu, kRho, NAN, NAN});
   const Material &material = *run.model.materials[0];
@@ -131,9 +131,9 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
     }));
     errors->rms = std::max(errors->rms, std::sqrt(sum / mass));
   }
-  Books books;
-  PetscCall(run.hierarchy.ReduceBooks(&books));
-  errors->split = books.points_split;
+  Budgets budgets;
+  PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+  errors->split = budgets.points_split;
   if (run.Failed()) *errors = {NAN, NAN, 0};
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,7 +16,7 @@ PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &sche
 {
   LevelsRun run;
   PetscFunctionBeginUser;
-  run.model.sides.fill(SideKind::kSymmetry);
+  run.model.sides.fill(BoundaryKind::kSymmetry);
   run.SetScheme(scheme);
   AddBody(run.model, CreateBoxRegion(kSquare), "neo_hookean", {1e7, 0.3, 1000, NAN, NAN});
   const Material &material = *run.model.materials[0];

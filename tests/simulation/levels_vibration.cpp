@@ -37,7 +37,7 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
   constexpr double kStrain = 0.02;
   constexpr int kCheck = 7; // steps between looks at the momentum
   LevelsRun run;
-  Books books;
+  Budgets budgets;
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
   AddBody(run.model, CreateBoxRegion({{0, upper_half ? 0.5 : 0}, {1, 1}}), law, kMaterial);
@@ -45,16 +45,16 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
   Box domain = kDomain;
   std::vector<Box> boxes = levels.boxes;
   if (upper_half) {
-    run.model.sides[kYLower] = SideKind::kSymmetry;
+    run.model.sides[kYLower] = BoundaryKind::kSymmetry;
     domain.lower[1] = 0.5;
     for (Box &box : boxes) box.lower[1] = 0.5;
   }
   PetscCall(run.Create(NestedLevels(run.model, domain, 1.0 / cells, levels.ratio, boxes)));
   PetscCall(run.ForEachPoint(
       [&](const PointArrays &a, int p, int) { a.velocity[2 * p] = kStrain * c * std::sin(M_PI * (a.position[2 * p] - 0.5)); }));
-  PetscCall(run.hierarchy.ReduceBooks(&books));
-  const double start = books.momentum[0];
-  const double scale = std::sqrt(2 * (books.kinetic_energy + books.strain_energy) * books.mass);
+  PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+  const double start = budgets.momentum[0];
+  const double scale = std::sqrt(2 * (budgets.kinetic_energy + budgets.strain_energy) * budgets.mass);
   const int steps = static_cast<int>(std::ceil(2 * cells / 0.36)); // in a period 2 L/c
   run.dt = 2 / c / steps;
   double first = 0, sum = 0, swing = 0, rest = 0, mean = 0;
@@ -63,14 +63,14 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
     const bool counts = period == 0 || period == 19 || period == 79;
     PetscCall(run.Advance());
     if (counts || step % kCheck == 0) {
-      PetscCall(run.hierarchy.ReduceBooks(&books));
-      const double change = (books.momentum[0] - start) / scale;
+      PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+      const double change = (budgets.momentum[0] - start) / scale;
       swing = std::max(swing, std::abs(change));
-      rest = std::max(rest, std::abs(change - books.stagger_impulse[0] / scale));
+      rest = std::max(rest, std::abs(change - budgets.stagger_impulse[0] / scale));
       if (counts) mean += change / steps;
     }
     if (!counts) continue;
-    (period == 0 ? first : sum) += books.kinetic_energy + books.strain_energy;
+    (period == 0 ? first : sum) += budgets.kinetic_energy + budgets.strain_energy;
     if ((step + 1) % steps != 0) continue;
     const int k = period == 79;
     result->energy[k] = sum / first, result->drift[k] = std::abs(mean), result->swing[k] = swing, result->rest[k] = rest;

@@ -54,7 +54,7 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   const double own = wave.into ? 1 : 1.0 / wave.ratio; // cell where the packet starts
   LevelsRun run;
   PetscFunctionBeginUser;
-  if (!wave.shear && wave.angle == 0) run.model.sides[kYLower] = run.model.sides[kYUpper] = SideKind::kSymmetry;
+  if (!wave.shear && wave.angle == 0) run.model.sides[kYLower] = run.model.sides[kYUpper] = BoundaryKind::kSymmetry;
   run.SetScheme(kDefaultScheme);
   // Without lateral contraction shear waves are quick against pressure waves, which come from the sides.
   AddBody(run.model, CreateBoxRegion(domain), "neo_hookean", {1e7, wave.shear ? 0 : 0.3, 1000, NAN, NAN});

@@ -41,7 +41,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   Model model;
   std::unordered_map<std::int64_t, Vec2> reference;
   PetscFunctionBeginUser;
-  model.sides.fill(SideKind::kSymmetry);
+  model.sides.fill(BoundaryKind::kSymmetry);
   model.shape_function = variant.shape;
   model.stress_update = variant.update;
   model.short_wave = variant.viscosity;

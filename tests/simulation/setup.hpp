@@ -1,7 +1,7 @@
 // What tests that run a hierarchy of levels share: expectations with a figure, and small set-ups.
 #pragma once
 
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 #include "unit/program.hpp"
 
 #include <cmath>
@@ -60,7 +60,7 @@ inline HierarchySettings NestedLevels(const Model &model, const Box &domain, dou
     for (int s = 0; s < kSides; ++s) {
       const double own = s % 2 ? box.upper[s / 2] : box.lower[s / 2], outer = s % 2 ? domain.upper[s / 2] : domain.lower[s / 2];
       geometry.border[s] = std::abs(own - outer) > 1e-6 * spacing;
-      if (geometry.border[s]) geometry.sides.kind[s] = SideKind::kFree;
+      if (geometry.border[s]) geometry.sides.kind[s] = BoundaryKind::kFree;
     }
     settings.levels.push_back(geometry);
   }

@@ -55,7 +55,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   LogEvents events;
   State before, after;
   PointArrays a;
-  PointTally tally;
+  PointSums point_sums;
   PetscFunctionBeginUser;
   model.shape_function = variant.shape;
   model.stress_update = variant.stress_update;
@@ -81,12 +81,12 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
         errors->velocity = std::max(errors->velocity, std::abs(a.velocity[2 * p + d] / kVelocity[d] - 1));
   }
   PetscCall(Take(hierarchy, &after));
-  PetscCall(hierarchy.At(0).Tally(&tally));
+  PetscCall(hierarchy.At(0).SumPoints(&point_sums));
   errors->same_points = after.count == before.count && after.position.size() == before.position.size() &&
                         static_cast<int>(after.position.size()) == after.count &&
                         hierarchy.At(0).Failure().kind == LevelFailure::kNone;
   errors->mass = std::abs(after.mass / before.mass - 1);
-  errors->momentum = Norm(tally.momentum - before.mass * kVelocity) / (before.mass * Norm(kVelocity));
+  errors->momentum = Norm(point_sums.momentum - before.mass * kVelocity) / (before.mass * Norm(kVelocity));
   for (const auto &[id, X] : before.position) {
     const auto found = after.position.find(id);
     errors->same_points &= found != after.position.end();
@@ -113,7 +113,7 @@ PetscErrorCode TestFlights(const std::string &shape)
       PetscCall(Fly(variant, disk ? "hypoelastic" : "neo_hookean", disk, &e));
       const std::string name = shape + ", " + variant.update + (disk ? ", disk" : ", box");
       // A point that has just reached a node with the linear hat divides round-off by its distance from the last one:
-      // with USL that feeds itself, the reason why MUSL was invented. Only the books are exact there.
+      // with USL that feeds itself, the reason why MUSL was invented. Only the budgets are exact there.
       if (shape != "linear" || variant.stress_update != StressUpdate::kUsl) {
         ExpectAtMost(name + ": stress, of E", e.stress, 1e-12);
         ExpectAtMost(name + ": place after 20 cells, relative", e.position, 1e-12);

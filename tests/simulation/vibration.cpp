@@ -42,11 +42,11 @@ PetscErrorCode BlockEnergy(const Scheme &update, double strain, double spin, con
   run.dt = 2 / c / steps;
   double first = 0, last = 0;
   for (int step = 0; step < kPeriods * steps && !run.Failed(); ++step) {
-    PointTally tally;
+    PointSums point_sums;
     PetscCall(run.Advance());
     if (step >= steps && step < (kPeriods - 1) * steps) continue;
-    PetscCall(run.hierarchy.At(0).Tally(&tally));
-    (step < steps ? first : last) += tally.kinetic_energy + tally.strain_energy;
+    PetscCall(run.hierarchy.At(0).SumPoints(&point_sums));
+    (step < steps ? first : last) += point_sums.kinetic_energy + point_sums.strain_energy;
   }
   *ratio = run.Failed() ? NAN : last / first;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,7 +60,7 @@ PetscErrorCode VibratingBar()
   LevelsRun run;
   PointArrays a;
   PetscFunctionBeginUser;
-  run.model.sides = {SideKind::kSymmetry, SideKind::kFree, SideKind::kSymmetry, SideKind::kSymmetry};
+  run.model.sides = {BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kSymmetry, BoundaryKind::kSymmetry};
   run.SetScheme(kUpdates[0]);
   const double h = kLength / kCells;
   AddBody(run.model, CreateBoxRegion({{0, 0}, {kLength, 4 * h}}), "neo_hookean", kMaterial);

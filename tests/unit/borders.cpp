@@ -1,5 +1,5 @@
 // The border of two levels as a linear map: the blended functions add up to one, and reproduce linear fields.
-#include "levels/merging.hpp"
+#include "hierarchy/merging.hpp"
 #include "simulation/setup.hpp"
 
 #include <gtest/gtest.h>
@@ -58,15 +58,15 @@ struct TwoLevels {
   }
   void Step()
   {
-    ASSERT_EQ(border.SendDown(), PETSC_SUCCESS);
+    ASSERT_EQ(border.CoarseToFine(), PETSC_SUCCESS);
     ASSERT_EQ(border.Advance(0, 1), PETSC_SUCCESS);
-    ASSERT_EQ(border.SendUp(), PETSC_SUCCESS);
+    ASSERT_EQ(border.FineToCoarse(), PETSC_SUCCESS);
   }
 
   int ratio;
   Model model;
   std::vector<std::unique_ptr<Level>> levels;
-  Border border;
+  LevelInterface border;
 };
 
 /// The velocities of fine nodes of speed 1 after a step whose interface nodes rest: what is left to the fine functions.
@@ -173,8 +173,8 @@ TEST(Borders, SplitPointsBecomeTheirParents)
     std::vector<int> faces(a.faces, a.faces + kPoints);
 
     const PointNumbers numbers(1000, ratio * ratio);
-    CrossingTotals totals;
-    Crossing crossing(PETSC_COMM_SELF, coarse, *two.levels[1], ratio, numbers, {0, 0, 1, false, true});
+    PointTransferTotals totals;
+    PointTransfer crossing(PETSC_COMM_SELF, coarse, *two.levels[1], ratio, numbers, {0, 0, 1, false, true});
     ASSERT_EQ(crossing.SplitRing(), PETSC_SUCCESS);
     const int children = ratio * ratio;
     ASSERT_EQ(coarse.PointStore().Count(), children * kPoints);

@@ -39,7 +39,7 @@ double HalfWidth(const std::function<double(double)> &pressure, double start, do
   std::vector<ContactRow> rows;
   std::vector<ContactEntry> entries;
   const Indenter indenter = {CreateCylinder(1), {PiecewiseLinear({0}, {0})}, {kTip, 0}, 0};
-  const Sides sides;
+  const BoundaryConditions sides;
   EXPECT_EQ(grid.Create(PETSC_COMM_SELF, geometry, {{{{geometry.Nodes(0)}, {geometry.Nodes(1)}}}, {0}}), PETSC_SUCCESS);
   EXPECT_EQ(system.Create(true, 0, false), PETSC_SUCCESS);
   for (int i = 0; i <= kColumns; ++i) {

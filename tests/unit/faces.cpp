@@ -148,7 +148,8 @@ TEST(Faces, OuterAndLoadedFaces)
 {
   Model model = TwoBlocks();
   const GridGeometry geometry = {{0, 0}, kH, {8, 8}, 1};
-  const Sides sides = {{SideKind::kSymmetry, SideKind::kFree, SideKind::kFixed, SideKind::kFree}, {0, 8, 0, 8}};
+  const BoundaryConditions sides = {{BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kFixed, BoundaryKind::kFree},
+                                    {0, 8, 0, 8}};
   model.loads.push_back({0, kXUpper, {2.625 * kH, HUGE_VAL}, PiecewiseLinear({0}, {1})});
   model.loads.push_back({1, kYUpper, {-HUGE_VAL, 4 * kH}, PiecewiseLinear({0}, {1})});
   Grid grid;

@@ -1,6 +1,6 @@
 // Cuts of a grid into blocks, and blocks to ranks: against the best of all cuts, and by their properties.
-#include "levels/balance.hpp"
-#include "levels/mapping.hpp"
+#include "hierarchy/balance.hpp"
+#include "hierarchy/mapping.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,7 +94,7 @@ TEST(Layouts, BestCutsAlongAnAxis)
   for (int n = 0; n < 50; ++n) {
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout, other;
-    MakeLayout(3, 1, points, kWidth, &layout);
+    FirstLayout(3, 1, points, kWidth, &layout);
     ExpectWhole(layout, kWidth, kHeight);
     ASSERT_EQ(layout.widths[0].size(), 3U);
     double least = HUGE_VAL;
@@ -114,7 +114,7 @@ TEST(Layouts, CutsOfThePlane)
     const int ranks = 2 + n % 7;
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout;
-    MakeLayout(ranks, 1, points, kWidth, &layout);
+    FirstLayout(ranks, 1, points, kWidth, &layout);
     ExpectWhole(layout, kWidth, kHeight);
     EXPECT_EQ(layout.Blocks(), ranks);
     for (int columns = 1; columns <= ranks; ++columns) { // no worse than any division by the sums of columns and rows
@@ -132,12 +132,12 @@ TEST(Layouts, FewPointsTakeFewRanks)
 {
   const std::vector<double> points(20 * 20, 1.0);
   GridLayout layout;
-  MakeLayout(8, 100, points, 20, &layout);
+  FirstLayout(8, 100, points, 20, &layout);
   EXPECT_EQ(layout.Blocks(), 4);
   EXPECT_EQ(layout.ranks, (std::vector<PetscMPIInt>{0, 1, 2, 3}));
-  MakeLayout(8, 1000, points, 20, &layout);
+  FirstLayout(8, 1000, points, 20, &layout);
   EXPECT_EQ(layout.Blocks(), 1);
-  MakeLayout(64, 1, std::vector<double>(7 * 7, 1.0), 7, &layout); // room for two blocks along each axis
+  FirstLayout(64, 1, std::vector<double>(7 * 7, 1.0), 7, &layout); // room for two blocks along each axis
   EXPECT_EQ(layout.Blocks(), 4);
 }
 

@@ -137,17 +137,17 @@ TEST(PointsOnRanks, MoveToTheirRanksInOrder)
   constexpr int kCount = 30;
   PetscMPIInt rank, ranks;
   Points points;
-  Departures departures;
+  Migrants migrants;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   Fill(points, 1000 * rank, kCount);
   std::vector<std::int64_t> arriving;
   for (int k = 0; k < kCount; ++k)
-    if (k % 5 != 4) departures.points.push_back(k), departures.ranks.push_back((k + rank) % ranks);
+    if (k % 5 != 4) migrants.points.push_back(k), migrants.ranks.push_back((k + rank) % ranks);
   for (int source = 0; source < ranks; ++source)
     for (int k = 0; k < kCount; ++k)
       if (k % 5 != 4 && (k + source) % ranks == rank) arriving.push_back(1000 * source + k);
-  ASSERT_EQ(MovePoints(PETSC_COMM_WORLD, points, points, departures), PETSC_SUCCESS);
+  ASSERT_EQ(MovePoints(PETSC_COMM_WORLD, points, points, migrants), PETSC_SUCCESS);
   const std::vector<std::int64_t> numbers = Read(points);
   ASSERT_EQ(numbers.size(), kCount / 5 + arriving.size());
   EXPECT_EQ(std::vector<std::int64_t>(numbers.begin() + kCount / 5, numbers.end()), arriving) << "by source rank and place";
@@ -158,15 +158,15 @@ TEST(PointsOnRanks, CopiesKnowTheirOrigins)
 {
   PetscMPIInt rank, ranks;
   Points points, copies;
-  Departures departures;
+  Migrants migrants;
   std::vector<PetscSFNode> origins;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   Fill(points, 1000 * rank, 4);
   Fill(copies, 0, 0);
   for (int to = 0; to < ranks; ++to)
-    for (int k = 0; k < 4; k += 2) departures.points.push_back(k), departures.ranks.push_back(to);
-  ASSERT_EQ(CopyPoints(PETSC_COMM_WORLD, points, copies, departures, &origins), PETSC_SUCCESS);
+    for (int k = 0; k < 4; k += 2) migrants.points.push_back(k), migrants.ranks.push_back(to);
+  ASSERT_EQ(CopyPoints(PETSC_COMM_WORLD, points, copies, migrants, &origins), PETSC_SUCCESS);
   EXPECT_EQ(points.Count(), 4);
   const std::vector<std::int64_t> numbers = Read(copies);
   ASSERT_EQ(numbers.size(), 2U * ranks);

@@ -1,5 +1,5 @@
 // Lists of interface and band nodes, and the coupled step.
-#include "levels/border.hpp"
+#include "hierarchy/level_interface.hpp"
 
 #include <algorithm>
 #include <climits>
@@ -13,7 +13,7 @@ static constexpr double kOuterBeta = 0.3; ///< beta just inside the box
 
 static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-PetscErrorCode Border::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width)
+PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width)
 {
   PetscFunctionBeginUser;
   world_ = world;
@@ -35,7 +35,7 @@ PetscErrorCode Border::Create(MPI_Comm world, Level &coarse, Level &fine, int ra
 }
 
 /// Depth of a fine node inside the box, in fine cells; sides of the domain do not count.
-double Border::Depth(int i, int j) const
+double LevelInterface::Depth(int i, int j) const
 {
   const LevelGeometry &geometry = fine_->Geometry();
   const int node[2] = {i, j};
@@ -47,14 +47,14 @@ double Border::Depth(int i, int j) const
   return depth;
 }
 
-double Border::Beta(int i, int j) const
+double LevelInterface::Beta(int i, int j) const
 {
   const double depth = Depth(i, j), width = blend_width_ * ratio_;
   return depth <= 0 ? 0 : depth >= width ? 1 : kOuterBeta + (1 - kOuterBeta) * depth / width;
 }
 
 /// True for nodes that can bear mass: beyond a side of the domain that is the first layer only.
-bool Border::InFineGrid(int i, int j) const
+bool LevelInterface::InFineGrid(int i, int j) const
 {
   const LevelGeometry &geometry = fine_->Geometry();
   const int node[2] = {i, j};
@@ -75,7 +75,7 @@ static std::array<int, 2> Offset(const Level &coarse, const Level &fine)
 }
 
 /// True where some fine node with beta < 1 lies within the hat of the coarse node (i, j).
-bool Border::IsInterface(int i, int j) const
+bool LevelInterface::IsInterface(int i, int j) const
 {
   const auto [oi, oj] = Offset(*coarse_, *fine_);
   const int centre[2] = {(i - oi) * ratio_, (j - oj) * ratio_};
@@ -85,7 +85,7 @@ bool Border::IsInterface(int i, int j) const
   return false;
 }
 
-void Border::ListInterface()
+void LevelInterface::ListInterface()
 {
   const GridGeometry &f = fine_->Geometry().grid, &c = coarse_->Geometry().grid;
   const Grid &mesh = fine_->Mesh();
@@ -104,7 +104,7 @@ void Border::ListInterface()
     }
 }
 
-PetscErrorCode Border::ListBand()
+PetscErrorCode LevelInterface::ListBand()
 {
   const Grid &mesh = fine_->Mesh(), &coarse = coarse_->Mesh();
   const auto [oi, oj] = Offset(*coarse_, *fine_);
@@ -124,14 +124,14 @@ PetscErrorCode Border::ListBand()
     local_.push_back(k);
     held_axes_.push_back(0);
     for (int axis = 0; axis < 2; ++axis)
-      if (coarse_->Geometry().sides.Holds(node.i, node.j, axis)) held_axes_.back() |= 1 << axis;
+      if (coarse_->Geometry().sides.Constrains(node.i, node.j, axis)) held_axes_.back() |= 1 << axis;
   }
   owned_ = static_cast<int>(local_.size());
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int j = mesh.OwnedLower(1); j < mesh.OwnedUpper(1); ++j)
     for (int i = mesh.OwnedLower(0); i < mesh.OwnedUpper(0); ++i) {
       if (!InFineGrid(i, j) || Beta(i, j) >= 1) continue;
-      BandNode node{mesh.Index(i, j), Beta(i, j), 0, {}, {}};
+      BlendNode node{mesh.Index(i, j), Beta(i, j), 0, {}, {}};
       const int I = FloorDivide(i, ratio_), J = FloorDivide(j, ratio_);
       for (int b = 0; b < 2; ++b)
         for (int a = 0; a < 2; ++a) {
@@ -151,7 +151,7 @@ PetscErrorCode Border::ListBand()
 }
 
 /// Owned interface nodes to their copies on other ranks of the fine level.
-PetscErrorCode Border::CreateExchange()
+PetscErrorCode LevelInterface::CreateExchange()
 {
   std::vector<PetscInt> leaves;
   std::vector<PetscSFNode> roots;
@@ -168,7 +168,7 @@ PetscErrorCode Border::CreateExchange()
 }
 
 /// Owned coarse nodes to the interface nodes that the fine level's ranks advance.
-PetscErrorCode Border::CreateTransfer()
+PetscErrorCode LevelInterface::CreateTransfer()
 {
   const Grid &coarse = coarse_->Mesh();
   std::vector<PetscSFNode> roots;
@@ -185,7 +185,7 @@ PetscErrorCode Border::CreateTransfer()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::vector<BlockTraffic> Border::Traffic(int level) const
+std::vector<BlockTraffic> LevelInterface::Traffic(int level) const
 {
   std::map<std::pair<int, int>, double> bytes;
   std::vector<BlockTraffic> traffic;
@@ -196,7 +196,7 @@ std::vector<BlockTraffic> Border::Traffic(int level) const
   return traffic;
 }
 
-PetscErrorCode Border::SendDown()
+PetscErrorCode LevelInterface::CoarseToFine()
 {
   const Grid &coarse = coarse_->Mesh();
   const MPI_Datatype unit = coarse.Unit(NodeArrays::kSums);
@@ -213,7 +213,7 @@ PetscErrorCode Border::SendDown()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Border::Advance(int substep, double dt)
+PetscErrorCode LevelInterface::Advance(int substep, double dt)
 {
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
@@ -230,14 +230,14 @@ PetscErrorCode Border::Advance(int substep, double dt)
 }
 
 /// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, and the other nodal sums in the same way.
-PetscErrorCode Border::Restrict()
+PetscErrorCode LevelInterface::Restrict()
 {
   const Grid &mesh = fine_->Mesh();
   const MPI_Datatype unit = mesh.Unit(NodeArrays::kSums);
   const double *fine = mesh.Arrays().sums;
   PetscFunctionBeginUser;
   std::fill(sums_.begin(), sums_.end(), 0.0);
-  for (const BandNode &band : band_) {
+  for (const BlendNode &band : band_) {
     const double *from = fine + NodeArrays::kSums * static_cast<std::ptrdiff_t>(band.node);
     if (from[0] == 0) continue;
     for (int a = 0; a < band.count; ++a) {
@@ -254,7 +254,7 @@ PetscErrorCode Border::Restrict()
 
 /// old = (p^c + p^f)/m, dv = dt (F_k + f^f)/m with m = m^c + m^f and F_k = f^c + (k/r)(f^c - f^c of the step before);
 /// then p^c += m^c dv, as the coarse points will get dv.
-void Border::AdvanceInterface(int substep, double dt)
+void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->MassCutoff();
   for (int k = 0; k < owned_; ++k) {
@@ -284,7 +284,7 @@ void Border::AdvanceInterface(int substep, double dt)
 }
 
 /// sum_I N_I(x_i) (v, dv)_I
-std::array<double, NodeArrays::kVelocity> Border::Interpolate(const BandNode &band) const
+std::array<double, NodeArrays::kVelocity> LevelInterface::Interpolate(const BlendNode &band) const
 {
   std::array<double, NodeArrays::kVelocity> sum{};
   for (int a = 0; a < band.count; ++a) {
@@ -295,17 +295,17 @@ std::array<double, NodeArrays::kVelocity> Border::Interpolate(const BandNode &ba
 }
 
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i
-void Border::Prolong()
+void LevelInterface::Prolong()
 {
   double *fine = fine_->Mesh().Arrays().velocity;
-  for (const BandNode &band : band_) {
+  for (const BlendNode &band : band_) {
     double *to = fine + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(band.node);
     const std::array<double, NodeArrays::kVelocity> sum = Interpolate(band);
     for (int c = 0; c < NodeArrays::kVelocity; ++c) to[c] = (1 - band.beta) * sum[c] + band.beta * to[c];
   }
 }
 
-PetscErrorCode Border::ShiftForces(bool from_fine)
+PetscErrorCode LevelInterface::ShiftForces(bool from_fine)
 {
   const Grid &coarse = coarse_->Mesh();
   const MPI_Datatype unit = coarse.Unit(NodeArrays::kSums);
@@ -323,7 +323,7 @@ PetscErrorCode Border::ShiftForces(bool from_fine)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Border::SendUp()
+PetscErrorCode LevelInterface::FineToCoarse()
 {
   const Grid &coarse = coarse_->Mesh();
   const MPI_Datatype unit = coarse.Unit(NodeArrays::kVelocity);
@@ -333,7 +333,7 @@ PetscErrorCode Border::SendUp()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Border::GatherState(std::vector<double> *state) const
+PetscErrorCode LevelInterface::GatherState(std::vector<double> *state) const
 {
   PetscFunctionBeginUser;
   state->clear();
@@ -348,7 +348,7 @@ PetscErrorCode Border::GatherState(std::vector<double> *state) const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Border::RestoreState(const std::vector<double> &state)
+void LevelInterface::RestoreState(const std::vector<double> &state)
 {
   has_previous_ = !state.empty();
   if (!has_previous_) return;

@@ -1,7 +1,7 @@
 // Recursion over levels, reductions over ranks, and balance.
-#include "levels/hierarchy.hpp"
+#include "hierarchy/hierarchy.hpp"
 
-#include "levels/balance.hpp"
+#include "hierarchy/balance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,33 +44,33 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
     PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));
   }
-  PetscCall(CreateBorders(first_id));
+  PetscCall(CreateInterfaces(first_id));
   PetscCall(MapRanks());
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
-  for (auto &crossing : crossings_) PetscCall(crossing->Transfer(1, nullptr));
+  for (auto &transfer : transfers_) PetscCall(transfer->Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::CreateBorders(std::int64_t seeds)
+PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 {
   constexpr double kEnter = 0.999, kLeave = 1.25; // cells; not one, where points may lie at the start
   const bool copies = settings_.coupling == LevelCoupling::kPoints;
-  const GhostRepairs &repairs = settings_.repairs;
-  const CrossingRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
-  const CrossingRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
+  const CopyRepairs &repairs = settings_.repairs;
+  const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
+  const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
   const PointNumbers numbers(seeds, settings_.ratio * settings_.ratio);
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) {
     Level &coarse = *levels_[b], &fine = *levels_[b + 1];
-    borders_.push_back(std::make_unique<Border>());
-    crossings_.push_back(
-        std::make_unique<Crossing>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
-    PetscCall(RenewBorder(b));
+    borders_.push_back(std::make_unique<LevelInterface>());
+    transfers_.push_back(
+        std::make_unique<PointTransfer>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
+    PetscCall(RenewInterface(b));
     if (!copies) continue;
-    ghosts_.push_back(std::make_unique<GhostBorder>());
+    ghosts_.push_back(std::make_unique<CopyBorder>());
     PetscCall(ghosts_[b]->Create(comm_, coarse, fine, settings_.ratio, repairs, {settings_.ghost_cells}));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -82,7 +82,7 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   GridLayout layout;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm_, &ranks));
-  MakeLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid.Nodes(0), &layout);
+  FirstLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid.Nodes(0), &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
@@ -119,7 +119,7 @@ PetscErrorCode Hierarchy::MapRanks()
     if (better[l] == map[l]) continue;
     GridLayout layout = levels_[l]->Mesh().Layout();
     layout.ranks = better[l];
-    PetscCall(levels_[l]->Recut(layout));
+    PetscCall(levels_[l]->Repartition(layout));
     PetscCall(Reconnect());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -135,10 +135,10 @@ void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
 }
 
 /// Creates a border anew, with the state and totals it had.
-PetscErrorCode Hierarchy::RenewBorder(int b)
+PetscErrorCode Hierarchy::RenewInterface(int b)
 {
   std::vector<double> state;
-  auto border = std::make_unique<Border>();
+  auto border = std::make_unique<LevelInterface>();
   PetscFunctionBeginUser;
   PetscCall(borders_[b]->GatherState(&state));
   const double width = settings_.blend_widths.empty() ? kBlendWidth : settings_.blend_widths[b];
@@ -161,15 +161,15 @@ void Hierarchy::CoupleNodes(int l)
 PetscErrorCode Hierarchy::Reconnect()
 {
   PetscFunctionBeginUser;
-  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewBorder(b));
+  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::RestoreBorderState(int b, const std::vector<double> &state)
+PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double> &state)
 {
   PetscFunctionBeginUser;
-  PetscCall(RenewBorder(b));
+  PetscCall(RenewInterface(b));
   borders_[b]->RestoreState(state);
   CoupleNodes(b), CoupleNodes(b + 1);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,14 +203,14 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   PetscCall(level.UpdateNodes(dt));
   if (l > 0) PetscCall(Logged(events_.coupling, [&] { return borders_[l - 1]->Advance(substep, dt); }));
   if (has_finer) {
-    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->SendDown(); }));
+    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->CoarseToFine(); }));
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevel(l + 1, time + k * fine_dt, fine_dt, k));
-    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->SendUp(); }));
+    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
   }
   PetscCall(level.FinishNodes(time, dt));
   PetscCall(level.AdvancePoints(dt));
-  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt, borders_[l].get()); }));
-  PetscCall(level.KeepOrder());
+  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
+  PetscCall(level.EndStep());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -226,11 +226,11 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   PetscCall(level.UpdateNodes(dt));
   PetscCall(level.FinishNodes(time, dt));
   PetscCall(level.AdvancePoints(dt));
-  PetscCall(level.KeepOrder());
+  PetscCall(level.EndStep());
   if (has_finer) {
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, time + k * fine_dt, fine_dt));
     if (!settings_.repairs.owner_flags) PetscCall(Logged(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
-    PetscCall(Logged(events_.transfer, [&] { return crossings_[l]->Transfer(dt, nullptr); }));
+    PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, nullptr); }));
     PetscCall(Logged(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
   }
   PetscCall(PetscLogStagePop());
@@ -274,7 +274,7 @@ PetscErrorCode Hierarchy::CorrectMomentum()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::MeasurePulse(double time, Pulse *pulse)
+PetscErrorCode Hierarchy::CheckSpeeds(double time, SpeedCheck *speeds)
 {
   std::vector<double> values(3 + Levels(), 0.0); // largest of all ranks
   PetscFunctionBeginUser;
@@ -288,12 +288,12 @@ PetscErrorCode Hierarchy::MeasurePulse(double time, Pulse *pulse)
     values[3 + l] = -distance;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_));
-  *pulse = {values[0], values[1], values[2] > 0, {}};
-  for (int l = 0; l < Levels(); ++l) pulse->indenter_distance.push_back(-values[3 + l]);
+  *speeds = {values[0], values[1], values[2] > 0, {}};
+  for (int l = 0; l < Levels(); ++l) speeds->indenter_distance.push_back(-values[3 + l]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int steps)
+PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt, int steps)
 {
   constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
   double travel = 0;                              // the whole way of the indenter: it may turn
@@ -302,16 +302,16 @@ PetscErrorCode Hierarchy::Adapt(const Pulse &pulse, double time, double dt, int 
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     const double h = settings_.levels[l].grid.spacing;
-    const double drift = steps * std::max(kSafety * pulse.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
-    levels_[l]->WatchContact(pulse.indenter_distance[l] < kPointRange * h + travel + drift);
-    PetscCall(Logged(events_.balance, [&] { return KeepBalance(l); }));
-    levels_[l]->BoundDrift(pulse.point_speed, dt / std::pow(settings_.ratio, l));
+    const double drift = steps * std::max(kSafety * speeds.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
+    levels_[l]->WatchContact(speeds.indenter_distance[l] < kPointRange * h + travel + drift);
+    PetscCall(Logged(events_.balance, [&] { return RebalanceIfNeeded(l); }));
+    levels_[l]->BoundDrift(speeds.point_speed, dt / std::pow(settings_.ratio, l));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Cuts a level anew where a rank has too many of its points, or its points have become too many or too few for its ranks.
-PetscErrorCode Hierarchy::KeepBalance(int l)
+PetscErrorCode Hierarchy::RebalanceIfNeeded(int l)
 {
   PetscMPIInt ranks;
   double total = 0, largest = 0;
@@ -339,10 +339,10 @@ PetscErrorCode Hierarchy::Rebalance(int l)
   GridLayout layout;
   bool changed = false;
   PetscFunctionBeginUser;
-  PetscCall(ProposeLayout(comm_, *levels_[l], settings_.points_per_rank, &layout, &changed));
+  PetscCall(BetterLayout(comm_, *levels_[l], settings_.points_per_rank, &layout, &changed));
   if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
   const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Layout().Blocks();
-  PetscCall(levels_[l]->Recut(layout));
+  PetscCall(levels_[l]->Repartition(layout));
   PetscCall(Reconnect());
   if (other_ranks) PetscCall(MapRanks());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,7 +13,7 @@ namespace mlgimp
 {
 
 /// What `points` coupling adds to the paper's exchange.
-struct GhostRepairs {
+struct CopyRepairs {
   bool owner_flags = true;         ///< a point has one owner for ever; else its place alone decides, as printed
   bool velocity_shift = true;      ///< velocities belong to half steps, which differ between levels
   bool strain_smoothing = true;    ///< copies on the finer level get F and stress as the coarser grid sees them
@@ -27,13 +27,13 @@ struct GhostWidths {
 };
 
 /// Copies of one level's points on a neighbour, in the neighbour's store of copies.
-class GhostCopies
+class PointCopies
 {
 public:
-  GhostCopies() = default;
-  GhostCopies(const GhostCopies &) = delete;
-  GhostCopies &operator=(const GhostCopies &) = delete;
-  ~GhostCopies();
+  PointCopies() = default;
+  PointCopies(const PointCopies &) = delete;
+  PointCopies &operator=(const PointCopies &) = delete;
+  ~PointCopies();
 
   /// `finer`: the points of the coarser level are copied to the finer one; else the other way. The levels are kept by
   /// reference.
@@ -48,7 +48,7 @@ public:
   long Rebuilds() const { return rebuilds_; }
 
 private:
-  PetscErrorCode FindSources(Departures *found);
+  PetscErrorCode FindSources(Migrants *found);
   PetscErrorCode Rebuild();
   PetscErrorCode PackState(double step, double dt_shift, bool smooth);
   PetscErrorCode UnpackState();
@@ -58,7 +58,7 @@ private:
   Level *from_ = nullptr, *to_ = nullptr;
   Box inner_{}, outer_{}; ///< sources lie in the outer box, but not in the inner one
   int origin_ = 0;        ///< which store of copies
-  Departures sources_;    ///< points of this rank that have copies, and where
+  Migrants sources_;      ///< points of this rank that have copies, and where
   long version_ = -1, copy_version_ = -1, rebuilds_ = 0;
   SFHandle exchange_;
   MPI_Datatype unit_ = MPI_DATATYPE_NULL;
@@ -66,10 +66,10 @@ private:
 };
 
 /// Both directions of copying at one border.
-class GhostBorder
+class CopyBorder
 {
 public:
-  PetscErrorCode Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, const GhostRepairs &repairs,
+  PetscErrorCode Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, const CopyRepairs &repairs,
                         const GhostWidths &widths);
 
   /// Renews the copies on both sides when both levels are at the same time; dt: the coarse step. Collective.
@@ -86,8 +86,8 @@ public:
 private:
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2;
-  GhostRepairs repairs_;
-  GhostCopies to_fine_, to_coarse_;
+  CopyRepairs repairs_;
+  PointCopies to_fine_, to_coarse_;
 };
 
 } // namespace mlgimp

@@ -1,5 +1,5 @@
-// The books of a run and its failures, over all levels and ranks.
-#include "levels/hierarchy.hpp"
+// The budgets of a run and its failures, over all levels and ranks.
+#include "hierarchy/hierarchy.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -9,19 +9,19 @@
 namespace mlgimp
 {
 
-/// This rank's share of the books.
-static PetscErrorCode LocalBooks(Level &level, Books *b)
+/// This rank's share of the budgets.
+static PetscErrorCode LocalBudgets(Level &level, Budgets *b)
 {
-  PointTally tally;
+  PointSums point_sums;
   PetscFunctionBeginUser;
-  PetscCall(level.Tally(&tally));
+  PetscCall(level.SumPoints(&point_sums));
   const NodalTotals &nodal = level.Nodal();
   const SweepTotals &sweeps = level.Sweeps();
   const ContactTotals &contact = level.Contacts();
-  b->kinetic_energy += tally.kinetic_energy;
-  b->strain_energy += tally.strain_energy;
-  b->mass += tally.mass;
-  b->points += tally.count;
+  b->kinetic_energy += point_sums.kinetic_energy;
+  b->strain_energy += point_sums.strain_energy;
+  b->mass += point_sums.mass;
+  b->points += point_sums.count;
   b->contact_points += contact.last.local_points;
   b->short_wave_dissipation += sweeps.short_wave_dissipation;
   b->plastic_dissipation += sweeps.plastic_dissipation;
@@ -36,7 +36,7 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
   b->contact_set_updates += contact.set_updates;
   b->contact_fallbacks += contact.fallbacks;
   for (int d = 0; d < 2; ++d) {
-    b->momentum[d] += tally.momentum[d];
+    b->momentum[d] += point_sums.momentum[d];
     b->support_impulse[d] += nodal.support_impulse[d] + nodal.xpic_side_impulse[d];
     b->stagger_impulse[d] += sweeps.xpic_impulse[d] - nodal.xpic_side_impulse[d]; // between levels; nothing on one
     b->contact_impulse[d] += contact.impulse[d];
@@ -48,37 +48,37 @@ static PetscErrorCode LocalBooks(Level &level, Books *b)
 }
 
 /// This rank's share of what borders do.
-static void BorderBooks(const BorderTotals &border, const CrossingTotals &crossing, Books *b)
+static void InterfaceBudgets(const InterfaceTotals &border, const PointTransferTotals &transfer, Budgets *b)
 {
   for (int d = 0; d < 2; ++d) {
     b->support_impulse[d] += border.support_impulse[d];
     b->stagger_impulse[d] += border.stagger_impulse[d];
   }
-  b->transfer_energy += crossing.energy;
-  b->points_entered += crossing.entered;
-  b->points_left += crossing.left;
-  b->points_split += crossing.split;
-  b->points_merged += crossing.merged;
-  b->points_unsplit += crossing.unsplit;
-  b->transfer_mass_error += crossing.mass_error;
-  b->transfer_momentum_error += crossing.momentum_error;
-  b->points_adrift += crossing.points_adrift;
-  b->mass_adrift += crossing.mass_adrift;
-  for (int d = 0; d < 2; ++d) b->momentum_adrift[d] += crossing.momentum_adrift[d];
+  b->transfer_energy += transfer.energy;
+  b->points_entered += transfer.entered;
+  b->points_left += transfer.left;
+  b->points_split += transfer.split;
+  b->points_merged += transfer.merged;
+  b->points_unsplit += transfer.unsplit;
+  b->transfer_mass_error += transfer.mass_error;
+  b->transfer_momentum_error += transfer.momentum_error;
+  b->points_adrift += transfer.points_adrift;
+  b->mass_adrift += transfer.mass_adrift;
+  for (int d = 0; d < 2; ++d) b->momentum_adrift[d] += transfer.momentum_adrift[d];
 }
 
-PetscErrorCode Hierarchy::ReduceBooks(Books *books)
+PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
 {
-  static_assert(sizeof(Books) % sizeof(double) == 0, "books are reduced as an array of doubles");
+  static_assert(sizeof(Budgets) % sizeof(double) == 0, "budgets are reduced as an array of doubles");
   PetscFunctionBeginUser;
-  *books = {};
-  for (auto &level : levels_) PetscCall(LocalBooks(*level, books));
-  for (int b = 0; b + 1 < Levels(); ++b) BorderBooks(borders_[b]->Totals(), crossings_[b]->Totals(), books);
+  *budgets = {};
+  for (auto &level : levels_) PetscCall(LocalBudgets(*level, budgets));
+  for (int b = 0; b + 1 < Levels(); ++b) InterfaceBudgets(borders_[b]->Totals(), transfers_[b]->Totals(), budgets);
   if (CoupledByNodes()) {
-    books->exchange_energy += books->strain_energy + books->short_wave_dissipation + books->plastic_dissipation;
-    for (const auto &crossing : crossings_) books->exchange_energy -= crossing->Totals().strain_energy;
+    budgets->exchange_energy += budgets->strain_energy + budgets->short_wave_dissipation + budgets->plastic_dissipation;
+    for (const auto &transfer : transfers_) budgets->exchange_energy -= transfer->Totals().strain_energy;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, books, sizeof(Books) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, budgets, sizeof(Budgets) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,15 +98,15 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     each(c.indenter_work, c.work, c.steps, c.set_updates, c.fallbacks);
   }
   for (int b = 0; b + 1 < Levels(); ++b) {
-    BorderTotals border = borders_[b]->Totals();
-    CrossingTotals crossing = crossings_[b]->Totals();
+    InterfaceTotals border = borders_[b]->Totals();
+    PointTransferTotals transfer = transfers_[b]->Totals();
     for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
-    each(crossing.energy, crossing.strain_energy);
-    each(crossing.entered, crossing.left, crossing.split, crossing.merged, crossing.unsplit, crossing.mass_error,
-         crossing.momentum_error);
-    each(crossing.points_adrift, crossing.mass_adrift, crossing.momentum_adrift[0], crossing.momentum_adrift[1]);
+    each(transfer.energy, transfer.strain_energy);
+    each(transfer.entered, transfer.left, transfer.split, transfer.merged, transfer.unsplit, transfer.mass_error,
+         transfer.momentum_error);
+    each(transfer.points_adrift, transfer.mass_adrift, transfer.momentum_adrift[0], transfer.momentum_adrift[1]);
     borders_[b]->SetTotals(border);
-    crossings_[b]->SetTotals(crossing);
+    transfers_[b]->SetTotals(transfer);
   }
 }
 

@@ -1,7 +1,7 @@
 // Copies of points on neighbouring levels: who has some, and how they are renewed.
-#include "levels/ghosts.hpp"
+#include "hierarchy/point_copies.hpp"
 
-#include "levels/crossing.hpp"
+#include "hierarchy/point_transfer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-PetscErrorCode GhostCopies::Create(MPI_Comm world, Level &coarse, Level &fine, bool finer, const GhostWidths &widths)
+PetscErrorCode PointCopies::Create(MPI_Comm world, Level &coarse, Level &fine, bool finer, const GhostWidths &widths)
 {
   PetscFunctionBeginUser;
   world_ = world;
@@ -26,16 +26,16 @@ PetscErrorCode GhostCopies::Create(MPI_Comm world, Level &coarse, Level &fine, b
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-GhostCopies::~GhostCopies()
+PointCopies::~PointCopies()
 {
   if (unit_ != MPI_DATATYPE_NULL) MPI_Type_free(&unit_);
 }
 
 /// Numbers of a point that change in a step: position, velocity, F, stress, short-wave stress, internal variables.
-int GhostCopies::StateSize() const { return 15 + from_->Physics().HistoryComponents(); }
+int PointCopies::StateSize() const { return 15 + from_->Physics().HistoryComponents(); }
 
 /// The points to copy and the ranks they go to, ordered by rank.
-PetscErrorCode GhostCopies::FindSources(Departures *found)
+PetscErrorCode PointCopies::FindSources(Migrants *found)
 {
   PointArrays a;
   std::vector<std::pair<PetscMPIInt, int>> list;
@@ -51,9 +51,9 @@ PetscErrorCode GhostCopies::FindSources(Departures *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostCopies::Renew(double step, double dt_shift, bool smooth)
+PetscErrorCode PointCopies::Renew(double step, double dt_shift, bool smooth)
 {
-  Departures found;
+  Migrants found;
   PetscFunctionBeginUser;
   PetscCall(FindSources(&found));
   int changed = found.points != sources_.points || found.ranks != sources_.ranks || from_->PointStore().Version() != version_ ||
@@ -70,7 +70,7 @@ PetscErrorCode GhostCopies::Renew(double step, double dt_shift, bool smooth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostCopies::Rebuild()
+PetscErrorCode PointCopies::Rebuild()
 {
   Points &copies = to_->CopyStore(origin_);
   std::vector<PetscSFNode> origins;
@@ -89,7 +89,7 @@ PetscErrorCode GhostCopies::Rebuild()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostCopies::PackState(double step, double dt_shift, bool smooth)
+PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
 {
   const std::vector<int> &points = sources_.points;
   std::vector<Level::VelocitySample> samples;
@@ -112,7 +112,7 @@ PetscErrorCode GhostCopies::PackState(double step, double dt_shift, bool smooth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostCopies::UnpackState()
+PetscErrorCode PointCopies::UnpackState()
 {
   PointArrays a;
   PetscFunctionBeginUser;
@@ -133,8 +133,8 @@ PetscErrorCode GhostCopies::UnpackState()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostBorder::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, const GhostRepairs &repairs,
-                                   const GhostWidths &widths)
+PetscErrorCode CopyBorder::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, const CopyRepairs &repairs,
+                                  const GhostWidths &widths)
 {
   PetscFunctionBeginUser;
   coarse_ = &coarse;
@@ -146,7 +146,7 @@ PetscErrorCode GhostBorder::Create(MPI_Comm world, Level &coarse, Level &fine, i
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostBorder::Exchange(double dt)
+PetscErrorCode CopyBorder::Exchange(double dt)
 {
   const double fine_dt = dt / ratio_, shift = repairs_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   PetscFunctionBeginUser;
@@ -170,7 +170,7 @@ static PetscErrorCode Select(Points &points, const Box &box, bool inside, std::v
 static PetscErrorCode KeepByPlace(Level &level, int origin, const Box &box, bool inside)
 {
   std::vector<int> wrong;
-  Departures right;
+  Migrants right;
   PetscFunctionBeginUser;
   PetscCall(Select(level.PointStore(), box, !inside, &wrong));
   PetscCall(level.PointStore().Remove(wrong));
@@ -180,7 +180,7 @@ static PetscErrorCode KeepByPlace(Level &level, int origin, const Box &box, bool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostBorder::DecideByPlace()
+PetscErrorCode CopyBorder::DecideByPlace()
 {
   const Box box = WidenedBox(fine_->Geometry(), 0);
   PetscFunctionBeginUser;
@@ -191,10 +191,10 @@ PetscErrorCode GhostBorder::DecideByPlace()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostBorder::CorrectMomentum(Vec2 dv)
+PetscErrorCode CopyBorder::CorrectMomentum(Vec2 dv)
 {
   PetscFunctionBeginUser;
-  for (GhostCopies *copies : {&to_fine_, &to_coarse_}) {
+  for (PointCopies *copies : {&to_fine_, &to_coarse_}) {
     PointArrays a;
     PetscCall(copies->Owner().PointStore().Arrays(&a));
     for (int p : copies->Sources())
@@ -203,11 +203,11 @@ PetscErrorCode GhostBorder::CorrectMomentum(Vec2 dv)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GhostBorder::RingMass(double *mass)
+PetscErrorCode CopyBorder::RingMass(double *mass)
 {
   PetscFunctionBeginUser;
   *mass = 0;
-  for (GhostCopies *copies : {&to_fine_, &to_coarse_}) {
+  for (PointCopies *copies : {&to_fine_, &to_coarse_}) {
     PointArrays a;
     PetscCall(copies->Owner().PointStore().Arrays(&a));
     for (int p : copies->Sources()) *mass += a.mass[p];

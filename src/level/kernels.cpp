@@ -1,5 +1,5 @@
 // The sweeps, written once for all shape functions.
-#include "level/transfer.hpp"
+#include "level/kernels.hpp"
 
 #include "base/pack.hpp"
 
@@ -109,7 +109,7 @@ void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_
       Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / 2);
 }
 
-template <class Shape> class ShapeTransfer : public Transfer
+template <class Shape> class ShapeKernels : public Kernels
 {
   using Weights = AxisStencils<2>;
 
@@ -292,7 +292,7 @@ private:
     }
   }
 
-  /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), booking the kinetic energy lost and the momentum.
+  /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), adding up the kinetic energy lost and the momentum.
   static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4], SweepTotals &totals)
   {
     double lost = 0;
@@ -316,11 +316,11 @@ private:
 
 std::vector<std::string> ShapeFunctions() { return {"linear", "ugimp", "cpgimp"}; }
 
-std::unique_ptr<Transfer> CreateTransfer(const std::string &shape_function)
+std::unique_ptr<Kernels> CreateKernels(const std::string &shape_function)
 {
-  if (shape_function == "linear") return std::make_unique<ShapeTransfer<Linear>>();
-  if (shape_function == "ugimp") return std::make_unique<ShapeTransfer<UniformGimp>>();
-  return std::make_unique<ShapeTransfer<ContiguousGimp>>();
+  if (shape_function == "linear") return std::make_unique<ShapeKernels<Linear>>();
+  if (shape_function == "ugimp") return std::make_unique<ShapeKernels<UniformGimp>>();
+  return std::make_unique<ShapeKernels<ContiguousGimp>>();
 }
 
 } // namespace mlgimp

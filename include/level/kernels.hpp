@@ -86,10 +86,10 @@ struct SweepView {
 };
 
 /// The sweeps, for one shape function.
-class Transfer
+class Kernels
 {
 public:
-  virtual ~Transfer() = default;
+  virtual ~Kernels() = default;
 
   /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to `sums`.
   virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
@@ -114,6 +114,6 @@ public:
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.
 std::vector<std::string> ShapeFunctions();
-std::unique_ptr<Transfer> CreateTransfer(const std::string &shape_function);
+std::unique_ptr<Kernels> CreateKernels(const std::string &shape_function);
 
 } // namespace mlgimp

@@ -12,7 +12,7 @@ namespace mlgimp
 /// and kHaloWidth nodes along each axis. Of all splits into columns and rows, which follow the points per node column and
 /// row, the one with the least work on the busiest rank, points and halo nodes, is taken. The first ranks get the blocks.
 /// points [height][width]: per node, padding included.
-void MakeLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout);
+void FirstLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout);
 
 /// True where a level with so many points should be on another number of ranks: where they have less than half or more
 /// than twice `least_points` each, and there are others to take.
@@ -20,6 +20,6 @@ bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points);
 
 /// The layout that suits the points of a level now: on the same ranks, or, where NeedsOtherRanks, on as many as suit them,
 /// the first ones. `changed` tells whether it is better than that in use. Collective on `world`.
-PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed);
+PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed);
 
 } // namespace mlgimp

@@ -1,5 +1,5 @@
 // The graph of blocks for METIS, and the repair of its partition.
-#include "levels/mapping.hpp"
+#include "hierarchy/mapping.hpp"
 
 #include <algorithm>
 #include <metis.h>
@@ -63,14 +63,14 @@ double Affinity(const BlockGraph &graph, const std::vector<PetscMPIInt> &rank_of
 /// Gives each block of a level a rank of its own: its part's, or the free one that it exchanges most with.
 void Repair(const BlockGraph &graph, int level, int ranks, std::vector<PetscMPIInt> &rank_of)
 {
-  std::vector<int> holder(ranks, -1), homeless;
+  std::vector<int> holder(ranks, -1), unassigned;
   for (int v = graph.first[level]; v < graph.first[level + 1]; ++v) {
     if (holder[rank_of[v]] < 0)
       holder[rank_of[v]] = v;
     else
-      homeless.push_back(v);
+      unassigned.push_back(v);
   }
-  for (int v : homeless) {
+  for (int v : unassigned) {
     int best = -1;
     double most = -1;
     for (int rank = 0; rank < ranks; ++rank) {

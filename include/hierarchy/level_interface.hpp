@@ -6,8 +6,8 @@
 // kind are the interface nodes. They advance with the fine step; fine nodes with beta = 0 are slaves. See docs/levels.md.
 #pragma once
 
+#include "hierarchy/mapping.hpp"
 #include "level/level.hpp"
-#include "levels/mapping.hpp"
 
 #include <array>
 #include <vector>
@@ -16,7 +16,7 @@ namespace mlgimp
 {
 
 /// A fine node with beta < 1 and the interface nodes it hangs on.
-struct BandNode {
+struct BlendNode {
   int node; ///< place in the fine level's ghosted arrays
   double beta;
   int count;        ///< of interface nodes with a weight
@@ -25,7 +25,7 @@ struct BandNode {
 };
 
 /// What the border gave to bodies since the run began, on this rank.
-struct BorderTotals {
+struct InterfaceTotals {
   Vec2 support_impulse{}; ///< at interface nodes on held sides, N s
   Vec2 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
 };
@@ -35,19 +35,19 @@ inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
 /// Cells beside the band that a border needs free of other borders and of contact.
 inline constexpr double kBorderCells = 3;
 
-class Border
+class LevelInterface
 {
 public:
   /// The levels are kept by reference. Collective on `world`.
   PetscErrorCode Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width);
 
   /// Brings mass, momentum and force of the coarse points to the interface nodes. Starts a coarse step. Collective on all.
-  PetscErrorCode SendDown();
+  PetscErrorCode CoarseToFine();
   /// Advances the interface nodes by the fine step number `substep`, and sets the velocities (v, dv) of the band from
   /// theirs; the free part of the velocities must be there. On the fine level's ranks.
   PetscErrorCode Advance(int substep, double dt);
   /// Brings the mean velocity and the whole change of the interface nodes to the coarse level. Collective on all.
-  PetscErrorCode SendUp();
+  PetscErrorCode FineToCoarse();
 
   /// Adds to the coarse forces of the step before those of points that have changed levels, which are no change to
   /// extrapolate: what is in `sums` of the coarse level, or of the fine level's slaves. Collective on all.
@@ -65,8 +65,8 @@ public:
   static constexpr int kState = 2; ///< of an interface node: the coarse force
   std::size_t InterfaceNodes() const { return interface_.size(); }
 
-  const BorderTotals &Totals() const { return totals_; }
-  void SetTotals(const BorderTotals &totals) { totals_ = totals; }
+  const InterfaceTotals &Totals() const { return totals_; }
+  void SetTotals(const InterfaceTotals &totals) { totals_ = totals; }
   /// What the blocks of the two levels exchange in a coarse step; `level` is that of the coarser one. The same on all ranks.
   std::vector<BlockTraffic> Traffic(int level) const;
 
@@ -88,7 +88,7 @@ private:
   /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
   PetscErrorCode Restrict();
   void AdvanceInterface(int substep, double dt);
-  std::array<double, NodeArrays::kVelocity> Interpolate(const BandNode &band) const;
+  std::array<double, NodeArrays::kVelocity> Interpolate(const BlendNode &band) const;
   void Prolong();
 
   MPI_Comm world_ = MPI_COMM_NULL;
@@ -98,7 +98,7 @@ private:
   std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
   std::vector<int> local_;               ///< those known here: owned ones first, in order
   int owned_ = 0;
-  std::vector<BandNode> band_;                         ///< of owned fine nodes
+  std::vector<BlendNode> band_;                        ///< of owned fine nodes
   std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   SFHandle exchange_, transfer_;
@@ -108,7 +108,7 @@ private:
   std::vector<double> velocity_;       ///< [local_][kVelocity]: (v, dv) of the substep
   std::vector<double> mean_;           ///< [owned_][kVelocity]: mean v and sum of dv over substeps
   bool has_previous_ = false;
-  BorderTotals totals_;
+  InterfaceTotals totals_;
 };
 
 } // namespace mlgimp

@@ -1,13 +1,13 @@
 // Siblings that have left a finer level become their parent again.
 #pragma once
 
-#include "levels/crossing.hpp"
+#include "hierarchy/point_transfer.hpp"
 
 namespace mlgimp
 {
 
 /// Merges the points of a level that came from one split, where all of them are on this level and smaller than usual
 /// there. Mass and momentum are kept; F, stress and the rest are means by mass. Collective on `world`.
-PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, CrossingTotals *totals);
+PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, PointTransferTotals *totals);
 
 } // namespace mlgimp

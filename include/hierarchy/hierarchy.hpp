@@ -1,11 +1,11 @@
-// The hierarchy of levels: creation, the recursion of the paper's Fig. 8, and the books of the whole run.
+// The hierarchy of levels: creation, the recursion of the paper's Fig. 8, and the budgets of the whole run.
 #pragma once
 
+#include "hierarchy/level_interface.hpp"
+#include "hierarchy/point_copies.hpp"
+#include "hierarchy/point_transfer.hpp"
 #include "level/level.hpp"
 #include "level/seeding.hpp"
-#include "levels/border.hpp"
-#include "levels/crossing.hpp"
-#include "levels/ghosts.hpp"
 
 #include <memory>
 #include <vector>
@@ -27,12 +27,12 @@ struct HierarchySettings {
   bool merge_siblings = false; ///< points that leave a level become their parent again
   int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
   LevelCoupling coupling = LevelCoupling::kNodes;
-  GhostRepairs repairs; ///< of the coupling by points
-  int ghost_cells = 4;  ///< the coupling by points copies so far outside a level's box, cells of the level
+  CopyRepairs repairs; ///< of the coupling by points
+  int ghost_cells = 4; ///< the coupling by points copies so far outside a level's box, cells of the level
 };
 
 /// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
-struct Books {
+struct Budgets {
   double kinetic_energy, strain_energy, mass, momentum[2], points, contact_points;
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
@@ -55,7 +55,7 @@ struct CopyState {
 };
 
 /// Largest speeds over all points, and whether any level has failed.
-struct Pulse {
+struct SpeedCheck {
   double wave_speed = 0, point_speed = 0; ///< of c + |v| and |v|, m/s
   bool failed = false;
   std::vector<double> indenter_distance; ///< of each level's nearest surface point, m
@@ -70,20 +70,20 @@ public:
   /// One step of level 0, with all steps of the finer levels within it.
   PetscErrorCode Advance(double time, double dt);
 
-  PetscErrorCode MeasurePulse(double time, Pulse *pulse);
-  /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][Border::kState], the same on
+  PetscErrorCode CheckSpeeds(double time, SpeedCheck *speeds);
+  /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][LevelInterface::kState], the same on
   /// every rank; empty before the first step. Collective.
-  PetscErrorCode GatherBorderState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
+  PetscErrorCode GatherInterfaceState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
   /// Number of interface nodes of border b.
-  std::size_t BorderNodes(int b) const { return borders_[b]->InterfaceNodes(); }
-  /// Connects the levels as their layouts are now, with the state from GatherBorderState. Collective.
-  PetscErrorCode RestoreBorderState(int b, const std::vector<double> &state);
+  std::size_t InterfaceNodes(int b) const { return borders_[b]->InterfaceNodes(); }
+  /// Connects the levels as their layouts are now, with the state from GatherInterfaceState. Collective.
+  PetscErrorCode RestoreInterfaceState(int b, const std::vector<double> &state);
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
-  PetscErrorCode Adapt(const Pulse &pulse, double time, double dt, int steps);
-  PetscErrorCode ReduceBooks(Books *books);
-  /// This rank's parts of what the books count since the start, in a fixed order, and back. Their sums over ranks are
-  /// those of the books, to the last bit where each rank gets its own back.
+  PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
+  PetscErrorCode ReduceBudgets(Budgets *budgets);
+  /// This rank's parts of what the budgets count since the start, in a fixed order, and back. Their sums over ranks are
+  /// those of the budgets, to the last bit where each rank gets its own back.
   std::vector<double> Totals();
   /// RestoreTotals: false where a total that is a count is none.
   bool RestoreTotals(const std::vector<double> &totals);
@@ -107,16 +107,16 @@ private:
   template <class Visit> void ForEachTotal(Visit visit);
   PetscErrorCode MeasureMomentum(Vec2 *left);
   PetscErrorCode CorrectMomentum();
-  PetscErrorCode CreateBorders(std::int64_t seeds);
+  PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
   PetscErrorCode MapRanks();
   std::vector<BlockTraffic> Traffic() const;
   RankMap RanksInUse() const;
-  PetscErrorCode RenewBorder(int b);
+  PetscErrorCode RenewInterface(int b);
   PetscErrorCode Reconnect();
   bool CoupledByNodes() const { return Levels() > 1 && settings_.coupling == LevelCoupling::kNodes; }
   void CoupleNodes(int l);
-  PetscErrorCode KeepBalance(int l);
+  PetscErrorCode RebalanceIfNeeded(int l);
   PetscErrorCode Rebalance(int l);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
@@ -125,9 +125,9 @@ private:
   LogEvents events_{};
   std::vector<PetscLogStage> stages_;
   std::vector<std::unique_ptr<Level>> levels_;
-  std::vector<std::unique_ptr<Border>> borders_; ///< [b]: of levels b and b + 1
-  std::vector<std::unique_ptr<Crossing>> crossings_;
-  std::vector<std::unique_ptr<GhostBorder>> ghosts_; ///< where the coupling is by points
+  std::vector<std::unique_ptr<LevelInterface>> borders_; ///< [b]: of levels b and b + 1
+  std::vector<std::unique_ptr<PointTransfer>> transfers_;
+  std::vector<std::unique_ptr<CopyBorder>> ghosts_; ///< where the coupling is by points
   CopyState copies_;
 };
 

@@ -1,5 +1,5 @@
 // Families of siblings: found on all ranks, gathered on one, averaged.
-#include "levels/merging.hpp"
+#include "hierarchy/merging.hpp"
 
 #include <algorithm>
 #include <map>
@@ -91,12 +91,12 @@ void MakeParent(const PointArrays &a, const std::vector<Sibling> &family, std::i
 
 } // namespace
 
-PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, CrossingTotals *totals)
+PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, PointTransferTotals *totals)
 {
   const int children = ratio * ratio;
   std::vector<Sibling> mine, all;
-  std::vector<std::pair<int, PetscMPIInt>> travellers;
-  Departures departures;
+  std::vector<std::pair<int, PetscMPIInt>> leaving;
+  Migrants migrants;
   PetscMPIInt rank;
   PointArrays a;
   PetscFunctionBeginUser;
@@ -107,10 +107,10 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   if (everywhere.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   for (const auto &[parent, family] : everywhere)
     for (const Sibling &s : family)
-      if (s.rank == rank && family.front().rank != rank) travellers.emplace_back(s.point, family.front().rank);
-  std::sort(travellers.begin(), travellers.end());
-  for (const auto &[point, to] : travellers) departures.points.push_back(point), departures.ranks.push_back(to);
-  PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), departures));
+      if (s.rank == rank && family.front().rank != rank) leaving.emplace_back(s.point, family.front().rank);
+  std::sort(leaving.begin(), leaving.end());
+  for (const auto &[point, to] : leaving) migrants.points.push_back(point), migrants.ranks.push_back(to);
+  PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), migrants));
 
   mine.clear();
   PetscCall(FindSmall(level, numbers, rank, &mine));
@@ -118,12 +118,12 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   std::vector<int> spent;
   for (const auto &[parent, family] : WholeFamilies(mine, numbers, children)) {
     std::vector<int> points;
-    PointTally before, after;
+    PointSums before, after;
     for (const Sibling &s : family) points.push_back(s.point);
-    PetscCall(level.Tally(points, &before));
+    PetscCall(level.SumPoints(points, &before));
     MakeParent(a, family, parent, ratio);
-    PetscCall(level.Tally({points.front()}, &after));
-    BookChange(before, after, totals);
+    PetscCall(level.SumPoints({points.front()}, &after));
+    AddChange(before, after, totals);
     spent.insert(spent.end(), points.begin() + 1, points.end());
     ++totals->merged;
   }

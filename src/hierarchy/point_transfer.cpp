@@ -1,7 +1,7 @@
 // Moving points between levels, splitting and merging.
-#include "levels/crossing.hpp"
+#include "hierarchy/point_transfer.hpp"
 
-#include "levels/merging.hpp"
+#include "hierarchy/merging.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +49,7 @@ std::int64_t PointNumbers::Parent(std::int64_t id) const
 int PointNumbers::ChildIndex(std::int64_t id) const { return static_cast<int>((id - RangeOf(id).start) % children_); }
 
 /// The points of a level inside or outside a box; in most blocks there are none.
-PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
+PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
 {
   PointArrays a;
   PetscFunctionBeginUser;
@@ -67,7 +67,7 @@ PetscErrorCode Crossing::Select(Level &level, const Box &box, bool inside, std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void BookChange(const PointTally &before, const PointTally &after, CrossingTotals *totals)
+void AddChange(const PointSums &before, const PointSums &after, PointTransferTotals *totals)
 {
   totals->mass_error += std::abs(after.mass - before.mass);
   for (int d = 0; d < 2; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
@@ -76,7 +76,7 @@ void BookChange(const PointTally &before, const PointTally &after, CrossingTotal
   totals->strain_energy += strain;
 }
 
-PetscErrorCode Crossing::Transfer(double dt, Border *border)
+PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
   const double h = fine_.Geometry().grid.spacing;
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
@@ -112,7 +112,7 @@ PetscErrorCode Crossing::Transfer(double dt, Border *border)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Crossing::SplitRing()
+PetscErrorCode PointTransfer::SplitRing()
 {
   std::vector<int> near, parents;
   std::vector<Level::VelocitySample> samples;
@@ -125,9 +125,9 @@ PetscErrorCode Crossing::SplitRing()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift)
+PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift)
 {
-  Departures departures;
+  Migrants migrants;
   std::vector<Level::VelocitySample> samples;
   PointArrays a;
   PetscFunctionBeginUser;
@@ -135,24 +135,24 @@ PetscErrorCode Crossing::Send(Level &from, Level &to, const std::vector<int> &po
   PetscCall(from.PointStore().Arrays(&a));
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
-    departures.Add(p, to.OwnerOf(a, p));
+    migrants.Add(p, to.OwnerOf(a, p));
     for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
   }
-  PointTally sent, received;
+  PointSums sent, received;
   const int before = to.PointStore().Count();
-  PetscCall(from.Tally(departures.points, &sent));
-  PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), departures));
-  std::vector<int> arrivals(to.PointStore().Count() - before); // at the end of the storage
-  std::iota(arrivals.begin(), arrivals.end(), before);
-  PetscCall(to.Tally(arrivals, &received));
-  totals_.points_adrift += static_cast<double>(departures.points.size()) - static_cast<double>(arrivals.size());
+  PetscCall(from.SumPoints(migrants.points, &sent));
+  PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), migrants));
+  std::vector<int> incoming(to.PointStore().Count() - before); // at the end of the storage
+  std::iota(incoming.begin(), incoming.end(), before);
+  PetscCall(to.SumPoints(incoming, &received));
+  totals_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
   totals_.mass_adrift += sent.mass - received.mass;
   for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent.momentum[d] - received.momentum[d];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Those of some points of the coarser level that are of its size.
-PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector<int> *parents)
+PetscErrorCode PointTransfer::FindParents(const std::vector<int> &points, std::vector<int> *parents)
 {
   const double h = fine_.Geometry().grid.spacing;
   PointArrays a;
@@ -171,15 +171,15 @@ PetscErrorCode Crossing::FindParents(const std::vector<int> &points, std::vector
 }
 
 /// Splits the parents among some points of the coarser level, and adds the children to the points.
-PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
-                               std::vector<int> *points)
+PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
+                                    std::vector<int> *points)
 {
   const int children = ratio_ * ratio_;
-  PointTally before, after;
+  PointSums before, after;
   PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(coarse_.Tally(*points, &before));
+  PetscCall(coarse_.SumPoints(*points, &before));
   int next = coarse_.PointStore().Count();
   PetscCall(coarse_.PointStore().Resize(next + static_cast<int>(parents.size()) * (children - 1)));
   PetscCall(coarse_.PointStore().Arrays(&a));
@@ -189,13 +189,13 @@ PetscErrorCode Crossing::Split(const std::vector<int> &parents, const std::vecto
       if (child) points->push_back(target);
       MakeChild(a, parents[k], target, child, samples[k].L);
     }
-  PetscCall(coarse_.Tally(*points, &after));
-  BookChange(before, after, &totals_);
+  PetscCall(coarse_.SumPoints(*points, &after));
+  AddChange(before, after, &totals_);
   totals_.split += static_cast<double>(parents.size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Crossing::MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const
+void PointTransfer::MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const
 {
   const int place[2] = {child % ratio_, child / ratio_};
   const double *F = a.F + 4 * parent;

@@ -1,7 +1,7 @@
 // Points that change levels: which level a place belongs to, splitting on the way in, merging after the way out.
 #pragma once
 
-#include "levels/border.hpp"
+#include "hierarchy/level_interface.hpp"
 
 #include <cstdint>
 
@@ -12,7 +12,7 @@ namespace mlgimp
 Box WidenedBox(const LevelGeometry &geometry, double distance);
 
 /// When points change levels, and what happens to them then.
-struct CrossingRule {
+struct PointTransferRule {
   double enter, leave; ///< distances from the finer level's box, its cells: points nearer than `enter` go to it, points
                        ///< farther than `leave` go from it; between them they stay, so that none goes to and fro
   int ring;            ///< cells outside the box in which the coarser level has points of the finer one's size; 0: none
@@ -45,7 +45,7 @@ private:
 };
 
 /// What crossed a border since the run began: points by their own count, on this rank.
-struct CrossingTotals {
+struct PointTransferTotals {
   double entered = 0, left = 0; ///< points that went to the finer, to the coarser level
   double split = 0, merged = 0; ///< parents split; parents put together again
   double unsplit = 0;           ///< points that stayed as large as they were, since no numbers are left for their children
@@ -56,15 +56,15 @@ struct CrossingTotals {
   double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
 };
 
-/// Books by how much splitting or merging changed mass, momentum and energy.
-void BookChange(const PointTally &before, const PointTally &after, CrossingTotals *totals);
+/// Adds up by how much splitting or merging changed mass, momentum and energy.
+void AddChange(const PointSums &before, const PointSums &after, PointTransferTotals *totals);
 
 /// Moves points between two neighbouring levels.
-class Crossing
+class PointTransfer
 {
 public:
   /// The levels are kept by reference.
-  Crossing(MPI_Comm world, Level &coarse, Level &fine, int ratio, const PointNumbers &numbers, const CrossingRule &rule)
+  PointTransfer(MPI_Comm world, Level &coarse, Level &fine, int ratio, const PointNumbers &numbers, const PointTransferRule &rule)
       : world_(world), coarse_(coarse), fine_(fine), ratio_(ratio), numbers_(numbers), rule_(rule)
   {
   }
@@ -72,12 +72,12 @@ public:
   /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^2,
   /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s; border: the one that couples
   /// the levels through nodes, or null. Collective on all ranks.
-  PetscErrorCode Transfer(double dt, Border *border);
+  PetscErrorCode Transfer(double dt, LevelInterface *border);
   /// Splits the points of coarse size in the ring around the box; they stay where they are.
   PetscErrorCode SplitRing(); // collective on the coarser level's ranks
 
-  const CrossingTotals &Totals() const { return totals_; }
-  void SetTotals(const CrossingTotals &totals) { totals_ = totals; }
+  const PointTransferTotals &Totals() const { return totals_; }
+  void SetTotals(const PointTransferTotals &totals) { totals_ = totals; }
 
 private:
   PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
@@ -91,8 +91,8 @@ private:
   Level &coarse_, &fine_;
   int ratio_;
   PointNumbers numbers_;
-  CrossingRule rule_;
-  CrossingTotals totals_;
+  PointTransferRule rule_;
+  PointTransferTotals totals_;
 };
 
 } // namespace mlgimp

@@ -1,5 +1,5 @@
 // Weighted ownership ranges.
-#include "levels/balance.hpp"
+#include "hierarchy/balance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -150,7 +150,7 @@ static int SuitableRanks(double points, int ranks, double least_points)
   return static_cast<int>(std::clamp(points / least_points, 1.0, static_cast<double>(ranks)));
 }
 
-void MakeLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout)
+void FirstLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout)
 {
   const double total = std::accumulate(points.begin(), points.end(), 0.0);
   int blocks = SuitableRanks(total, ranks, least_points);
@@ -166,7 +166,7 @@ bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points)
   return (each < 0.5 * least_points || each > 2 * least_points) && SuitableRanks(points, ranks, least_points) != blocks;
 }
 
-PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
+PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
   constexpr double kWorthWhile = 0.98; // of the busiest block's work
   const Grid &grid = level.Mesh();
@@ -186,7 +186,7 @@ PetscErrorCode ProposeLayout(MPI_Comm world, Level &level, double least_points, 
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_DOUBLE, MPI_SUM, world));
   const double total = std::accumulate(counts.begin(), counts.end(), 0.0);
   if (NeedsOtherRanks(total, grid.Layout().Blocks(), ranks, least_points)) {
-    MakeLayout(ranks, least_points, counts, width, layout);
+    FirstLayout(ranks, least_points, counts, width, layout);
     *changed = layout->Blocks() != grid.Layout().Blocks();
     if (*changed) PetscFunctionReturn(PETSC_SUCCESS);
   }

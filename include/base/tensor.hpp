@@ -1,4 +1,4 @@
-// Small vectors and 2 x 2 tensors for the code outside the inner loops.
+// Small vectors and tensors. In two dimensions the third component is zero.
 #pragma once
 
 #include <array>
@@ -7,18 +7,18 @@
 namespace mlgimp
 {
 
-using Vec2 = std::array<double, 2>;
+using Vec3 = std::array<double, 3>;
 
-inline Vec2 operator+(Vec2 a, Vec2 b) { return {a[0] + b[0], a[1] + b[1]}; }
-inline Vec2 operator-(Vec2 a, Vec2 b) { return {a[0] - b[0], a[1] - b[1]}; }
-inline Vec2 operator*(double s, Vec2 a) { return {s * a[0], s * a[1]}; }
-inline double Dot(Vec2 a, Vec2 b) { return a[0] * b[0] + a[1] * b[1]; }
-inline double Norm(Vec2 a) { return std::hypot(a[0], a[1]); }
+inline Vec3 operator+(Vec3 a, Vec3 b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vec3 operator-(Vec3 a, Vec3 b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Vec3 operator*(double s, Vec3 a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline double Dot(Vec3 a, Vec3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline double Norm(Vec3 a) { return std::hypot(std::hypot(a[0], a[1]), a[2]); }
 
-/// The vector turned by -90 degrees: from a tangent with the body on its left to the outward normal.
-inline Vec2 TurnRight(Vec2 a) { return {a[1], -a[0]}; }
+/// A vector of the plane turned by -90 degrees: from a tangent with the body on its left to the outward normal.
+inline Vec3 TurnRight(Vec3 a) { return {a[1], -a[0], 0}; }
 
-/// F a, for F stored as xx, xy, yx, yy.
-inline Vec2 Multiply(const double F[4], Vec2 a) { return {F[0] * a[0] + F[1] * a[1], F[2] * a[0] + F[3] * a[1]}; }
+/// F a in the plane, for F stored as xx, xy, yx, yy.
+inline Vec3 Multiply(const double F[4], Vec3 a) { return {F[0] * a[0] + F[1] * a[1], F[2] * a[0] + F[3] * a[1], 0}; }
 
 } // namespace mlgimp

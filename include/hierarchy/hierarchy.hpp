@@ -51,7 +51,7 @@ struct Budgets {
 /// What the coupling by points carries from step to step beside the copies.
 struct CopyState {
   bool ready = false;   ///< there are copies
-  Vec2 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
+  Vec3 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
 };
 
 /// Largest speeds over all points, and whether any level has failed.
@@ -105,7 +105,7 @@ private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
   template <class Visit> void ForEachTotal(Visit visit);
-  PetscErrorCode MeasureMomentum(Vec2 *left);
+  PetscErrorCode MeasureMomentum(Vec3 *left);
   PetscErrorCode CorrectMomentum();
   PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);

@@ -26,8 +26,8 @@ struct BlendNode {
 
 /// What the border gave to bodies since the run began, on this rank.
 struct InterfaceTotals {
-  Vec2 support_impulse{}; ///< at interface nodes on held sides, N s
-  Vec2 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
+  Vec3 support_impulse{}; ///< at interface nodes on held sides, N s
+  Vec3 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
 };
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.

@@ -80,7 +80,7 @@ public:
   /// Mass of this rank's points that have copies, kg.
   PetscErrorCode RingMass(double *mass);
   /// Adds a velocity to the points that have copies.
-  PetscErrorCode CorrectMomentum(Vec2 dv);
+  PetscErrorCode CorrectMomentum(Vec3 dv);
   long Rebuilds() const { return to_fine_.Rebuilds() + to_coarse_.Rebuilds(); }
 
 private:

@@ -27,8 +27,8 @@ struct ContactView {
 
 /// What contact did in a step, the same on every rank but for the count of points.
 struct ContactReport {
-  Vec2 impulse{};           ///< on the body, N s
-  Vec2 side_impulse{};      ///< its part that sides take up at once, N s
+  Vec3 impulse{};           ///< on the body, N s
+  Vec3 side_impulse{};      ///< its part that sides take up at once, N s
   int local_points = 0;     ///< points of this rank under pressure
   double work = 0;          ///< of the contact forces on this rank's owned nodes, with their mean velocity of the step, J
   double half_width = 0;    ///< of the contact, m
@@ -59,11 +59,11 @@ std::vector<std::string> ContactMethods();
 PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact);
 
 /// Adds the change that contact makes to the velocity (v, dv) of a node, and adds up its work where the rank owns the node.
-void ChangeVelocity(const ContactView &view, int i, int j, Vec2 change, ContactReport *report);
+void ChangeVelocity(const ContactView &view, int i, int j, Vec3 change, ContactReport *report);
 
 /// A piece of a deformed face, its place, outward normal and length.
 struct SurfaceSegment {
-  Vec2 x, normal;
+  Vec3 x, normal;
   double length;
 };
 
@@ -81,7 +81,7 @@ int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSid
 inline constexpr double kLeastFacing = 0.1;
 
 /// True where a segment faces the indenter, so that it can be pressed by it.
-inline bool Faces(const SurfaceSegment &segment, Vec2 indenter_normal)
+inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
 {
   return Dot(segment.normal, indenter_normal) < -kLeastFacing;
 }

@@ -25,7 +25,7 @@ struct ContactRow {
 struct ContactEntry {
   std::int64_t key;
   int i, j; ///< box indices of the node
-  Vec2 test, force;
+  Vec3 test, force;
 };
 
 class ContactSystem

@@ -15,7 +15,7 @@ namespace mlgimp
 
 /// Where a grid lies and what bounds it.
 struct GridGeometry {
-  Vec2 lower;     ///< position of node (0, 0) of the box, m
+  Vec3 lower;     ///< position of node (0, 0) of the box, m
   double spacing; ///< h, m
   int cells[2];   ///< of the box
   int padding;    ///< layers of nodes beyond the box

@@ -48,13 +48,13 @@ using BodyAcceleration =
 struct PointFailure {
   enum Kind { kNone, kLeftGrid, kDeformedTooFast, kNotFinite } kind = kNone;
   std::int64_t id = -1;
-  Vec2 position{};
+  Vec3 position{};
 };
 
 /// Sums that the sweeps collect on this rank.
 struct SweepTotals {
   double short_wave_dissipation = 0, plastic_dissipation = 0, xpic_dissipation = 0; ///< J
-  Vec2 xpic_impulse{};    ///< change of the points' momentum by XPIC, N s
+  Vec3 xpic_impulse{};    ///< change of the points' momentum by XPIC, N s
   long clamped_sizes = 0; ///< half sizes that were clamped, counted once a step
 };
 

@@ -24,7 +24,7 @@ struct LevelGeometry {
 
 /// What contact did since the run began, added up on the first rank of the level, and in the last step.
 struct ContactTotals {
-  Vec2 impulse{};           ///< on the body, N s
+  Vec3 impulse{};           ///< on the body, N s
   double indenter_work = 0; ///< J
   double work = 0;          ///< of the contact forces on the nodes that this rank owns, J
   double penetration = 0;   ///< deepest so far, m
@@ -35,7 +35,7 @@ struct ContactTotals {
 /// Sums over a level's points on this rank.
 struct PointSums {
   double kinetic_energy = 0, strain_energy = 0, mass = 0; ///< J, J, kg
-  Vec2 momentum{};                                        ///< kg m/s
+  Vec3 momentum{};                                        ///< kg m/s
   double count = 0;
 };
 
@@ -83,7 +83,7 @@ public:
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
   /// The nodal velocity of the last step at some points: change in the step and gradient. Collective on the level's ranks.
   struct VelocitySample {
-    Vec2 change; ///< m/s
+    Vec3 change; ///< m/s
     double L[4]; ///< xx, xy, yx, yy, 1/s
   };
   PetscErrorCode SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples);

@@ -29,9 +29,9 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
 
 /// One face of a point in the current configuration.
 struct Face {
-  Vec2 center;      ///< m
-  Vec2 half_edge;   ///< from the centre to an end, m
-  Vec2 area_normal; ///< outward normal times length, m
+  Vec3 center;      ///< m
+  Vec3 half_edge;   ///< from the centre to an end, m
+  Vec3 area_normal; ///< outward normal times length, m
 };
 
 /// The face of point p on `side`: centre x + F (+-l0 e_a), edge F (l0 e_b), normal cof(F) e_a.

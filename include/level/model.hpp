@@ -23,7 +23,7 @@ struct Body {
   std::string name;
   std::unique_ptr<Region> region;
   int material;        ///< place in Model::materials
-  Vec2 velocity;       ///< initial, m/s
+  Vec3 velocity;       ///< initial, m/s
   int points_per_cell; ///< per direction
 };
 

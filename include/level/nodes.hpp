@@ -39,7 +39,7 @@ inline constexpr double kEmptyNode = 1e-24;
 
 /// Settings of the nodal update.
 struct NodalSettings {
-  Vec2 gravity{};         ///< m/s2
+  Vec3 gravity{};         ///< m/s2
   double damping = 0;     ///< 1/s
   double mass_cutoff = 0; ///< nodes with less are skipped, kg
   double xpic_fraction = 0;
@@ -50,8 +50,8 @@ struct NodalSettings {
 
 /// Sums over the steps so far of what the nodes of this rank exchange with the outside.
 struct NodalTotals {
-  Vec2 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
-  Vec2 xpic_side_impulse{};                                                     ///< of sides on what XPIC mixes in, N s
+  Vec3 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
+  Vec3 xpic_side_impulse{};                                                     ///< of sides on what XPIC mixes in, N s
   double external_work = 0, damping_dissipation = 0;                            ///< J
   double exchange_work = 0; ///< of internal forces and of neighbouring levels on points, J; see AddExchange
 };
@@ -60,7 +60,7 @@ struct NodalTotals {
 struct CoupledNode {
   int node;      ///< place in the ghosted arrays
   bool held;     ///< its second velocity is the first
-  Vec2 change{}; ///< of its velocity by the other level in the last step, m/s
+  Vec3 change{}; ///< of its velocity by the other level in the last step, m/s
 };
 
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.

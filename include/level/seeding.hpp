@@ -43,7 +43,7 @@ private:
   bool IsInside(std::size_t body, const Tile &tile) const;
   bool AtWall(const Seed &seed, Side side) const;
   int FaceBits(const Seed &seed) const;
-  bool Occupied(Vec2 x) const;
+  bool Occupied(Vec3 x) const;
 
   const Model &model_;
   GridGeometry geometry_;

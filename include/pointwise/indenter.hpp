@@ -13,7 +13,7 @@ namespace mlgimp
 /// Distance of a point from the indenter's surface and the unit normal out of the indenter there.
 struct SurfaceGap {
   double distance; ///< m, negative inside the indenter
-  Vec2 normal;     ///< gradient of the distance
+  Vec3 normal;     ///< gradient of the distance
 };
 
 /// The surface of an indenter, in coordinates relative to its tip (its lowest point).
@@ -21,7 +21,7 @@ class IndenterSurface
 {
 public:
   virtual ~IndenterSurface() = default;
-  virtual SurfaceGap Gap(Vec2 x) const = 0;
+  virtual SurfaceGap Gap(Vec3 x) const = 0;
   /// Largest extent along x up to a height above the tip, which may be infinite, m.
   virtual double Width(double height) const = 0;
 };
@@ -32,8 +32,8 @@ std::unique_ptr<IndenterSurface> CreateWedge(double half_angle, double tip_radiu
 std::unique_ptr<IndenterSurface> CreateCylinder(double radius);
 std::unique_ptr<IndenterSurface> CreateFlatPunch(double width);
 /// Moved so that its lowest vertex (or the middle of its lowest edge) becomes the tip. Vertices either way round.
-std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec2> vertices);
-bool IsConvex(const std::vector<Vec2> &vertices);
+std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices);
+bool IsConvex(const std::vector<Vec3> &vertices);
 
 /// Piecewise-linear history of a quantity, constant before the first and after the last time; zero without any.
 class PiecewiseLinear
@@ -74,13 +74,13 @@ struct IndenterMotion {
 struct Indenter {
   std::unique_ptr<IndenterSurface> surface;
   IndenterMotion motion;
-  Vec2 tip{};                 ///< at t = 0, m
+  Vec3 tip{};                 ///< at t = 0, m
   double initial_surface = 0; ///< height of the undeformed body below the tip, m
 
-  Vec2 Tip(double t) const { return {tip[0], tip[1] - motion.Travel(t)}; }
-  Vec2 Velocity(double t) const { return {0, -motion.Speed(t)}; }
+  Vec3 Tip(double t) const { return {tip[0], tip[1] - motion.Travel(t)}; }
+  Vec3 Velocity(double t) const { return {0, -motion.Speed(t)}; }
   double Depth(double t) const { return initial_surface - Tip(t)[1]; }
-  SurfaceGap Gap(Vec2 x, double t) const { return surface->Gap(x - Tip(t)); }
+  SurfaceGap Gap(Vec3 x, double t) const { return surface->Gap(x - Tip(t)); }
 };
 
 } // namespace mlgimp

@@ -14,11 +14,11 @@ namespace mlgimp
 
 /// An axis-aligned box.
 struct Box {
-  Vec2 lower{}, upper{};
+  Vec3 lower{}, upper{};
   /// Place of a side along its axis.
   double At(Side side) const { return SignOf(side) < 0 ? lower[AxisOf(side)] : upper[AxisOf(side)]; }
   /// Half-open, so that boxes side by side share no point.
-  bool Contains(Vec2 x) const { return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1]; }
+  bool Contains(Vec3 x) const { return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1]; }
 };
 
 /// The shape of a body before it deforms.
@@ -27,23 +27,23 @@ class Region
 public:
   virtual ~Region() = default;
   /// tolerance: places less than this far outside count as well, m; where it is negative, places near the outline do not.
-  virtual bool Contains(Vec2 x, double tolerance = 0) const = 0;
+  virtual bool Contains(Vec3 x, double tolerance = 0) const = 0;
   virtual Box Bounds() const = 0;
   virtual bool IsBox() const { return false; }
 };
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box);
-std::unique_ptr<Region> CreateDiskRegion(Vec2 center, double radius);
+std::unique_ptr<Region> CreateDiskRegion(Vec3 center, double radius);
 /// Vertices in order, either way round; may be concave.
-std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec2> vertices);
+std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices);
 
 /// A piece of a body that one material point stands for.
 struct Tile {
-  Vec2 center{}, half_size{};
+  Vec3 center{}, half_size{};
 };
 
 /// The edge of the cells of the level that a place belongs to, m.
-using CellSizeAt = std::function<double(Vec2)>;
+using CellSizeAt = std::function<double(Vec3)>;
 
 /// What is the same but for rounding, of the length in question.
 inline constexpr double kRounding = 1e-6;
@@ -58,29 +58,29 @@ class Tiling
 public:
   /// cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
   /// cells there decide if that is a sliver.
-  Tiling(const Box &bounds, Vec2 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
+  Tiling(const Box &bounds, Vec3 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
       : bounds_(bounds), origin_(origin), cell_size_(cell_size), per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
-  Vec2 CellCenter(int i, int j) const { return origin_ + cell_size_ * Vec2{i + 0.5, j + 0.5}; }
+  Vec3 CellCenter(int i, int j) const { return origin_ + cell_size_ * Vec3{i + 0.5, j + 0.5}; }
   /// Tiles in the cell with this index; empty where the cell does not meet the box.
   std::vector<Tile> InCell(int i, int j) const;
   /// The tile that contains x; false outside the box.
-  bool At(Vec2 x, Tile &tile) const;
+  bool At(Vec3 x, Tile &tile) const;
 
 private:
   struct Cut {
     double start = 0, width = 0; ///< the part of the cell inside the box, and the width of its tiles
     int count = 0;
   };
-  double SliverAt(Vec2 x) const { return kSliver * (cell_size_at_ ? cell_size_at_(x) : cell_size_) / per_cell_; }
+  double SliverAt(Vec3 x) const { return kSliver * (cell_size_at_ ? cell_size_at_(x) : cell_size_) / per_cell_; }
   double Line(int axis, int line) const { return origin_[axis] + line * cell_size_; }
-  bool IsCut(int axis, int line, Vec2 cell_center) const;
+  bool IsCut(int axis, int line, Vec3 cell_center) const;
   /// cell_center: of the cell, or of one beside it along the axis.
-  Cut CutAxis(int axis, int cell, Vec2 cell_center) const;
+  Cut CutAxis(int axis, int cell, Vec3 cell_center) const;
 
   Box bounds_;
-  Vec2 origin_;
+  Vec3 origin_;
   double cell_size_;
   int per_cell_;
   CellSizeAt cell_size_at_;

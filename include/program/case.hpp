@@ -44,7 +44,7 @@ struct Case {
   std::vector<std::string> identity;   ///< options that a restart must share
 
   /// The finest level whose box holds a place.
-  int LevelAt(Vec2 x) const
+  int LevelAt(Vec3 x) const
   {
     int level = 0;
     while (level + 1 < levels && boxes[level + 1].Contains(x)) ++level;

@@ -56,7 +56,7 @@ public:
   /// A list of at least `least` numbers; at most `most` where that is not 0.
   PetscErrorCode Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
                          std::vector<double> *values, bool *given = nullptr);
-  PetscErrorCode Vector(const OptionText &option, bool required, Vec2 *value, bool *given = nullptr);
+  PetscErrorCode Vector(const OptionText &option, bool required, Vec3 *value, bool *given = nullptr);
   /// A list of names, each a letter followed by letters, digits or underscores, none twice.
   PetscErrorCode Names(const OptionText &option, bool required, std::vector<std::string> *names);
 
@@ -80,7 +80,7 @@ private:
 
 /// Numbers as they are written in messages and files, exact.
 std::string FormatNumber(double x);
-std::string FormatVector(Vec2 x);
+std::string FormatVector(Vec3 x);
 /// A computed number for people to read: four digits.
 std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);

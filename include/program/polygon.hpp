@@ -10,6 +10,6 @@ namespace mlgimp
 {
 
 /// An empty string for a simple polygon; else what is wrong with its vertices, which are told by their numbers from 1 on.
-std::string WrongPolygon(const std::vector<Vec2> &vertices);
+std::string WrongPolygon(const std::vector<Vec3> &vertices);
 
 } // namespace mlgimp

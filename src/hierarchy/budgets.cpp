@@ -90,7 +90,7 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     NodalTotals &n = level->Nodal();
     SweepTotals &s = level->Sweeps();
     ContactTotals &c = level->Contacts();
-    for (Vec2 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &n.xpic_side_impulse,
+    for (Vec3 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &n.xpic_side_impulse,
                           &s.xpic_impulse, &c.impulse})
       each((*impulse)[0], (*impulse)[1]);
     each(n.external_work, n.exchange_work, n.damping_dissipation);
@@ -100,7 +100,7 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
   for (int b = 0; b + 1 < Levels(); ++b) {
     InterfaceTotals border = borders_[b]->Totals();
     PointTransferTotals transfer = transfers_[b]->Totals();
-    for (Vec2 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
+    for (Vec3 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
     each(transfer.energy, transfer.strain_energy);
     each(transfer.entered, transfer.left, transfer.split, transfer.merged, transfer.unsplit, transfer.mass_error,
          transfer.momentum_error);

@@ -26,7 +26,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 {
   std::int64_t first_id = 0;
   std::vector<Seeding> seedings;
-  const auto cell_size_at = [levels = settings.levels](Vec2 x) {
+  const auto cell_size_at = [levels = settings.levels](Vec3 x) {
     std::size_t l = levels.size() - 1;
     while (l > 0 && !WidenedBox(levels[l], 0).Contains(x)) --l;
     return levels[l].grid.spacing;
@@ -238,7 +238,7 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
 }
 
 /// Momentum of all points less the impulses since the start.
-PetscErrorCode Hierarchy::MeasureMomentum(Vec2 *left)
+PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
 {
   *left = {};
   PetscFunctionBeginUser;
@@ -259,7 +259,7 @@ PetscErrorCode Hierarchy::MeasureMomentum(Vec2 *left)
 /// Gives the momentum that copies have lost or won in this step to the points that have copies.
 PetscErrorCode Hierarchy::CorrectMomentum()
 {
-  Vec2 left;
+  Vec3 left;
   double mass = 0;
   PetscFunctionBeginUser;
   PetscCall(MeasureMomentum(&left));

@@ -42,7 +42,7 @@ PetscErrorCode PointCopies::FindSources(Migrants *found)
   PetscFunctionBeginUser;
   PetscCall(from_->PointStore().Arrays(&a));
   for (int p = 0; p < a.count; ++p) {
-    const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
+    const Vec3 x = {a.position[2 * p], a.position[2 * p + 1]};
     if (!outer_.Contains(x) || inner_.Contains(x)) continue;
     list.emplace_back(to_->OwnerOf(a, p), p);
   }
@@ -191,7 +191,7 @@ PetscErrorCode CopyBorder::DecideByPlace()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CopyBorder::CorrectMomentum(Vec2 dv)
+PetscErrorCode CopyBorder::CorrectMomentum(Vec3 dv)
 {
   PetscFunctionBeginUser;
   for (PointCopies *copies : {&to_fine_, &to_coarse_}) {

@@ -199,9 +199,9 @@ void PointTransfer::MakeChild(const PointArrays &a, int parent, int target, int 
 {
   const int place[2] = {child % ratio_, child / ratio_};
   const double *F = a.F + 4 * parent;
-  Vec2 offset;
+  Vec3 offset;
   for (int d = 0; d < 2; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * a.half_size[2 * parent + d];
-  const Vec2 dx = Multiply(F, offset), dv = Multiply(L, dx);
+  const Vec3 dx = Multiply(F, offset), dv = Multiply(L, dx);
   int faces = a.faces[parent];
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);

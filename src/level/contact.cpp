@@ -30,7 +30,7 @@ bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
   return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > kPointRange * h;
 }
 
-void ChangeVelocity(const ContactView &view, int i, int j, Vec2 change, ContactReport *report)
+void ChangeVelocity(const ContactView &view, int i, int j, Vec3 change, ContactReport *report)
 {
   const std::ptrdiff_t node = view.grid.Index(i, j);
   const double owned_mass = view.grid.Owns(i, j) ? view.grid.Arrays().sums[NodeArrays::kSums * node] : 0;

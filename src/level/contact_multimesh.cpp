@@ -17,7 +17,7 @@ public:
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
   {
     const Grid &grid = view.grid;
-    Vec2 local[2] = {};
+    Vec3 local[2] = {};
     double extent[2] = {HUGE_VAL, -HUGE_VAL};
     PetscFunctionBeginUser;
     *report = {};
@@ -37,7 +37,7 @@ public:
 
 private:
   /// Removes the approach at a node; adds the impulse of an owned node to local[0], and what sides take to local[1].
-  static void ApplyAtNode(const ContactView &view, int i, int j, Vec2 local[2], double extent[2], ContactReport *report)
+  static void ApplyAtNode(const ContactView &view, int i, int j, Vec3 local[2], double extent[2], ContactReport *report)
   {
     const Grid &grid = view.grid;
     const std::ptrdiff_t index = grid.Index(i, j);
@@ -45,10 +45,10 @@ private:
     const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * index;
     if (mass <= view.mass_cutoff) return;
     const SurfaceGap gap = view.indenter.Gap({grid.Coordinate(0, i), grid.Coordinate(1, j)}, view.time + view.dt);
-    const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - Vec2{velocity[0], velocity[1]});
+    const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - Vec3{velocity[0], velocity[1]});
     if (gap.distance >= grid.Geometry().spacing || approach <= 0) return;
     const bool owned = grid.Owns(i, j);
-    Vec2 free{};
+    Vec3 free{};
     for (int d = 0; d < 2; ++d) {
       const double change = approach * gap.normal[d];
       if (owned) local[0][d] += mass * change;

@@ -42,7 +42,7 @@ public:
 private:
   void AddPoint(const ContactView &view, const PointArrays &points, int p, ContactReport *report)
   {
-    const Vec2 x = {points.position[2 * p], points.position[2 * p + 1]};
+    const Vec3 x = {points.position[2 * p], points.position[2 * p + 1]};
     const SurfaceGap gap = view.indenter.Gap(x, view.time + view.dt);
     SurfaceSegment segments[kSides * kSegmentsPerFace];
     const int count = PointSegments(points, p, segments);

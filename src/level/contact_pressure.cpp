@@ -89,7 +89,7 @@ private:
       row.right = std::max(row.right, std::min(segment.x[0] + half, row.x + h));
       for (; entry != entries_.end() && entry->key == row.key; ++entry) {
         const double Nx = entry->i == node[0] ? 1 - part[0] : part[0], Ny = entry->j == node[1] ? 1 - part[1] : part[1];
-        const Vec2 B = weight * Nx * Ny * gap.normal;
+        const Vec3 B = weight * Nx * Ny * gap.normal;
         entry->test = entry->test + B;
         entry->force = entry->force + B;
       }

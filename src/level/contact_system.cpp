@@ -206,7 +206,7 @@ std::vector<double> ContactSystem::Problem::Answer(double dt, const std::vector<
     }
   ForEachNode([&](int first, int end) {
     const EntryRecord &node = entries[first];
-    Vec2 impulse{};
+    Vec3 impulse{};
     for (int e = first; e < end; ++e)
       if (unknown[e] >= 0)
         for (int d = 0; d < 2; ++d) impulse[d] += dt * entries[e].force[d] * lambda[unknown[e]];

@@ -146,7 +146,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   totals.penetration = std::max(totals.penetration, totals.last.penetration);
   totals.work += totals.last.work;
   if (rank == 0) {
-    const Vec2 travel = indenter.Tip(time + dt) - indenter.Tip(time);
+    const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
     totals.impulse = totals.impulse + totals.last.impulse;
     nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
     totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
@@ -238,7 +238,7 @@ void Level::BoundDrift(double largest_speed, double dt)
 
 PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
 {
-  const Vec2 x = {points.position[2 * p], points.position[2 * p + 1]};
+  const Vec3 x = {points.position[2 * p], points.position[2 * p + 1]};
   const PetscMPIInt owner = grid_->OwnerOfNode(grid_->Nearest(0, x[0]), grid_->Nearest(1, x[1]));
   if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
   return owner;

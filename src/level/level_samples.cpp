@@ -58,7 +58,7 @@ static void AddPoints(const PointArrays &points, const Material &material, Point
   point_sums->kinetic_energy += kinetic;
   point_sums->strain_energy += strain / material.Density();
   point_sums->mass += mass;
-  point_sums->momentum = point_sums->momentum + Vec2{momentum_x, momentum_y};
+  point_sums->momentum = point_sums->momentum + Vec3{momentum_x, momentum_y};
   point_sums->count += points.count;
 }
 

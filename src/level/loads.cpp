@@ -10,11 +10,11 @@ Face PointFace(const PointArrays &points, int p, Side side)
 {
   const double *F = points.F + 4 * p, *half = points.half_size + 2 * p, *x = points.position + 2 * p;
   const int a = AxisOf(side), b = 1 - a, sign = SignOf(side);
-  Vec2 out{}, along{};
+  Vec3 out{}, along{};
   out[a] = sign * half[a];
   along[b] = half[b];
-  const Vec2 cofactor = a == 0 ? Vec2{F[3], -F[1]} : Vec2{-F[2], F[0]};
-  return {Vec2{x[0], x[1]} + Multiply(F, out), Multiply(F, along), 2 * half[b] * sign * cofactor};
+  const Vec3 cofactor = a == 0 ? Vec3{F[3], -F[1]} : Vec3{-F[2], F[0]};
+  return {Vec3{x[0], x[1]} + Multiply(F, out), Multiply(F, along), 2 * half[b] * sign * cofactor};
 }
 
 /// Weights of a face on the three nodes around its centre along one axis.
@@ -24,7 +24,7 @@ static AxisWeights FaceWeights(double d, double l)
 }
 
 /// False where the face has left the nodes that this rank holds.
-static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec2 force)
+static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec3 force)
 {
   AxisWeights at[2];
   int nearest[2];

@@ -42,7 +42,7 @@ double OwnedShare(const double *sums) { return sums[0] > 0 ? sums[3] / sums[0] :
 
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
-  Vec2 gravity_impulse{}, damping_impulse{};
+  Vec3 gravity_impulse{}, damping_impulse{};
   ForEachOwned(grid, [&](int index) {
     double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     const double owned = dt * OwnedShare(sums);
@@ -60,7 +60,7 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, N
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
   const NodeArrays &nodes = grid.Arrays();
-  Vec2 load_impulse{};
+  Vec3 load_impulse{};
   ForEachOwned(grid, [&](int index) {
     const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
@@ -142,9 +142,9 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 }
 
 /// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
-static Vec2 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
+static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
-  Vec2 impulse{};
+  Vec3 impulse{};
   ForEachConstrained(grid, sides, [&](int index, Side side) {
     const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
     double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);

@@ -70,7 +70,7 @@ std::vector<double> Seeding::CountByNode() const
   return counts;
 }
 
-bool Seeding::Occupied(Vec2 x) const
+bool Seeding::Occupied(Vec3 x) const
 {
   for (std::size_t b = 0; b < tilings_.size(); ++b) {
     Tile tile;
@@ -94,7 +94,7 @@ int Seeding::FaceBits(const Seed &seed) const
   int bits = 0;
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);
-    Vec2 beyond = seed.tile.center;
+    Vec3 beyond = seed.tile.center;
     beyond[AxisOf(side)] += SignOf(side) * seed.tile.half_size[AxisOf(side)] * (1 + 1e-3);
     if (!AtWall(seed, side) && !Occupied(beyond)) bits |= OuterFaceBit(side);
   }

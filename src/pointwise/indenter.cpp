@@ -14,7 +14,7 @@ class Wedge : public IndenterSurface
 {
 public:
   Wedge(double half_angle, double tip_radius) : slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_) {}
-  SurfaceGap Gap(Vec2 x) const override
+  SurfaceGap Gap(Vec3 x) const override
   {
     const double root = std::hypot(x[0], rounding_);
     const double slope = rounding_ > 0 ? slope_ * x[0] / root : std::copysign(slope_, x[0]);
@@ -35,11 +35,11 @@ class Cylinder : public IndenterSurface
 {
 public:
   explicit Cylinder(double radius) : radius_(radius) {}
-  SurfaceGap Gap(Vec2 x) const override
+  SurfaceGap Gap(Vec3 x) const override
   {
-    const Vec2 r = x - Vec2{0, radius_};
+    const Vec3 r = x - Vec3{0, radius_};
     const double distance = Norm(r);
-    return {distance - radius_, distance > 0 ? (1 / distance) * r : Vec2{0, -1}};
+    return {distance - radius_, distance > 0 ? (1 / distance) * r : Vec3{0, -1}};
   }
   double Width(double height) const override
   {
@@ -54,14 +54,14 @@ private:
 class ConvexPolygon : public IndenterSurface
 {
 public:
-  explicit ConvexPolygon(const std::vector<Vec2> &vertices)
+  explicit ConvexPolygon(const std::vector<Vec3> &vertices)
   {
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const Vec2 start = vertices[k], edge = vertices[(k + 1) % vertices.size()] - start;
+      const Vec3 start = vertices[k], edge = vertices[(k + 1) % vertices.size()] - start;
       planes_.push_back({start, (1 / Norm(edge)) * TurnRight(edge)});
     }
   }
-  SurfaceGap Gap(Vec2 x) const override
+  SurfaceGap Gap(Vec3 x) const override
   {
     SurfaceGap gap{-HUGE_VAL, {}};
     for (const Plane &plane : planes_) {
@@ -75,7 +75,7 @@ public:
   {
     double left = HUGE_VAL, right = -HUGE_VAL;
     for (std::size_t k = 0; k < planes_.size(); ++k) { // the edge from one vertex to the next, below the height
-      const Vec2 a = planes_[k].point, b = planes_[(k + 1) % planes_.size()].point;
+      const Vec3 a = planes_[k].point, b = planes_[(k + 1) % planes_.size()].point;
       if (std::min(a[1], b[1]) > height) continue;
       const double part = std::abs(b[1] - a[1]) > 0 ? std::clamp((height - a[1]) / (b[1] - a[1]), 0.0, 1.0) : 1;
       for (const double x : {a[1] <= height ? a[0] : b[0], a[0] + part * (b[0] - a[0])})
@@ -86,16 +86,16 @@ public:
 
 private:
   struct Plane {
-    Vec2 point, normal;
+    Vec3 point, normal;
   };
   std::vector<Plane> planes_;
 };
 
-double TwiceArea(const std::vector<Vec2> &v)
+double TwiceArea(const std::vector<Vec3> &v)
 {
   double area = 0;
   for (std::size_t k = 0; k < v.size(); ++k) {
-    const Vec2 a = v[k], b = v[(k + 1) % v.size()];
+    const Vec3 a = v[k], b = v[(k + 1) % v.size()];
     area += a[0] * b[1] - a[1] * b[0];
   }
   return area;
@@ -113,29 +113,29 @@ std::unique_ptr<IndenterSurface> CreateCylinder(double radius) { return std::mak
 std::unique_ptr<IndenterSurface> CreateFlatPunch(double width)
 {
   const double half = 0.5 * width, height = 1e3 * width;
-  return std::make_unique<ConvexPolygon>(std::vector<Vec2>{{-half, 0}, {half, 0}, {half, height}, {-half, height}});
+  return std::make_unique<ConvexPolygon>(std::vector<Vec3>{{-half, 0}, {half, 0}, {half, height}, {-half, height}});
 }
 
-std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec2> vertices)
+std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices)
 {
   if (TwiceArea(vertices) < 0) std::reverse(vertices.begin(), vertices.end());
   double lowest = HUGE_VAL, size = 0;
-  for (const Vec2 &v : vertices) lowest = std::min(lowest, v[1]);
-  for (const Vec2 &v : vertices) size = std::max(size, Norm(v - vertices[0]));
+  for (const Vec3 &v : vertices) lowest = std::min(lowest, v[1]);
+  for (const Vec3 &v : vertices) size = std::max(size, Norm(v - vertices[0]));
   double x = 0;
   int count = 0;
-  for (const Vec2 &v : vertices)
+  for (const Vec3 &v : vertices)
     if (v[1] - lowest < 1e-9 * size) x += v[0], ++count;
-  for (Vec2 &v : vertices) v = v - Vec2{x / count, lowest};
+  for (Vec3 &v : vertices) v = v - Vec3{x / count, lowest};
   return std::make_unique<ConvexPolygon>(vertices);
 }
 
-bool IsConvex(const std::vector<Vec2> &v)
+bool IsConvex(const std::vector<Vec3> &v)
 {
   const double sign = TwiceArea(v);
   double turning = 0;
   for (std::size_t k = 0; k < v.size(); ++k) {
-    const Vec2 a = v[(k + 1) % v.size()] - v[k], b = v[(k + 2) % v.size()] - v[(k + 1) % v.size()];
+    const Vec3 a = v[(k + 1) % v.size()] - v[k], b = v[(k + 2) % v.size()] - v[(k + 1) % v.size()];
     const double cross = a[0] * b[1] - a[1] * b[0];
     if (cross * sign <= 0) return false;
     turning += std::atan2(cross, Dot(a, b));

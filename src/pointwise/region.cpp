@@ -14,9 +14,9 @@ class BoxRegion : public Region
 {
 public:
   explicit BoxRegion(const Box &box) : box_(box) {}
-  bool Contains(Vec2 x, double tolerance) const override
+  bool Contains(Vec3 x, double tolerance) const override
   {
-    const Vec2 margin = {tolerance, tolerance};
+    const Vec3 margin = {tolerance, tolerance};
     return Box{box_.lower - margin, box_.upper + margin}.Contains(x);
   }
   Box Bounds() const override { return box_; }
@@ -29,30 +29,30 @@ private:
 class DiskRegion : public Region
 {
 public:
-  DiskRegion(Vec2 center, double radius) : center_(center), radius_(radius) {}
-  bool Contains(Vec2 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
+  DiskRegion(Vec3 center, double radius) : center_(center), radius_(radius) {}
+  bool Contains(Vec3 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
   Box Bounds() const override
   {
-    const Vec2 r = {radius_, radius_};
+    const Vec3 r = {radius_, radius_};
     return {center_ - r, center_ + r};
   }
 
 private:
-  Vec2 center_;
+  Vec3 center_;
   double radius_;
 };
 
 class PolygonRegion : public Region
 {
 public:
-  explicit PolygonRegion(std::vector<Vec2> vertices) : vertices_(std::move(vertices)) {}
+  explicit PolygonRegion(std::vector<Vec3> vertices) : vertices_(std::move(vertices)) {}
 
   /// Counts the edges that a ray to the right crosses; near an edge the tolerance decides.
-  bool Contains(Vec2 x, double tolerance) const override
+  bool Contains(Vec3 x, double tolerance) const override
   {
     bool inside = false, near = false;
     for (std::size_t k = 0, last = vertices_.size() - 1; k < vertices_.size(); last = k++) {
-      const Vec2 a = vertices_[k], b = vertices_[last];
+      const Vec3 a = vertices_[k], b = vertices_[last];
       if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])) inside = !inside;
       near = near || DistanceToEdge(x, a, b) <= std::abs(tolerance);
     }
@@ -62,7 +62,7 @@ public:
   Box Bounds() const override
   {
     Box box{vertices_.front(), vertices_.front()};
-    for (const Vec2 &v : vertices_)
+    for (const Vec3 &v : vertices_)
       for (int d = 0; d < 2; ++d) {
         box.lower[d] = std::min(box.lower[d], v[d]);
         box.upper[d] = std::max(box.upper[d], v[d]);
@@ -71,37 +71,37 @@ public:
   }
 
 private:
-  static double DistanceToEdge(Vec2 x, Vec2 a, Vec2 b)
+  static double DistanceToEdge(Vec3 x, Vec3 a, Vec3 b)
   {
-    const Vec2 edge = b - a, from = x - a;
+    const Vec3 edge = b - a, from = x - a;
     const double place = std::clamp(Dot(from, edge) / std::max(Dot(edge, edge), DBL_MIN), 0.0, 1.0);
     return Norm(from - place * edge);
   }
-  std::vector<Vec2> vertices_;
+  std::vector<Vec3> vertices_;
 };
 
 } // namespace
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box) { return std::make_unique<BoxRegion>(box); }
-std::unique_ptr<Region> CreateDiskRegion(Vec2 center, double radius) { return std::make_unique<DiskRegion>(center, radius); }
-std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec2> vertices)
+std::unique_ptr<Region> CreateDiskRegion(Vec3 center, double radius) { return std::make_unique<DiskRegion>(center, radius); }
+std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
 {
   return std::make_unique<PolygonRegion>(std::move(vertices));
 }
 
 /// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
-bool Tiling::IsCut(int axis, int line, Vec2 cell_center) const
+bool Tiling::IsCut(int axis, int line, Vec3 cell_center) const
 {
   constexpr double kFar = 2; // cells; slivers of the coarser level's points are at most 1.6 wide
   const double place = Line(axis, line);
   if (place - bounds_.lower[axis] > kFar * cell_size_ && bounds_.upper[axis] - place > kFar * cell_size_) return true;
-  Vec2 below = cell_center, above = cell_center;
+  Vec3 below = cell_center, above = cell_center;
   below[axis] = place - 0.5 * cell_size_;
   above[axis] = place + 0.5 * cell_size_;
   return place - bounds_.lower[axis] > SliverAt(below) && bounds_.upper[axis] - place > SliverAt(above);
 }
 
-Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec2 cell_center) const
+Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec3 cell_center) const
 {
   const double rounding = kRounding * cell_size_;
   if (bounds_.upper[axis] < Line(axis, cell) - rounding || bounds_.lower[axis] > Line(axis, cell + 1) + rounding) return {};
@@ -117,7 +117,7 @@ Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec2 cell_center) const
 std::vector<Tile> Tiling::InCell(int i, int j) const
 {
   std::vector<Tile> tiles;
-  const Vec2 center = CellCenter(i, j);
+  const Vec3 center = CellCenter(i, j);
   const Cut x = CutAxis(0, i, center);
   if (x.count == 0) return tiles;
   const Cut y = CutAxis(1, j, center);
@@ -127,11 +127,11 @@ std::vector<Tile> Tiling::InCell(int i, int j) const
   return tiles;
 }
 
-bool Tiling::At(Vec2 x, Tile &tile) const
+bool Tiling::At(Vec3 x, Tile &tile) const
 {
   const int cell[2] = {static_cast<int>(std::floor((x[0] - origin_[0]) / cell_size_)),
                        static_cast<int>(std::floor((x[1] - origin_[1]) / cell_size_))};
-  const Vec2 center = CellCenter(cell[0], cell[1]);
+  const Vec3 center = CellCenter(cell[0], cell[1]);
   for (int axis = 0; axis < 2; ++axis) {
     bool found = false;
     for (int neighbour : {0, -1, 1}) { // a sliver is a neighbour's

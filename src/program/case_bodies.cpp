@@ -39,7 +39,7 @@ PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::st
     *region = CreateBoxRegion(box);
   }
   if (shape == "disk" || reader.Help()) {
-    Vec2 center{};
+    Vec3 center{};
     double radius = 0;
     PetscCall(reader.Vector({prefix + "center", "centre (disk)", "m"}, true, &center));
     PetscCall(reader.Number({prefix + "radius", "radius (disk)", "m"}, kPositive, true, &radius));
@@ -47,7 +47,7 @@ PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::st
   }
   if (shape == "polygon" || reader.Help()) {
     std::vector<double> numbers;
-    std::vector<Vec2> vertices;
+    std::vector<Vec3> vertices;
     PetscCall(
         reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
     if (numbers.size() % 2)
@@ -67,7 +67,7 @@ bool Overlap(const Region &a, const Region &b, bool boxes, double cell)
 {
   constexpr double kPlaces = 10, kLeast = 64, kMost = 500; // in a cell; along an axis
   const Box A = a.Bounds(), B = b.Bounds();
-  Vec2 lower, size;
+  Vec3 lower, size;
   int count[2];
   for (int d = 0; d < 2; ++d) {
     lower[d] = std::max(A.lower[d], B.lower[d]);
@@ -78,7 +78,7 @@ bool Overlap(const Region &a, const Region &b, bool boxes, double cell)
   if (boxes) return true;
   for (int j = 0; j < count[1]; ++j)
     for (int i = 0; i < count[0]; ++i) {
-      const Vec2 x = {lower[0] + (i + 0.5) / count[0] * size[0], lower[1] + (j + 0.5) / count[1] * size[1]};
+      const Vec3 x = {lower[0] + (i + 0.5) / count[0] * size[0], lower[1] + (j + 0.5) / count[1] * size[1]};
       if (a.Contains(x, -kRounding * cell) && b.Contains(x, -kRounding * cell)) return true; // outlines may meet
     }
   return false;

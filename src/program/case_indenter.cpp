@@ -35,7 +35,7 @@ PetscErrorCode ReadSurface(OptionReader &reader, const std::string &kind, std::u
   }
   if (kind == "polygon" || reader.Help()) {
     std::vector<double> numbers;
-    std::vector<Vec2> vertices;
+    std::vector<Vec3> vertices;
     PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"},
                              kAnyNumber, 6, 0, true, &numbers));
     for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});

@@ -14,7 +14,7 @@ constexpr double kOnLine = 1e-6;  ///< cells, within which a place counts as on 
 constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much its grid is shifted
 
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
-PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec2 corner, double cell)
+PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
 {
   PetscFunctionBeginUser;
   for (int axis = 0; axis < 2; ++axis) {
@@ -48,7 +48,7 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
     const Side side = static_cast<Side>(s);
     const bool upper = SignOf(side) > 0;
     const std::string option = "-level_" + std::to_string(k) + (upper ? "_upper" : "_lower");
-    const Vec2 corner = upper ? box.upper : box.lower;
+    const Vec3 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
       PetscCall(reader.Refuse(option, FormatVector(corner),
@@ -60,7 +60,7 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 
 /// The corner on the cell lines themselves, as a grid beside the lines would have its points elsewhere; on the domain's sides
 /// as they were given.
-Vec2 OnLines(const Case &c, Vec2 corner, double cell)
+Vec3 OnLines(const Case &c, Vec3 corner, double cell)
 {
   for (int axis = 0; axis < 2; ++axis) {
     const double lower = c.domain.lower[axis], upper = c.domain.upper[axis];

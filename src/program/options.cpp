@@ -27,7 +27,7 @@ std::string FormatRounded(double x)
   return text;
 }
 
-std::string FormatVector(Vec2 x) { return FormatNumber(x[0]) + "," + FormatNumber(x[1]); }
+std::string FormatVector(Vec3 x) { return FormatNumber(x[0]) + "," + FormatNumber(x[1]); }
 
 std::string Join(const std::vector<std::string> &words, const std::string &separator)
 {
@@ -190,7 +190,7 @@ PetscErrorCode OptionReader::Numbers(const OptionText &option, const Range &rang
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OptionReader::Vector(const OptionText &option, bool required, Vec2 *value, bool *given)
+PetscErrorCode OptionReader::Vector(const OptionText &option, bool required, Vec3 *value, bool *given)
 {
   std::vector<double> values = {(*value)[0], (*value)[1]};
   PetscFunctionBeginUser;

@@ -13,22 +13,22 @@ namespace
 constexpr double kRounding = 1e-12; ///< of a product of lengths: written vertices are on a line no better
 
 /// Sign of the area of a triangle: 1 where c lies to the left of the line from a to b, 0 where it lies on it.
-int Turn(Vec2 a, Vec2 b, Vec2 c)
+int Turn(Vec3 a, Vec3 b, Vec3 c)
 {
-  const Vec2 u = b - a, v = c - a;
+  const Vec3 u = b - a, v = c - a;
   const double area = u[0] * v[1] - u[1] * v[0], size = Norm(u) * Norm(v);
   return std::abs(area) <= kRounding * size ? 0 : area > 0 ? 1 : -1;
 }
 
 /// For a place on the line through a and b: whether it lies between them.
-bool Between(Vec2 a, Vec2 b, Vec2 x)
+bool Between(Vec3 a, Vec3 b, Vec3 x)
 {
   return x[0] >= std::min(a[0], b[0]) && x[0] <= std::max(a[0], b[0]) && x[1] >= std::min(a[1], b[1]) &&
          x[1] <= std::max(a[1], b[1]);
 }
 
 /// Whether two edges without a common vertex meet.
-bool Meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d)
+bool Meet(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
 {
   const int abc = Turn(a, b, c), abd = Turn(a, b, d), cda = Turn(c, d, a), cdb = Turn(c, d, b);
   if (abc * abd < 0 && cda * cdb < 0) return true;
@@ -39,18 +39,18 @@ bool Meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d)
 std::string Two(std::size_t a, std::size_t b) { return std::to_string(a + 1) + " and " + std::to_string(b + 1); }
 
 /// Vertices in units of the polygon's size, so that products of lengths are numbers.
-std::vector<Vec2> Scaled(const std::vector<Vec2> &vertices)
+std::vector<Vec3> Scaled(const std::vector<Vec3> &vertices)
 {
   double size = 0;
-  std::vector<Vec2> scaled;
-  for (const Vec2 &v : vertices) size = std::max({size, std::abs(v[0] - vertices[0][0]), std::abs(v[1] - vertices[0][1])});
-  for (const Vec2 &v : vertices) scaled.push_back({(v[0] - vertices[0][0]) / size, (v[1] - vertices[0][1]) / size});
+  std::vector<Vec3> scaled;
+  for (const Vec3 &v : vertices) size = std::max({size, std::abs(v[0] - vertices[0][0]), std::abs(v[1] - vertices[0][1])});
+  for (const Vec3 &v : vertices) scaled.push_back({(v[0] - vertices[0][0]) / size, (v[1] - vertices[0][1]) / size});
   return scaled;
 }
 
 } // namespace
 
-std::string WrongPolygon(const std::vector<Vec2> &vertices)
+std::string WrongPolygon(const std::vector<Vec3> &vertices)
 {
   const std::size_t n = vertices.size();
   std::vector<std::size_t> order(n);
@@ -59,10 +59,10 @@ std::string WrongPolygon(const std::vector<Vec2> &vertices)
   for (std::size_t k = 1; k < n; ++k)
     if (vertices[order[k - 1]] == vertices[order[k]])
       return "vertices " + Two(std::min(order[k - 1], order[k]), std::max(order[k - 1], order[k])) + " are the same";
-  const std::vector<Vec2> v = Scaled(vertices);
-  if (std::all_of(v.begin(), v.end(), [&](Vec2 x) { return Turn(v[0], v[1], x) == 0; })) return "all vertices are on a line";
+  const std::vector<Vec3> v = Scaled(vertices);
+  if (std::all_of(v.begin(), v.end(), [&](Vec3 x) { return Turn(v[0], v[1], x) == 0; })) return "all vertices are on a line";
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec2 a = v[i], b = v[(i + 1) % n], next = v[(i + 2) % n];
+    const Vec3 a = v[i], b = v[(i + 1) % n], next = v[(i + 2) % n];
     if (Turn(a, b, next) == 0 && Dot(next - b, a - b) > 0)
       return "its outline turns back at vertex " + std::to_string((i + 1) % n + 1);
     for (std::size_t j = i + 2; j < n; ++j)

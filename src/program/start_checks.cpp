@@ -65,7 +65,7 @@ PetscErrorCode CheckBody(MPI_Comm comm, const Case &c, std::size_t b, const Body
 {
   const Body &body = c.model.bodies[b];
   const Box bounds = body.region->Bounds();
-  const Vec2 size = bounds.upper - bounds.lower;
+  const Vec3 size = bounds.upper - bounds.lower;
   PetscFunctionBeginUser;
   PetscCheck(sums.points > 0, comm, PETSC_ERR_USER_INPUT,
              "-bodies %s: must hold at least one material point; it is too small for -cell_size %s", body.name.c_str(),
@@ -143,13 +143,13 @@ PetscErrorCode CheckIndenter(Hierarchy &hierarchy, const Case &c)
     PetscCall(hierarchy.At(l).PointStore().SurfacePoints(&surface));
     for (int p : *surface)
       for (int corner = 0; corner < 4; ++corner) {
-        const Vec2 x = {a.position[2 * p] + (corner % 2 ? 1 : -1) * a.half_size[2 * p],
+        const Vec3 x = {a.position[2 * p] + (corner % 2 ? 1 : -1) * a.half_size[2 * p],
                         a.position[2 * p + 1] + (corner / 2 ? 1 : -1) * a.half_size[2 * p + 1]};
         deepest = std::max(deepest, -c.model.indenter->Gap(x, 0).distance);
       }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, hierarchy.Comm()));
-  const Vec2 tip = c.model.indenter->tip;
+  const Vec3 tip = c.model.indenter->tip;
   PetscCheck(deepest <= 1e-6 * c.cell_size, hierarchy.Comm(), PETSC_ERR_USER_INPUT,
              "-indenter_tip %s: must leave the indenter outside every body; it starts %s m inside one", FormatVector(tip).c_str(),
              FormatRounded(deepest).c_str());

@@ -26,7 +26,7 @@ Json Number(double x)
   return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
 }
 
-Json Pair(Vec2 x) { return {Number(x[0]), Number(x[1])}; }
+Json Pair(Vec3 x) { return {Number(x[0]), Number(x[1])}; }
 
 /// Seconds in an event over the stages of all levels, on this rank.
 PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event, double *seconds)
@@ -60,7 +60,7 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
 {
   const GridGeometry &grid = level.Geometry().grid;
   const int ranks = level.Mesh().Layout().Blocks();
-  const Vec2 size = grid.spacing * Vec2{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])};
+  const Vec3 size = grid.spacing * Vec3{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])};
   return {{"lower", Pair(grid.lower)},
           {"upper", Pair(grid.lower + size)},
           {"cell_size", Number(grid.spacing)},

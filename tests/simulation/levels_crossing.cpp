@@ -45,14 +45,14 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
   const double c = CreateMaterial("neo_hookean", kMaterial)->SpeedOfSound();
-  const Vec2 velocity = {kSpeed * c, 0.68 * kSpeed * c};
+  const Vec3 velocity = {kSpeed * c, 0.68 * kSpeed * c};
   const double h = amplitude == 0 ? 1 : 0.5; // m; the vibration needs the finer one
   const Box body = amplitude == 0 ? kRagged : kWhole;
   AddBody(run.model, CreateBoxRegion(body), "neo_hookean", kMaterial, velocity);
   HierarchySettings settings = NestedLevels(run.model, kDomain, h, levels.ratio, levels.boxes);
   settings.merge_siblings = levels.merge;
   PetscCall(run.Create(settings));
-  const Vec2 middle = 0.5 * (body.lower + body.upper), size = body.upper - body.lower;
+  const Vec3 middle = 0.5 * (body.lower + body.upper), size = body.upper - body.lower;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     a.velocity[2 * p] += amplitude * c * std::sin(M_PI * (a.position[2 * p] - middle[0]) / size[0]);
   }));
@@ -118,12 +118,12 @@ PetscErrorCode TestSplitVelocity(int ratio)
   AddBody(run.model, CreateBoxRegion({{2, 1}, {20, 23}}), "neo_hookean", kMaterial);
   PetscCall(run.Create(NestedLevels(run.model, {{0, 0}, {24, 24}}, 1, ratio, {{{11, 0}, {24, 24}}})));
   const double c = run.model.materials[0]->SpeedOfSound(), g = 1e-4 * c;
-  const Vec2 V = {0.1 * c, 0};
+  const Vec3 V = {0.1 * c, 0};
   const double G[4] = {0.5 * g, -g, g, 0.3 * g};
-  const auto exact = [&](Vec2 x) { return V + Multiply(G, x - run.time * V - Vec2{11, 12}); };
+  const auto exact = [&](Vec3 x) { return V + Multiply(G, x - run.time * V - Vec3{11, 12}); };
   std::set<std::int64_t> known;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-    const Vec2 v = exact({a.position[2 * p], a.position[2 * p + 1]});
+    const Vec3 v = exact({a.position[2 * p], a.position[2 * p + 1]});
     std::copy(v.begin(), v.end(), a.velocity + 2 * p);
     known.insert(a.id[p]);
   }));
@@ -133,9 +133,9 @@ PetscErrorCode TestSplitVelocity(int ratio)
   for (int step = 0; step < 14; ++step) {
     PetscCall(run.Advance());
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-      const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
+      const Vec3 x = {a.position[2 * p], a.position[2 * p + 1]};
       if (!known.insert(a.id[p]).second || std::abs(x[1] - 12) > 1.5) return; // near the free sides there are waves
-      error = std::max(error, Norm(Vec2{a.velocity[2 * p], a.velocity[2 * p + 1]} - exact(x)) / g);
+      error = std::max(error, Norm(Vec3{a.velocity[2 * p], a.velocity[2 * p + 1]} - exact(x)) / g);
       ++children;
     }));
   }

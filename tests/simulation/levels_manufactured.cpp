@@ -98,7 +98,7 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
   run.model.acceleration = [&](double time, int count, const std::int64_t *id, const double *, double *a) {
     const double phase = kC * M_PI * time;
     for (int p = 0; p < count; ++p) {
-      const Vec2 X = reference.At(id[p]).center;
+      const Vec3 X = reference.At(id[p]).center;
       const double Fxx = Stretch(X[0], phase), Fyy = Stretch(X[1], phase + M_PI);
       a[2 * p] = BodyForce(X[0], phase, Fxx, Fyy, material);
       a[2 * p + 1] = BodyForce(X[1], phase + M_PI, Fyy, Fxx, material);
@@ -122,8 +122,8 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
     const double phase = kC * M_PI * run.time;
     double sum = 0, mass = 0;
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-      const Vec2 X = reference.At(a.id[p]).center;
-      const Vec2 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase),
+      const Vec3 X = reference.At(a.id[p]).center;
+      const Vec3 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase),
                           a.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
       errors->largest = std::max(errors->largest, Norm(error));
       sum += a.mass[p] * Dot(error, error);

@@ -12,7 +12,7 @@ constexpr int kCells = 12;
 const Box kSquare = {{0, 0}, {1, 1}};
 
 /// The largest speed after 200 steps, relative to the wave speed times the strain.
-PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec2 stretch, double *speed)
+PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec3 stretch, double *speed)
 {
   LevelsRun run;
   PetscFunctionBeginUser;

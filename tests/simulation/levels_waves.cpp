@@ -44,7 +44,7 @@ Course CourseOf(const Wave &wave)
 double Packet(double s) { return s > 0 && s < 3 ? 0.5 * std::sin(2 * M_PI * s) * (1 - std::cos(2 * M_PI * s / 3)) : 0; }
 
 /// Velocities of points, relative to the packet's largest, by their places in quarters of a cell.
-using Field = std::map<std::pair<long, long>, Vec2>;
+using Field = std::map<std::pair<long, long>, Vec3>;
 
 /// Lets the packet travel on two levels, or on one with the cells of the side that it comes from.
 PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
@@ -68,7 +68,7 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   run.dt = course.path / c / steps / parts;
 
   const double angle = wave.angle * M_PI / 180;
-  const Vec2 along = {std::cos(angle), std::sin(angle)}, motion = wave.shear ? Vec2{-along[1], along[0]} : along;
+  const Vec3 along = {std::cos(angle), std::sin(angle)}, motion = wave.shear ? Vec3{-along[1], along[0]} : along;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     const double s = (Dot(along, {a.position[2 * p], a.position[2 * p + 1]}) + course.distance) / wave.length + 1.5;
     const double half_step = 0.5 * c * run.dt / std::pow(wave.ratio, l) / wave.length; // velocities are that much older
@@ -84,10 +84,10 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   for (int step = 0; step < steps * parts; ++step) PetscCall(run.Advance());
   field->clear();
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-    const Vec2 x = {a.position[2 * p], a.position[2 * p + 1]};
+    const Vec3 x = {a.position[2 * p], a.position[2 * p + 1]};
     if (course.window.Contains(x))
       (*field)[{std::lround(4 * x[0] / own), std::lround(4 * x[1] / own)}] =
-          1 / (kStrain * c * Packet(1.75)) * Vec2{a.velocity[2 * p], a.velocity[2 * p + 1]};
+          1 / (kStrain * c * Packet(1.75)) * Vec3{a.velocity[2 * p], a.velocity[2 * p + 1]};
   }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,7 +109,7 @@ PetscErrorCode Reflect(const Wave &wave, Reflection *r)
   *r = {};
   for (const auto &[place, v] : one) {
     const auto found = two.find(place);
-    const Vec2 other = found == two.end() ? Vec2{NAN, NAN} : found->second;
+    const Vec3 other = found == two.end() ? Vec3{NAN, NAN} : found->second;
     if (!(Norm(other) <= both)) both = Norm(other);
     if (!(Norm(other - v) <= r->difference)) r->difference = Norm(other - v);
     r->residual = std::max(r->residual, Norm(v));

@@ -39,7 +39,7 @@ struct Errors {
 PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
 {
   Model model;
-  std::unordered_map<std::int64_t, Vec2> reference;
+  std::unordered_map<std::int64_t, Vec3> reference;
   PetscFunctionBeginUser;
   model.sides.fill(BoundaryKind::kSymmetry);
   model.shape_function = variant.shape;
@@ -52,7 +52,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   model.acceleration = [&](double time, int count, const std::int64_t *id, const double *, double *a) {
     const double phase = kC * M_PI * time;
     for (int p = 0; p < count; ++p) {
-      const Vec2 X = reference.at(id[p]);
+      const Vec3 X = reference.at(id[p]);
       const double Fxx = Stretch(X[0], phase), Fyy = Stretch(X[1], phase + M_PI);
       a[2 * p] = BodyForce(X[0], phase, Fxx, Fyy, material);
       a[2 * p + 1] = BodyForce(X[1], phase + M_PI, Fyy, Fxx, material);
@@ -67,7 +67,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   const int steps = static_cast<int>(std::ceil(kPeriod * n * material.SpeedOfSound() * 1.2 / cfl));
   const double dt = kPeriod / steps;
   for (int p = 0; p < points.count; ++p) {
-    const Vec2 X = {points.position[2 * p], points.position[2 * p + 1]};
+    const Vec3 X = {points.position[2 * p], points.position[2 * p + 1]};
     reference[points.id[p]] = X;
     // The scheme's velocities belong to half steps.
     points.velocity[2 * p] = kA * kC * M_PI * std::sin(2 * M_PI * X[0]) * std::cos(-0.5 * kC * M_PI * dt);
@@ -84,8 +84,8 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
     const double phase = kC * M_PI * (step + 1) * dt;
     double sum = 0;
     for (int p = 0; p < points.count; ++p) {
-      const Vec2 X = reference.at(points.id[p]);
-      const Vec2 error = {points.position[2 * p] - X[0] - Displacement(X[0], phase),
+      const Vec3 X = reference.at(points.id[p]);
+      const Vec3 error = {points.position[2 * p] - X[0] - Displacement(X[0], phase),
                           points.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
       errors->largest = std::max(errors->largest, Norm(error));
       sum += Dot(error, error);

@@ -32,12 +32,12 @@ struct Forces {
 };
 
 /// True where all cells of a node, widened by half a cell, were in the body before it was mapped by F and shifted.
-bool Inside(const Patch &patch, Vec2 node, Vec2 shift)
+bool Inside(const Patch &patch, Vec3 node, Vec3 shift)
 {
   const double *F = patch.F, J = F[0] * F[3] - F[1] * F[2];
   for (int corner = 0; corner < 4; ++corner) {
-    const Vec2 x = node + 1.5 * kH * Vec2{corner % 2 ? 1.0 : -1.0, corner / 2 ? 1.0 : -1.0} - shift;
-    const Vec2 X = {(F[3] * x[0] - F[1] * x[1]) / J, (F[0] * x[1] - F[2] * x[0]) / J};
+    const Vec3 x = node + 1.5 * kH * Vec3{corner % 2 ? 1.0 : -1.0, corner / 2 ? 1.0 : -1.0} - shift;
+    const Vec3 X = {(F[3] * x[0] - F[1] * x[1]) / J, (F[0] * x[1] - F[2] * x[0]) / J};
     if (X[0] < 0 || X[0] > kWidth || X[1] < 0 || X[1] > kHeight) return false;
   }
   return true;
@@ -70,13 +70,13 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   if (patch.pressed) AddPressures(model, patch);
   // The body starts where the grid's cells cut it unevenly, so that its tiles have many sizes.
   const Box domain = {{-8 * kH - Random(0, kH), -8 * kH - Random(0, kH)}, {}};
-  const Box grid = {domain.lower, domain.lower + Vec2{40 * kH, 32 * kH}};
+  const Box grid = {domain.lower, domain.lower + Vec3{40 * kH, 32 * kH}};
   PetscCall(RegisterLogEvents(&events));
   PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, grid, kH), events, true));
   PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
-  const Vec2 shift = {Random(0, 3 * kH), Random(0, 3 * kH)};
+  const Vec3 shift = {Random(0, 3 * kH), Random(0, 3 * kH)};
   for (int p = 0; p < a.count; ++p) {
-    const Vec2 x = Multiply(patch.F, {a.position[2 * p], a.position[2 * p + 1]}) + shift;
+    const Vec3 x = Multiply(patch.F, {a.position[2 * p], a.position[2 * p + 1]}) + shift;
     std::copy(x.begin(), x.end(), a.position + 2 * p);
     std::copy(patch.F, patch.F + 4, a.F + 4 * p);
     std::copy(patch.stress, patch.stress + 4, a.stress + 4 * p);

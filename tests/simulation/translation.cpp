@@ -11,7 +11,7 @@ namespace
 
 constexpr double kH = 0.5;          // m
 constexpr int kCells[2] = {30, 22}; // of the domain
-const Vec2 kVelocity = {7.3, 4.1};  // m/s: 0.1 of the wave speed
+const Vec3 kVelocity = {7.3, 4.1};  // m/s: 0.1 of the wave speed
 const MaterialConstants kMaterial = {4e6, 0.3, 1000, 1e4, 1e5};
 
 struct Variant {
@@ -22,7 +22,7 @@ struct Variant {
 };
 
 struct State {
-  std::map<std::int64_t, Vec2> position;
+  std::map<std::int64_t, Vec3> position;
   int count = 0;
   double mass = 0;
 };
@@ -61,7 +61,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   model.stress_update = variant.stress_update;
   model.short_wave = variant.viscosity;
   model.nodal.xpic_fraction = variant.xpic;
-  const Vec2 lower = {2.13 * kH, 2.71 * kH}, upper = {6.6 * kH, 7.1 * kH};
+  const Vec3 lower = {2.13 * kH, 2.71 * kH}, upper = {6.6 * kH, 7.1 * kH};
   AddBody(model, disk ? CreateDiskRegion(0.5 * (lower + upper), 2.2 * kH) : CreateBoxRegion({lower, upper}), law, kMaterial,
           kVelocity);
   const double dt = 0.4 * kH / model.materials[0]->SpeedOfSound();

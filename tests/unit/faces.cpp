@@ -48,13 +48,13 @@ TEST(Faces, EncloseThePoint)
     Points points;
     PointArrays a;
     MakePoint({}, points, &a);
-    const Vec2 x = {a.position[0], a.position[1]};
-    Vec2 sum{};
+    const Vec3 x = {a.position[0], a.position[1]};
+    Vec3 sum{};
     double area = 0;
     for (int s = 0; s < kSides; ++s) {
       const Side side = static_cast<Side>(s);
       const Face face = PointFace(a, 0, side);
-      Vec2 middle{};
+      Vec3 middle{};
       middle[AxisOf(side)] = SignOf(side) * a.half_size[AxisOf(side)];
       EXPECT_LE(Norm(face.center - x - Multiply(a.F, middle)), 1e-15);
       EXPECT_NEAR(Dot(face.area_normal, face.half_edge), 0, 1e-15);
@@ -91,16 +91,16 @@ TEST(Faces, ForcesOfAPressure)
     ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, kThickness, 1.0, failure), PETSC_SUCCESS);
     EXPECT_EQ(failure.kind, PointFailure::kNone);
     const Face face = PointFace(a, 0, side);
-    const Vec2 force = -kPressure * share * kThickness * face.area_normal;
+    const Vec3 force = -kPressure * share * kThickness * face.area_normal;
     const double scale = kPressure * kThickness * kH;
-    Vec2 sum{}, external{};
+    Vec3 sum{}, external{};
     double moments[2][2] = {};
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {
         const double *node = sums + NodeArrays::kSums * grid.Index(i, j);
         const double x[2] = {grid.Coordinate(0, i), grid.Coordinate(1, j)};
-        sum = sum + Vec2{node[4], node[5]};
-        external = external + Vec2{node[6], node[7]};
+        sum = sum + Vec3{node[4], node[5]};
+        external = external + Vec3{node[6], node[7]};
         for (int d = 0; d < 2; ++d)
           for (int k = 0; k < 2; ++k) moments[d][k] += node[4 + d] * x[k];
       }
@@ -134,7 +134,7 @@ TEST(Faces, ForcesAreMeansOfHats)
         constexpr int kParts = 2000;
         double mean = 0;
         for (int k = 0; k < kParts; ++k) {
-          const Vec2 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge;
+          const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge;
           mean += std::max(0.0, 1 - std::abs(x[0] / kH - i)) * std::max(0.0, 1 - std::abs(x[1] / kH - j)) / kParts;
         }
         const double *node = sums + NodeArrays::kSums * grid.Index(i, j);
@@ -158,7 +158,7 @@ TEST(Faces, OuterAndLoadedFaces)
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
   ASSERT_EQ(points.Create(2, 0), PETSC_SUCCESS);
   const Seeding seeding(
-      model, geometry, sides, [](Vec2) { return kH; }, 2, 0);
+      model, geometry, sides, [](Vec3) { return kH; }, 2, 0);
   ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
   ASSERT_EQ(points.Arrays(&a), PETSC_SUCCESS);
   ASSERT_EQ(a.count, 3 * 4 * 4 + 2 * 2 * 9);

@@ -130,7 +130,7 @@ TEST(Options, WholeNumbers)
 TEST(Options, ListsAndVectors)
 {
   std::vector<double> values = {9};
-  Vec2 vector{};
+  Vec3 vector{};
   const Read read = [&](OptionReader &reader) {
     return reader.Numbers({"-times", "t", "s"}, kNotNegative, 2, 0, false, &values);
   };
@@ -141,7 +141,7 @@ TEST(Options, ListsAndVectors)
   EXPECT_EQ(Refusal("-times 1,,2", read), "-times 1,,2: must be at least 2 numbers >= 0");
   EXPECT_EQ(Refusal("-times 1,-2", read), "-times 1,-2: must be at least 2 numbers >= 0");
   EXPECT_EQ(Refusal("-tip 1,-2", pair), "");
-  EXPECT_EQ(vector, (Vec2{1, -2}));
+  EXPECT_EQ(vector, (Vec3{1, -2}));
   for (const char *bad : {"1", "1,2,3", "1,", "a,b"})
     EXPECT_EQ(Refusal(std::string("-tip ") + bad, pair), std::string("-tip ") + bad + ": must be 2 numbers separated by commas");
 }

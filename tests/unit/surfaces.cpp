@@ -35,15 +35,15 @@ void CheckSurface(const std::string &name, const IndenterSurface &surface, doubl
   for (int n = 0; n < 200; ++n) {
     constexpr double kStep = 1e-6;
     const double x = Random(-width, width), y = Height(surface, x, height);
-    const Vec2 normal = surface.Gap({x, y}).normal;
+    const Vec3 normal = surface.Gap({x, y}).normal;
     unit = std::max(unit, std::abs(Norm(normal) - 1));
     for (int a = 0; a < 2 && std::abs(x) > 1e-4; ++a) {
-      Vec2 above = {x, y}, below = {x, y};
+      Vec3 above = {x, y}, below = {x, y};
       above[a] += kStep, below[a] -= kStep;
       const double slope = (surface.Gap(above).distance - surface.Gap(below).distance) / (2 * kStep);
       gradient = std::max(gradient, std::abs(slope - normal[a]));
     }
-    signs &= surface.Gap(Vec2{x, y} + 1e-3 * normal).distance > 0 && surface.Gap(Vec2{x, y} + -1e-3 * normal).distance < 0;
+    signs &= surface.Gap(Vec3{x, y} + 1e-3 * normal).distance > 0 && surface.Gap(Vec3{x, y} + -1e-3 * normal).distance < 0;
     lowest = std::min(lowest, y);
   }
   EXPECT_LE(unit, 1e-14) << name + ": length of the normal less one";
@@ -119,7 +119,7 @@ TEST(Surfaces, Tilings)
   double area = 0, outside = 0, other = 0, miss = 0;
   for (int n = 0; n < 200; ++n) {
     const double h = Random(0.1, 2);
-    const Vec2 origin = {Random(-3, 3), Random(-3, 3)};
+    const Vec3 origin = {Random(-3, 3), Random(-3, 3)};
     Box box = {{origin[0] + Random(0, 3), origin[1] + Random(0, 3)}, {}};
     box.upper = {box.lower[0] + Random(0.05, 6), box.lower[1] + Random(0.05, 6)};
     if (n % 4 == 0)
@@ -140,7 +140,7 @@ TEST(Surfaces, Tilings)
         }
     area = std::max(area, std::abs(sum / ((box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1])) - 1));
     for (int k = 0; k < 20; ++k) {
-      const Vec2 x = {Random(box.lower[0], box.upper[0]), Random(box.lower[1], box.upper[1])};
+      const Vec3 x = {Random(box.lower[0], box.upper[0]), Random(box.lower[1], box.upper[1])};
       Tile tile;
       const bool found = tiling.At(x, tile);
       for (int a = 0; a < 2; ++a) miss = std::max(miss, found ? std::abs(x[a] - tile.center[a]) - tile.half_size[a] : HUGE_VAL);

@@ -1,0 +1,57 @@
+// The three geometries: what a point of each stores of its tensors, and how it lies in space.
+//
+// Indices and vectors have three components everywhere; two dimensions are one layer. The kernels are templates on one of
+// the policies below; all other code has the kind, the dimension and the thickness at run time.
+#pragma once
+
+namespace mlgimp
+{
+
+/// As -geometry names them: plane_strain, axisymmetric, 3d.
+enum class GeometryKind { kPlaneStrain, kAxisymmetric, kSpatial };
+
+/// Components that a point stores: F by rows; stress as xx, yy, zz, xy and in space yz, xz; the strain rate and the
+/// short-wave stress of which the kernels keep what is not zero, in the order of the stress.
+struct PlaneStrain {
+  static constexpr GeometryKind kKind = GeometryKind::kPlaneStrain;
+  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< rate: xx, yy, xy
+  static constexpr bool kHoop = false;
+};
+
+/// x is the radius, y the axis; zz is the hoop direction, with F_zz = r/R.
+struct Axisymmetric {
+  static constexpr GeometryKind kKind = GeometryKind::kAxisymmetric;
+  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< rate: xx, yy, zz, xy
+  static constexpr bool kHoop = true;
+};
+
+struct Spatial {
+  static constexpr GeometryKind kKind = GeometryKind::kSpatial;
+  static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< rate: as the stress
+  static constexpr bool kHoop = false;
+};
+
+/// The same at run time.
+struct Geometry {
+  GeometryKind kind = GeometryKind::kPlaneStrain;
+  double thickness = 1; ///< of the slab in plane strain, m
+
+  int Dim() const { return kind == GeometryKind::kSpatial ? 3 : 2; }
+  bool HasHoop() const { return kind == GeometryKind::kAxisymmetric; }
+  /// What a length or an area of the plane is multiplied by to be an area or a volume: thickness, 2 pi r, or 1.
+  double OutOfPlane(double r) const
+  {
+    constexpr double kTwoPi = 6.283185307179586;
+    return kind == GeometryKind::kPlaneStrain ? thickness : kind == GeometryKind::kAxisymmetric ? kTwoPi * r : 1;
+  }
+};
+
+/// Calls work(policy) with the policy of a kind.
+template <class Work> auto WithGeometry(GeometryKind kind, Work work)
+{
+  if (kind == GeometryKind::kAxisymmetric) return work(Axisymmetric{});
+  if (kind == GeometryKind::kSpatial) return work(Spatial{});
+  return work(PlaneStrain{});
+}
+
+} // namespace mlgimp

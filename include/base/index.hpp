@@ -1,0 +1,49 @@
+// Places in the index space of a grid, which has three axes: in two dimensions the third has one layer.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace mlgimp
+{
+
+using Index = std::array<int, 3>;
+
+inline Index operator+(Index a, Index b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Index operator-(Index a, Index b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+/// The indices lower <= i < upper along each axis.
+struct IndexBox {
+  Index lower{}, upper{};
+
+  int Size(int axis) const { return upper[axis] - lower[axis]; }
+  bool Empty() const { return Size(0) <= 0 || Size(1) <= 0 || Size(2) <= 0; }
+  std::int64_t Count() const { return Empty() ? 0 : std::int64_t(Size(0)) * Size(1) * Size(2); }
+  bool Contains(Index at) const
+  {
+    for (int axis = 0; axis < 3; ++axis)
+      if (at[axis] < lower[axis] || at[axis] >= upper[axis]) return false;
+    return true;
+  }
+};
+
+inline IndexBox Intersection(const IndexBox &a, const IndexBox &b)
+{
+  IndexBox both;
+  for (int axis = 0; axis < 3; ++axis) {
+    both.lower[axis] = std::max(a.lower[axis], b.lower[axis]);
+    both.upper[axis] = std::min(a.upper[axis], b.upper[axis]);
+  }
+  return both;
+}
+
+/// Calls work(index) for all indices of a box, the first axis fastest.
+template <class Work> void ForEach(const IndexBox &box, Work work)
+{
+  for (int k = box.lower[2]; k < box.upper[2]; ++k)
+    for (int j = box.lower[1]; j < box.upper[1]; ++j)
+      for (int i = box.lower[0]; i < box.upper[0]; ++i) work(Index{i, j, k});
+}
+
+} // namespace mlgimp

@@ -18,6 +18,8 @@ template <class Vector> inline void StoreVector(double *x, Vector value)
   *reinterpret_cast<Unaligned *>(x) = value;
 }
 
+inline double Lane(Pack x, int k) { return x[k]; }
+
 #ifdef __AVX512F__
 
 typedef double WidePack __attribute__((vector_size(64)));
@@ -27,6 +29,7 @@ inline WidePack Join(Pack low, Pack high) { return __builtin_shufflevector(low, 
 inline HighPack MakeHigh(Pack high) { return Join(Pack{}, high); }
 inline Pack Low(WidePack x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
 inline Pack High(WidePack x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
+inline double Lane(WidePack x, int k) { return x[k]; }
 
 #else // pairs: compilers split a vector that is wider than any register into single doubles
 
@@ -43,6 +46,7 @@ inline WidePack Join(Pack low, Pack high) { return {low, high}; }
 inline HighPack MakeHigh(Pack high) { return {high}; }
 inline Pack Low(WidePack x) { return x.low; }
 inline Pack High(WidePack x) { return x.high; }
+inline double Lane(WidePack x, int k) { return k < 4 ? x.low[k] : x.high[k - 4]; }
 inline WidePack operator+(WidePack a, WidePack b) { return {a.low + b.low, a.high + b.high}; }
 inline WidePack operator*(double a, WidePack x) { return {a * x.low, a * x.high}; }
 inline HighPack operator*(double a, HighPack x) { return {a * x.high}; }

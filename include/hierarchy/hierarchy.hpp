@@ -33,12 +33,12 @@ struct HierarchySettings {
 
 /// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
 struct Budgets {
-  double kinetic_energy, strain_energy, mass, momentum[2], points, contact_points;
+  double kinetic_energy, strain_energy, mass, momentum[3], points, contact_points;
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
-  double external_work, indenter_work, support_impulse[2], contact_impulse[2], load_impulse[2], gravity_impulse[2],
-      damping_impulse[2], stagger_impulse[2];
+  double external_work, indenter_work, support_impulse[3], contact_impulse[3], load_impulse[3], gravity_impulse[3],
+      damping_impulse[3], stagger_impulse[3];
   double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error,
-      points_adrift, mass_adrift, momentum_adrift[2];
+      points_adrift, mass_adrift, momentum_adrift[3];
   double contact_work; ///< of the contact forces on the body; less than indenter_work by what contact takes up
   /// With levels coupled by nodes, kinetic and strain energy that points got since the start, without stress, from anything but
   /// contact, sides, loads, body forces, damping, splitting and merging: from the coupling, and from time steps of finite length.

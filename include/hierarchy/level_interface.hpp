@@ -10,6 +10,7 @@
 #include "level/level.hpp"
 
 #include <array>
+#include <map>
 #include <vector>
 
 namespace mlgimp
@@ -17,11 +18,11 @@ namespace mlgimp
 
 /// A fine node with beta < 1 and the interface nodes it hangs on.
 struct BlendNode {
-  int node; ///< place in the fine level's ghosted arrays
+  std::ptrdiff_t node; ///< place in the fine level's ghosted arrays
   double beta;
   int count;        ///< of interface nodes with a weight
-  int interface[4]; ///< places in the arrays of interface nodes
-  double weight[4]; ///< N_I(x_i)
+  int interface[8]; ///< places in the arrays of interface nodes
+  double weight[8]; ///< N_I(x_i)
 };
 
 /// What the border gave to bodies since the run began, on this rank.
@@ -62,7 +63,7 @@ public:
   /// restart. Empty where there has been no step. Collective on all.
   PetscErrorCode GatherState(std::vector<double> *state) const;
   void RestoreState(const std::vector<double> &state);
-  static constexpr int kState = 2; ///< of an interface node: the coarse force
+  static constexpr int kState = 3; ///< of an interface node: the coarse force
   std::size_t InterfaceNodes() const { return interface_.size(); }
 
   const InterfaceTotals &Totals() const { return totals_; }
@@ -73,27 +74,34 @@ public:
 private:
   /// An interface node by its index on the coarse grid, the fine block that advances it and its place there.
   struct InterfaceNode {
-    int i, j;
+    Index at;
     int block, place;
   };
 
-  double Depth(int i, int j) const;
-  double Beta(int i, int j) const;
-  bool InFineGrid(int i, int j) const;
-  bool IsInterface(int i, int j) const;
+  int Depth(Index node) const;
+  double Beta(Index node) const;
+  IndexBox MassNodes() const;
+  bool IsInterface(Index node) const;
   void ListInterface();
+  PetscErrorCode ListKnown(std::map<Index, int> *place);
   PetscErrorCode ListBand();
+  BlendNode Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place);
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();
   /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
   PetscErrorCode Restrict();
   void AdvanceInterface(int substep, double dt);
-  std::array<double, NodeArrays::kVelocity> Interpolate(const BlendNode &band) const;
+  /// (v, dv) of an interface node in one of the arrays below.
+  NodeVelocity VelocityIn(std::vector<double> &array, int k) const
+  {
+    double *const first = &array[static_cast<std::size_t>(velocity_size_) * k];
+    return {first, first + velocity_size_ / 2};
+  }
   void Prolong();
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;
-  int ratio_ = 2;
+  int ratio_ = 2, dim_ = 2, velocity_size_ = 4;
   double blend_width_ = kBlendWidth;
   std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
   std::vector<int> local_;               ///< those known here: owned ones first, in order
@@ -102,11 +110,11 @@ private:
   std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   SFHandle exchange_, transfer_;
-  std::vector<double> coarse_sums_;    ///< [owned_][kSums]: of the coarse points
-  std::vector<double> previous_force_; ///< [owned_][2]
-  std::vector<double> sums_;           ///< [local_][kSums]: of the fine points, restricted
-  std::vector<double> velocity_;       ///< [local_][kVelocity]: (v, dv) of the substep
-  std::vector<double> mean_;           ///< [owned_][kVelocity]: mean v and sum of dv over substeps
+  std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
+  std::vector<Vec3> previous_force_;  ///< [owned_]
+  std::vector<NodeSums> sums_;        ///< [local_]: of the fine points, restricted
+  std::vector<double> velocity_;      ///< [local_][velocity_size_]: (v, dv) of the substep
+  std::vector<double> mean_;          ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   InterfaceTotals totals_;
 };

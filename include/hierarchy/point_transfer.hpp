@@ -53,7 +53,8 @@ struct PointTransferTotals {
   double momentum_error = 0;    ///< kg m/s
   double energy = 0;            ///< kinetic and strain energy that splitting and merging have added, J
   double strain_energy = 0;     ///< the latter alone, J
-  double points_adrift = 0, mass_adrift = 0, momentum_adrift[2] = {}; ///< sent less received: zero over all ranks
+  double points_adrift = 0, mass_adrift = 0; ///< sent less received: zero over all ranks
+  Vec3 momentum_adrift{};                    ///< sent less received: zero over all ranks
 };
 
 /// Adds up by how much splitting or merging changed mass, momentum and energy.
@@ -69,7 +70,7 @@ public:
   {
   }
 
-  /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^2,
+  /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^dim,
   /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s; border: the one that couples
   /// the levels through nodes, or null. Collective on all ranks.
   PetscErrorCode Transfer(double dt, LevelInterface *border);
@@ -82,9 +83,9 @@ public:
 private:
   PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
   PetscErrorCode FindParents(const std::vector<int> &points, std::vector<int> *parents);
-  PetscErrorCode Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
-                       std::vector<int> *points);
-  void MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const;
+  PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
+  void MakeChild(const PointArrays &a, int target, int child, const VelocitySample &sample) const;
+  Vec3 MeanOffset(const PointArrays &a, int parent) const;
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 
   MPI_Comm world_;

@@ -59,7 +59,7 @@ std::vector<std::string> ContactMethods();
 PetscErrorCode CreateContact(const std::string &method, bool monitor, std::unique_ptr<Contact> *contact);
 
 /// Adds the change that contact makes to the velocity (v, dv) of a node, and adds up its work where the rank owns the node.
-void ChangeVelocity(const ContactView &view, int i, int j, Vec3 change, ContactReport *report);
+void ChangeVelocity(const ContactView &view, Index node, Vec3 by, ContactReport *report);
 
 /// A piece of a deformed face, its place, outward normal and length.
 struct SurfaceSegment {

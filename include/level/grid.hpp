@@ -4,52 +4,71 @@
 #pragma once
 
 #include "base/handle.hpp"
+#include "base/index.hpp"
 #include "base/tensor.hpp"
 #include "pointwise/point_fields.hpp"
 #include "pointwise/shape.hpp"
 
+#include <cmath>
 #include <vector>
 
 namespace mlgimp
 {
 
-/// Where a grid lies and what bounds it.
+/// Where a grid lies and what bounds it. In two dimensions there is one layer of nodes, without cells, along the third axis.
 struct GridGeometry {
-  Vec3 lower;     ///< position of node (0, 0) of the box, m
+  Vec3 lower;     ///< position of node (0, 0, 0) of the box, m
   double spacing; ///< h, m
-  int cells[2];   ///< of the box
-  int padding;    ///< layers of nodes beyond the box
-  int Nodes(int axis) const { return cells[axis] + 1 + 2 * padding; }
+  Index cells;    ///< of the box
+  int padding;    ///< layers of nodes beyond the box, along the axes of its dimension
+  int dim = 2;
+
+  int Padding(int axis) const { return axis < dim ? padding : 0; }
+  int Nodes(int axis) const { return axis < dim ? cells[axis] + 1 + 2 * padding : 1; }
+  /// All nodes, by their box indices.
+  IndexBox NodeBox() const
+  {
+    const Index first{-Padding(0), -Padding(1), -Padding(2)};
+    return {first, first + Index{Nodes(0), Nodes(1), Nodes(2)}};
+  }
 };
 
-/// How a grid is divided: number of nodes of every column and row of blocks, along x and y, and the rank that holds
-/// each block, row by row. Ranks without a block take no part in the level's steps.
+/// How a grid is divided: number of nodes of every layer of blocks along each axis, and the rank that holds each block, the
+/// first axis fastest. Ranks without a block take no part in the level's steps.
 struct GridLayout {
-  std::array<std::vector<PetscInt>, 2> widths;
+  std::array<std::vector<PetscInt>, 3> widths{{{}, {}, {1}}};
   std::vector<PetscMPIInt> ranks; ///< of the communicator of all levels
-  int Blocks() const { return static_cast<int>(widths[0].size() * widths[1].size()); }
+  int Blocks() const { return static_cast<int>(widths[0].size() * widths[1].size() * widths[2].size()); }
 };
 
-/// Nodal arrays on the ghosted index space; the components of a node lie together.
-struct NodeArrays {
-  /// Sums over points: mass, momentum (2), mass of owned points (no copies), force (2), power-giving external force (2).
-  static constexpr int kSums = 8;
-  /// New velocity (2) and its change in the step (2).
-  static constexpr int kVelocity = 4;
-  /// Momentum or velocity of the second extrapolation (2), of the projection for XPIC (2), strain rate xx, yy, xy, -.
-  static constexpr int kRates = 8;
-  double *sums, *velocity, *rates;
+/// What a node holds of the points around it: one cache line in every geometry.
+struct alignas(64) NodeSums {
+  double mass;        ///< kg
+  double momentum[3]; ///< kg m/s
+  double force[3];    ///< internal, of loads and of bodies, N
+  double owned_mass;  ///< of points that this level owns; the others are copies, kg
+};
+static_assert(sizeof(NodeSums) == 64, "nodal sums travel and load as eight doubles");
+
+/// The new velocity of a node and its change in the step, m/s.
+struct NodeVelocity {
+  double *velocity, *change; ///< [dim] each
 };
 
-/// Memory of nodal arrays: with 64-byte alignment no node lies across two cache lines, which PETSc's 16 bytes allow.
+/// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
+/// velocity of the second extrapolation, momentum or velocity of the projection for XPIC, strain rate (xx, yy, xy, zz in two
+/// dimensions, xx, yy, zz, xy, yz, xz in three).
+struct NodeLayout {
+  static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
+  static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
+  static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
+  static constexpr int Projected(int dim) { return dim == 2 ? 2 : 4; }  ///< place of the projection among the rates
+  static constexpr int StrainRate(int dim) { return dim == 2 ? 4 : 8; } ///< place of the strain rate among them
+};
+
+/// Memory of nodal arrays: with 64-byte alignment no node lies across two cache lines.
 struct alignas(64) CacheLine {
   double values[8];
-};
-
-/// A nodal array and the local vector that shows it to PETSc.
-struct NodalField {
-  std::vector<CacheLine> memory;
-  VecHandle vector;
 };
 
 class Grid
@@ -65,70 +84,89 @@ public:
 
   const GridGeometry &Geometry() const { return geometry_; }
   const GridLayout &Layout() const { return layout_; }
-  const Lattice<2> &IndexSpace() const { return lattice_; }
-  const NodeArrays &Arrays() const { return arrays_; }
+  const Lattice &IndexSpace() const { return lattice_; }
   /// The ranks with a block, ordered by block; null on others.
   MPI_Comm Comm() const { return comm_; }
   bool Participates() const { return comm_ != MPI_COMM_NULL; }
 
-  /// Owned nodes as half-open ranges of box indices (the padding is negative or beyond the cells).
-  int OwnedLower(int axis) const { return owned_lower_[axis]; }
-  int OwnedUpper(int axis) const { return owned_upper_[axis]; }
-  /// Place of the node with box indices (i, j) in the ghosted arrays; it must be owned or a ghost.
-  int Index(int i, int j) const { return (j - ghost_lower_[1]) * ghost_size_[0] + i - ghost_lower_[0]; }
-  bool IsLocal(int i, int j) const
-  {
-    return i >= ghost_lower_[0] && i < ghost_lower_[0] + ghost_size_[0] && j >= ghost_lower_[1] &&
-           j < ghost_lower_[1] + ghost_size_[1];
-  }
-  bool Owns(int i, int j) const { return i >= OwnedLower(0) && i < OwnedUpper(0) && j >= OwnedLower(1) && j < OwnedUpper(1); }
+  /// Nodes by their box indices (the padding is negative or beyond the cells): those of this rank, and with its ghosts.
+  const IndexBox &Owned() const { return owned_; }
+  const IndexBox &Ghosted() const { return ghosted_; }
+  bool Owns(Index node) const { return owned_.Contains(node); }
+  bool IsLocal(Index node) const { return ghosted_.Contains(node); }
   /// False where one rank has the whole grid.
   bool HasGhosts() const { return layout_.Blocks() > 1; }
-  int OwnedNodes() const { return (OwnedUpper(0) - OwnedLower(0)) * (OwnedUpper(1) - OwnedLower(1)); }
-  int GhostedNodes() const { return ghost_size_[0] * ghost_size_[1]; }
-  int GhostLower(int axis) const { return ghost_lower_[axis]; }
-  int GhostSize(int axis) const { return ghost_size_[axis]; }
+  std::size_t GhostedNodes() const { return static_cast<std::size_t>(ghosted_.Count()); }
+
+  /// Place of a local node in the arrays.
+  std::ptrdiff_t Place(Index node) const
+  {
+    const Index at = node - ghosted_.lower;
+    return at[0] + lattice_.stride[1] * static_cast<std::ptrdiff_t>(at[1]) +
+           lattice_.stride[2] * static_cast<std::ptrdiff_t>(at[2]);
+  }
   double Coordinate(int axis, int index) const { return geometry_.lower[axis] + index * geometry_.spacing; }
-  /// Box index of the node nearest to x along an axis.
+  /// Box index of the node nearest to x.
   int Nearest(int axis, double x) const
   {
     return static_cast<int>(std::floor((x - geometry_.lower[axis]) / geometry_.spacing + 0.5));
   }
-  /// The block that holds node (i, j), which is also its owner's rank in Comm(); -1 outside the grid.
-  int BlockOfNode(int i, int j) const;
+  Index Nearest(Vec3 x) const { return {Nearest(0, x[0]), Nearest(1, x[1]), geometry_.dim == 3 ? Nearest(2, x[2]) : 0}; }
+  /// The block that holds a node, which is also its owner's rank in Comm(); -1 outside the grid.
+  int BlockOfNode(Index node) const;
   /// The owner's rank among all ranks; -1 outside the grid.
-  PetscMPIInt OwnerOfNode(int i, int j) const;
-  /// Place of node (i, j) in the ghosted arrays of the owner of `block`.
-  int IndexInBlock(int block, int i, int j) const;
+  PetscMPIInt OwnerOfNode(Index node) const;
+  /// Place of a node in the arrays of the owner of `block`.
+  PetscInt PlaceInBlock(int block, Index node) const;
 
-  /// Adds the ghosts' values to their owners (kSums or kRates components a node).
-  PetscErrorCode ReduceToOwners(double *array);
+  /// Nodal arrays on the ghosted nodes; see NodeLayout.
+  NodeSums *Sums() const { return sums_; }
+  double *VelocityArray() const { return velocity_; }
+  double *RatesArray() const { return rates_; }
+  NodeVelocity Velocity(std::ptrdiff_t place) const
+  {
+    double *const first = velocity_ + velocity_size_ * place;
+    return {first, first + velocity_size_ / 2};
+  }
+  double *Rates(std::ptrdiff_t place) const { return rates_ + rates_size_ * place; }
+  void ClearSums() const;
+  void ClearRates() const;
+
+  /// Adds the ghosts' values to their owners.
+  PetscErrorCode ReduceSums() { return Reduce(sums_unit_, sums_); }
+  PetscErrorCode ReduceRates() { return Reduce(rates_unit_, rates_); }
   /// Copies the owners' values to the ghosts.
-  PetscErrorCode Broadcast(double *array, int components);
+  PetscErrorCode BroadcastSums() { return Broadcast(sums_unit_, sums_); }
+  PetscErrorCode BroadcastVelocity() { return Broadcast(velocity_unit_, velocity_); }
+  PetscErrorCode BroadcastRates() { return Broadcast(rates_unit_, rates_); }
 
-  /// The values of a node: kVelocity or kSums components.
-  MPI_Datatype Unit(int components) const { return components == NodeArrays::kVelocity ? unit4_ : unit8_; }
+  /// The values of a node as one unit of communication.
+  MPI_Datatype SumsUnit() const { return sums_unit_; }
+  MPI_Datatype VelocityUnit() const { return velocity_unit_; }
 
 private:
-  PetscErrorCode CreateArrays();
-  PetscErrorCode CreateField(DM nodes, int components, NodalField *field, double **array);
+  PetscErrorCode CreateNodes();
   PetscErrorCode CreateHalo();
+  PetscErrorCode Reduce(MPI_Datatype unit, void *array);
+  PetscErrorCode Broadcast(MPI_Datatype unit, void *array);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   GridGeometry geometry_{};
   GridLayout layout_;
-  Lattice<2> lattice_{};
-  NodeArrays arrays_{};
-  DMHandle nodes8_, nodes4_;
-  NodalField sums_, velocity_, rates_;
+  Lattice lattice_{};
+  DMHandle nodes_;
+  IndexBox owned_, ghosted_;
+  std::vector<CacheLine> memory_[3];
+  NodeSums *sums_ = nullptr;
+  double *velocity_ = nullptr, *rates_ = nullptr;
+  std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
   SFHandle halo_;
-  MPI_Datatype unit4_ = MPI_DATATYPE_NULL, unit8_ = MPI_DATATYPE_NULL;
-  int owned_lower_[2]{}, owned_upper_[2]{}, ghost_lower_[2]{}, ghost_size_[2]{};
-  std::vector<int> starts_[2]; ///< first node of each column and row of blocks, then the end, as box indices
+  MPI_Datatype sums_unit_ = MPI_DATATYPE_NULL, velocity_unit_ = MPI_DATATYPE_NULL, rates_unit_ = MPI_DATATYPE_NULL;
+  std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };
 
 /// Divides `count` nodes into `parts` ranges of about equal total weight, each at least `minimum` nodes wide.
-/// weights [count]: points per node column. Needs count >= parts * minimum.
+/// weights [count]: points per layer of nodes. Needs count >= parts * minimum.
 std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int parts, int minimum);
 
 /// Ghost nodes a step needs: the stencil's reach of one, a point's drift of less than one cell between migrations, and

@@ -1,7 +1,7 @@
 // The sweeps over the points of a level: points to grid, grid to points, and strain with stress.
 //
 // Each sweep works on blocks of kBlock points: weights, then gather, then the points' own update, then scatter, while
-// the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeArrays in grid.hpp.
+// the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeSums and NodeLayout in grid.hpp.
 #pragma once
 
 #include "level/grid.hpp"
@@ -40,7 +40,7 @@ struct ShortWaveViscosity {
   bool On() const { return a > 0 || b > 0; }
 };
 
-/// Acceleration of `count` points from ids and positions [count][2] at a time: acceleration [count][2], m/s2.
+/// Acceleration of `count` points from ids and positions [count][dim] at a time: acceleration [count][dim], m/s2.
 using BodyAcceleration =
     std::function<void(double time, int count, const std::int64_t *id, const double *position, double *acceleration)>;
 
@@ -80,18 +80,24 @@ struct RatesPlan {
 struct SweepView {
   const Grid &grid;
   PointArrays points;
-  double *grid_velocity; ///< [count][2] velocity of the grid at the points, from GridToPoints to the move, m/s
+  double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s
   const BodyTable &bodies;
   bool owned = true; ///< false for copies of another level's points: they act, but do not count
 };
 
-/// The sweeps, for one shape function.
+/// The nodal velocity of the last step at a point: its change in the step, m/s, and the gradient of the new one, 1/s.
+struct VelocitySample {
+  Vec3 change{};
+  std::array<double, 9> L{}; ///< [dim][dim], by rows
+};
+
+/// The sweeps, in one geometry with one shape function.
 class Kernels
 {
 public:
   virtual ~Kernels() = default;
 
-  /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to `sums`.
+  /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to the nodal sums.
   virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
                             SweepTotals &totals) const = 0;
 
@@ -99,11 +105,11 @@ public:
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
                             PointFailure &failure) const = 0;
 
-  /// Change of the nodal velocity in the step, m/s, and gradient of the new one, xx, xy, yx, yy in 1/s, at one point, from
-  /// the nodes with more than a mass: a point that has just moved may reach nodes that no point had reached in the step.
-  virtual void VelocityAt(const SweepView &view, int point, double mass_cutoff, double change[2], double gradient[4]) const = 0;
+  /// The nodal velocity at one point, from the nodes with more than a mass: a point that has just moved may reach nodes that
+  /// no point had reached in the step.
+  virtual VelocitySample VelocityAt(const SweepView &view, int point, double mass_cutoff) const = 0;
 
-  /// Adds F and stress, times mass, to `rates`.
+  /// In two dimensions: adds F and stress, times mass, to `rates`.
   virtual void ScatterTensors(const SweepView &view) const = 0;
   /// tensors [8]: F and stress of the nodes at one point; needs node values in `rates` that were divided by the mass.
   virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
@@ -114,6 +120,6 @@ public:
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.
 std::vector<std::string> ShapeFunctions();
-std::unique_ptr<Kernels> CreateKernels(const std::string &shape_function);
+std::unique_ptr<Kernels> CreateKernels(GeometryKind geometry, const std::string &shape_function);
 
 } // namespace mlgimp

@@ -17,9 +17,16 @@ struct LevelGeometry {
   GridGeometry grid;
   BoundaryConditions sides;
   std::array<bool, kSides> border{}; ///< sides that lie within the next coarser level, not on the domain's side
-  /// Nearest nodes that points of this level may have along an axis: beyond a border points may stray until they move.
-  int FirstNode(int axis) const { return border[2 * axis] ? 1 - grid.padding : 0; }
-  int LastNode(int axis) const { return grid.cells[axis] + (border[2 * axis + 1] ? grid.padding - 1 : 0); }
+  /// Nearest nodes that points of this level may have: beyond a border points may stray until they move.
+  IndexBox PointNodes() const
+  {
+    IndexBox nodes{{}, {1, 1, 1}};
+    for (int axis = 0; axis < grid.dim; ++axis) {
+      nodes.lower[axis] = border[2 * axis] ? 1 - grid.padding : 0;
+      nodes.upper[axis] = grid.cells[axis] + (border[2 * axis + 1] ? grid.padding : 1);
+    }
+    return nodes;
+  }
 };
 
 /// What contact did since the run began, added up on the first rank of the level, and in the last step.
@@ -81,14 +88,10 @@ public:
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
-  /// The nodal velocity of the last step at some points: change in the step and gradient. Collective on the level's ranks.
-  struct VelocitySample {
-    Vec3 change; ///< m/s
-    double L[4]; ///< xx, xy, yx, yy, 1/s
-  };
+  /// The nodal velocity of the last step at some points. Collective on the level's ranks.
   PetscErrorCode SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples);
-  /// F and stress of some points as the grid sees them: sum_i S_ip (sum_q m_q S_iq F_q)/(sum_q m_q S_iq), [points][8].
-  /// Collective on the level's ranks.
+  /// F and stress of some points as the grid sees them: sum_i S_ip (sum_q m_q S_iq F_q)/(sum_q m_q S_iq), [points][8], in two
+  /// dimensions. Collective on the level's ranks.
   PetscErrorCode SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors);
 
   /// Sends points to the ranks that own their nearest nodes; `everywhere` where they may be on any rank. A point beyond the
@@ -129,6 +132,7 @@ public:
   double MassCutoff() const { return nodal_.mass_cutoff; }
   const LevelFailure &Failure() const { return failure_; }
   NodalTotals &Nodal() { return nodal_totals_; }
+  LoadTotals &Loads() { return load_totals_; }
   SweepTotals &Sweeps() { return sweep_totals_; }
   ContactTotals &Contacts() { return contact_totals_; }
   long Steps() const { return clock_.steps; }
@@ -160,7 +164,9 @@ private:
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
   bool is_coupled_ = false;
-  std::vector<double> grid_velocity_[3]; ///< [points][2] between two sweeps of a step, for each store
+  std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
+  std::vector<FaceForce> applied_;       ///< by loads in the step
+  LoadTotals load_totals_;
   NodalTotals nodal_totals_;
   SweepTotals sweep_totals_;
   ContactTotals contact_totals_;

@@ -16,16 +16,31 @@ namespace mlgimp
 struct Load {
   int body;
   Side side;
-  double span[2];           ///< start and end along the side, m
+  double span[2][2];        ///< start and end along each axis of the side, m
   PiecewiseLinear pressure; ///< positive pushes into the body, Pa
 };
 
-/// Adds the forces of the loads at `time` to the nodal forces and to the external forces in `sums`.
-/// Loads on copies of another level's points (not `owned`) are no external forces here.
+/// The force of a load on a point's face, and the weights of the 3 nodes along each axis around the face's centre.
+struct FaceForce {
+  Index nearest;
+  AxisWeights at[3];
+  Vec3 force; ///< N
+};
+
+/// Adds the forces of the loads at `time` to the nodal forces, and to the list `applied` those on points that the level owns.
 /// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
 /// failure: a point whose face has left this rank's nodes.
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
-                        double time, PointFailure &failure);
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
+                        double time, std::vector<FaceForce> &applied, PointFailure &failure);
+
+/// What loads did since the run began.
+struct LoadTotals {
+  Vec3 impulse{};  ///< N s
+  double work = 0; ///< with the mean velocity of the steps, J
+};
+
+/// Adds up impulse and work of the forces in a step, after sides and contact.
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double dt, LoadTotals &totals);
 
 /// One face of a point in the current configuration.
 struct Face {

@@ -4,6 +4,7 @@
 #include "level/kernels.hpp"
 #include "level/loads.hpp"
 #include "level/nodes.hpp"
+#include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
 #include "pointwise/material.hpp"
 #include "pointwise/region.hpp"
@@ -28,7 +29,7 @@ struct Body {
 };
 
 struct Model {
-  double thickness = 1; ///< m
+  Geometry geometry;
   std::array<BoundaryKind, kSides> sides{};
   std::vector<std::unique_ptr<Material>> materials;
   std::vector<Body> bodies;

@@ -16,20 +16,20 @@ struct BoundaryConditions {
   std::array<BoundaryKind, kSides> kind{};
   std::array<int, kSides> node{}; ///< box index of the side's nodes; nodes beyond it are bound as well
 
-  bool Reaches(Side side, int i, int j) const
+  bool Reaches(Side side, Index at) const
   {
-    const int index = AxisOf(side) == 0 ? i : j;
+    const int index = at[AxisOf(side)];
     return SignOf(side) < 0 ? index <= node[side] : index >= node[side];
   }
   bool Constrains(Side side, int axis) const
   {
     return kind[side] == BoundaryKind::kFixed || (kind[side] == BoundaryKind::kSymmetry && AxisOf(side) == axis);
   }
-  /// True where the velocity component `axis` of node (i, j) is held at zero.
-  bool Constrains(int i, int j, int axis) const
+  /// True where the velocity component `axis` of a node is held at zero.
+  bool Constrains(Index at, int axis) const
   {
     for (int s = 0; s < kSides; ++s)
-      if (Reaches(static_cast<Side>(s), i, j) && Constrains(static_cast<Side>(s), axis)) return true;
+      if (Reaches(static_cast<Side>(s), at) && Constrains(static_cast<Side>(s), axis)) return true;
     return false;
   }
 };
@@ -50,31 +50,31 @@ struct NodalSettings {
 
 /// Sums over the steps so far of what the nodes of this rank exchange with the outside.
 struct NodalTotals {
-  Vec3 support_impulse{}, gravity_impulse{}, load_impulse{}, damping_impulse{}; ///< on the body, N s
-  Vec3 xpic_side_impulse{};                                                     ///< of sides on what XPIC mixes in, N s
-  double external_work = 0, damping_dissipation = 0;                            ///< J
-  double exchange_work = 0; ///< of internal forces and of neighbouring levels on points, J; see AddExchange
+  Vec3 support_impulse{}, gravity_impulse{}, damping_impulse{}; ///< on the body, N s
+  Vec3 xpic_side_impulse{};                                     ///< of sides on what XPIC mixes in, N s
+  double gravity_work = 0, damping_dissipation = 0;             ///< J
+  double exchange_work = 0; ///< of all forces but those of sides and contact on points, and of neighbouring levels, J
 };
 
 /// An owned node whose velocity a neighbouring level has a part in.
 struct CoupledNode {
-  int node;      ///< place in the ghosted arrays
-  bool held;     ///< its second velocity is the first
-  Vec3 change{}; ///< of its velocity by the other level in the last step, m/s
+  std::ptrdiff_t node; ///< place in the ghosted arrays
+  bool held;           ///< its second velocity is the first
+  Vec3 change{};       ///< of its velocity by the other level in the last step, m/s
 };
 
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
-/// v = p/m + dt f/m on owned nodes; velocity := (v, dv). Adds up the impulse of loads.
-void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+/// v = p/m + dt f/m on owned nodes; velocity := (v, dv).
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
 /// Holds the velocities of owned nodes at the sides, adding up the impulse on the body.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                              NodalTotals &totals);
 
-/// Adds up the work of gravity, loads and damping with the mean velocity of the step, after sides and contact.
-void AddWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+/// Adds up the work of gravity and damping with the mean velocity of the step, after sides and contact.
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);
@@ -83,10 +83,10 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 /// Before sides and contact change them too.
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
-/// Adds up the kinetic energy that the level's points get in a step from internal forces and from neighbouring levels. With p
-/// and P the momenta of the points on a node before and after (P: in `rates`, not yet divided), it is exactly dv . (p + P)/2, dv
-/// being the part of the change of velocity that these two have in it. Less the strain energy that the points give for it, this
-/// is what coupling brings: see Budgets::exchange_energy.
+/// Adds up the kinetic energy that the level's points get in a step from all forces but those of sides and contact, and from
+/// neighbouring levels. With p and P the momenta of the points on a node before and after (P: in `rates`, not yet divided),
+/// it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Less the works known
+/// otherwise and the strain energy that points give for it, this is what coupling brings: see Budgets::exchange_energy.
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
                  NodalTotals &totals);
 

@@ -14,7 +14,7 @@ class Points
 {
 public:
   /// The storage of this rank alone; points move between ranks by MovePoints.
-  PetscErrorCode Create(int loads, int history_components);
+  PetscErrorCode Create(GeometryKind geometry, int loads, int history_components);
 
   int Count() const { return count_; }
   /// Changes whenever points come, go or change places in storage.
@@ -31,6 +31,9 @@ public:
   /// Removes points, given in ascending order; the last points take their places.
   PetscErrorCode Remove(const std::vector<int> &points);
 
+  /// Makes point `target` equal to point `source`.
+  PetscErrorCode Copy(int source, int target);
+
   /// Reorders the points so that point k is the one that was at order[k].
   PetscErrorCode Reorder(const std::vector<int> &order);
 
@@ -44,6 +47,7 @@ public:
 
 private:
   PetscErrorCode ReleaseFields();
+  int dim_ = 2;
 
   DMHandle swarm_;
   std::array<PointFieldInfo, kPointFields> table_{};

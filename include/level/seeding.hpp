@@ -26,10 +26,10 @@ public:
   Seeding(const Model &model, const GridGeometry &geometry, const BoundaryConditions &sides, CellSizeAt cell_size_at, int ratio,
           std::int64_t first_id);
 
-  /// Calls work for every seed with its cell within [lower, upper) along both axes, row by row.
-  void ForEach(const int lower[2], const int upper[2], const std::function<void(const Seed &)> &work) const;
+  /// Calls work for every seed with its cell in a box, row by row.
+  void ForEachSeed(const IndexBox &cells, const std::function<void(const Seed &)> &work) const;
 
-  /// Seeds per node (by nearest node) of the padded grid, row by row.
+  /// Seeds per node (by nearest node) of the padded grid, the first axis fastest.
   std::vector<double> CountByNode() const;
 
   /// Adds the points whose nearest node this rank owns.
@@ -44,6 +44,7 @@ private:
   bool AtWall(const Seed &seed, Side side) const;
   int FaceBits(const Seed &seed) const;
   bool Occupied(Vec3 x) const;
+  IndexBox Cells() const;
 
   const Model &model_;
   GridGeometry geometry_;

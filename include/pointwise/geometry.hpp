@@ -16,6 +16,7 @@ struct PlaneStrain {
   static constexpr GeometryKind kKind = GeometryKind::kPlaneStrain;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< rate: xx, yy, xy
   static constexpr bool kHoop = false;
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}};
 };
 
 /// x is the radius, y the axis; zz is the hoop direction, with F_zz = r/R.
@@ -23,12 +24,14 @@ struct Axisymmetric {
   static constexpr GeometryKind kKind = GeometryKind::kAxisymmetric;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< rate: xx, yy, zz, xy
   static constexpr bool kHoop = true;
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}};
 };
 
 struct Spatial {
   static constexpr GeometryKind kKind = GeometryKind::kSpatial;
   static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< rate: as the stress
   static constexpr bool kHoop = false;
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 };
 
 /// The same at run time.

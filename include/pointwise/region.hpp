@@ -1,6 +1,7 @@
 // The undeformed shapes of bodies, and how a shape is cut into material points.
 #pragma once
 
+#include "base/index.hpp"
 #include "base/tensor.hpp"
 #include "pointwise/point_fields.hpp"
 
@@ -12,14 +13,21 @@
 namespace mlgimp
 {
 
-/// An axis-aligned box.
+/// An axis-aligned box; in two dimensions without extent along the third axis.
 struct Box {
   Vec3 lower{}, upper{};
   /// Place of a side along its axis.
   double At(Side side) const { return SignOf(side) < 0 ? lower[AxisOf(side)] : upper[AxisOf(side)]; }
   /// Half-open, so that boxes side by side share no point.
-  bool Contains(Vec3 x) const { return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1]; }
+  bool Contains(Vec3 x) const
+  {
+    const bool inside_third = upper[2] == lower[2] || (x[2] >= lower[2] && x[2] < upper[2]);
+    return x[0] >= lower[0] && x[0] < upper[0] && x[1] >= lower[1] && x[1] < upper[1] && inside_third;
+  }
 };
+
+/// The whole space.
+inline constexpr Box kEverywhere{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
 
 /// The shape of a body before it deforms.
 class Region
@@ -62,9 +70,9 @@ public:
       : bounds_(bounds), origin_(origin), cell_size_(cell_size), per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
-  Vec3 CellCenter(int i, int j) const { return origin_ + cell_size_ * Vec3{i + 0.5, j + 0.5}; }
+  Vec3 CellCenter(Index at) const { return origin_ + cell_size_ * Vec3{at[0] + 0.5, at[1] + 0.5}; }
   /// Tiles in the cell with this index; empty where the cell does not meet the box.
-  std::vector<Tile> InCell(int i, int j) const;
+  std::vector<Tile> InCell(Index at) const;
   /// The tile that contains x; false outside the box.
   bool At(Vec3 x, Tile &tile) const;
 

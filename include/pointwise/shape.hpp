@@ -1,12 +1,13 @@
 // Shape functions: the weights and slopes of a block of material points on the nodes around them (paper's Eq. 6).
 //
-// A point is served by the three nodes per direction around its nearest node. This is the only file that loops over
-// axes: it gathers sums from a point's nodes and scatters a point's share to them for the transfer kernels.
+// A point is served by the three nodes per direction around its nearest node. The sweeps gather sums from a point's nodes
+// and scatter its share to them by the functions below, in two dimensions and in three.
 #pragma once
 
 #include "base/pack.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -17,11 +18,11 @@ namespace mlgimp
 inline constexpr int kBlock = 64;
 
 /// The index space of one rank's ghosted piece of a grid, as far as weights need it.
-template <int dim> struct Lattice {
-  double origin[dim];     ///< position of global node 0, m
+struct Lattice {
+  double origin[3];       ///< position of global node 0, m
   double inverse_spacing; ///< 1/h, 1/m
-  int first[dim];         ///< global index of the first node of the ghosted array
-  int stride[dim];        ///< distance of neighbouring nodes in the ghosted array, nodes
+  int first[3];           ///< global index of the first node of the ghosted array
+  int stride[3];          ///< distance of neighbouring nodes in the ghosted array, nodes
 };
 
 /// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
@@ -43,6 +44,11 @@ inline AxisWeights Complete(double w_below, double w_above, double g_below, doub
   return {{w_below, 1 - w_below - w_above, w_above}, {g_below, -g_below - g_above, g_above}};
 }
 
+/// Centres of the parts of a point below and above its nearest node, in cells from the node.
+struct HalfCentres {
+  double below, above;
+};
+
 /// The hat function at the point's centre: the original material point method.
 struct Linear {
   static constexpr bool kUsesDeformation = false;
@@ -51,6 +57,7 @@ struct Linear {
   {
     return Complete(std::max(-d, 0.0), std::max(d, 0.0), d < 0 ? -1.0 : 0.0, d < 0 ? 0.0 : 1.0);
   }
+  static inline HalfCentres Centres(double d, double) { return {d, d}; }
 };
 
 /// The mean of the hat function over [d - l, d + l], from its antiderivative; l is the half size in cells, l <= 1/2.
@@ -62,6 +69,10 @@ struct UniformGimp {
     const double a1 = (d - l) - a0, b1 = (d + l) - b0;                 // the part above it
     const double q = 0.5 / l;
     return Complete(0.5 * q * (a0 - b0) * (a0 + b0), 0.5 * q * (b1 - a1) * (b1 + a1), q * (a0 - b0), q * (b1 - a1));
+  }
+  static inline HalfCentres Centres(double d, double l)
+  {
+    return {0.5 * (std::min(d - l, 0.0) + std::min(d + l, 0.0)), 0.5 * (std::max(d - l, 0.0) + std::max(d + l, 0.0))};
   }
 };
 
@@ -86,13 +97,16 @@ template <class Shape, int dim> inline double HalfSize(int axis, const double *h
   return std::sqrt(square);
 }
 
-/// Weights of `count` <= kBlock points.
+/// Weights of `count` <= kBlock points of a geometry.
 /// x [count][dim] positions, m; half_size [count][dim] initial half sizes, m; F [count][dim*dim] deformation gradient.
+/// In axisymmetry the slopes along the radius hold the mean radius of the part of the point on their side over the point's
+/// radius, so that a uniform stress leaves no force; the point ends at the axis.
 /// Returns the number of half sizes that had to be clamped.
-template <class Shape, int dim>
-int ComputeAxisStencils(const Lattice<dim> &grid, int count, const double *x, const double *half_size, const double *F,
-                        AxisStencils<dim> &stencils)
+template <class Geometry, class Shape>
+int ComputeAxisStencils(const Lattice &grid, int count, const double *x, const double *half_size, const double *F,
+                        AxisStencils<Geometry::kDim> &stencils)
 {
+  constexpr int dim = Geometry::kDim;
   const double inverse_h = grid.inverse_spacing;
   double origin[dim], first[dim], stride[dim], node[kBlock], clamped = 0; // no integers: they would halve the vectors
   for (int axis = 0; axis < dim; ++axis)
@@ -102,12 +116,20 @@ int ComputeAxisStencils(const Lattice<dim> &grid, int count, const double *x, co
     node[p] = 0;
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
-      const double size = HalfSize<Shape, dim>(axis, half_size + dim * p, F + dim * dim * p) * inverse_h;
+      const double a = (x[dim * p + axis] - origin[axis]) * inverse_h, nearest = std::floor(a + 0.5);
+      double size = HalfSize<Shape, dim>(axis, half_size + dim * p, F + dim * dim * p) * inverse_h;
+      if (Geometry::kHoop && axis == 0) size = std::min(size, x[dim * p] * inverse_h);
       const double l = std::min(std::max(size, kMinHalfSize), kMaxHalfSize);
       clamped += std::abs(size - l) > 1e-9 ? 1.0 : 0.0;
-      const double a = (x[dim * p + axis] - origin[axis]) * inverse_h, nearest = std::floor(a + 0.5);
-      const AxisWeights at = Shape::Evaluate(a - nearest, l);
+      AxisWeights at = Shape::Evaluate(a - nearest, l);
       node[p] += (nearest - first[axis]) * stride[axis];
+      if (Geometry::kHoop && axis == 0) {
+        const HalfCentres centres = Shape::Centres(a - nearest, l);
+        const double radius = origin[0] * inverse_h + nearest, inverse_radius = 1 / (origin[0] * inverse_h + a);
+        at.g[0] *= (radius + centres.below) * inverse_radius;
+        at.g[2] *= (radius + centres.above) * inverse_radius;
+        at.g[1] = -at.g[0] - at.g[2];
+      }
 #pragma GCC unroll 3
       for (int k = 0; k < 3; ++k) stencils.w[axis][k][p] = at.w[k], stencils.g[axis][k][p] = at.g[k] * inverse_h;
     }
@@ -116,37 +138,24 @@ int ComputeAxisStencils(const Lattice<dim> &grid, int count, const double *x, co
   return static_cast<int>(clamped);
 }
 
-/// The flat stencil of a block of points, for code outside the sweeps: `node + offset[k]` is the k-th node of a point.
-template <int dim> struct Stencil {
-  static constexpr int kNodes = dim == 2 ? 9 : 27;
-  int offset[kNodes];
-  int node[kBlock];               ///< nearest node
-  double S[kNodes][kBlock];       ///< weights
-  double dS[dim][kNodes][kBlock]; ///< gradients, 1/m
-};
-
-/// Arguments and result as ComputeAxisStencils.
-template <class Shape, int dim>
-int ComputeStencil(const Lattice<dim> &grid, int count, const double *x, const double *half_size, const double *F,
-                   Stencil<dim> &stencil)
+/// Calls work(node, weight, slopes) for the nodes of point p of a block: place in the ghosted array, S, and the derivatives
+/// of S along the axes. For code outside the sweeps.
+template <int dim, class Work> void ForEachNodeOf(const AxisStencils<dim> &block, int p, const Lattice &grid, Work work)
 {
-  AxisStencils<dim> axes;
-  const int clamped = ComputeAxisStencils<Shape>(grid, count, x, half_size, F, axes);
-  std::copy_n(axes.node, count, stencil.node);
-  for (int k = 0; k < Stencil<dim>::kNodes; ++k) {
-    stencil.offset[k] = 0;
-    for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3) stencil.offset[k] += (rest % 3 - 1) * grid.stride[axis];
-    for (int slope = -1; slope < dim; ++slope) // S, then its derivative along each axis
-      for (int p = 0; p < count; ++p) {
-        double value = 1;
-        for (int axis = 0, rest = k; axis < dim; ++axis, rest /= 3) {
-          const auto &part = axis == slope ? axes.g : axes.w;
-          value *= part[axis][rest % 3][p];
-        }
-        (slope < 0 ? stencil.S : stencil.dS[slope])[k][p] = value;
-      }
+  constexpr int kNodes = dim == 2 ? 9 : 27;
+  for (int k = 0; k < kNodes; ++k) {
+    const int at[3] = {k % 3, k / 3 % 3, k / 9};
+    std::ptrdiff_t node = block.node[p];
+    double weight = 1;
+    std::array<double, dim> slope;
+    slope.fill(1);
+    for (int axis = 0; axis < dim; ++axis) {
+      node += (at[axis] - 1) * static_cast<std::ptrdiff_t>(grid.stride[axis]);
+      weight *= block.w[axis][at[axis]][p];
+      for (int a = 0; a < dim; ++a) slope[a] *= (a == axis ? block.g : block.w)[axis][at[axis]][p];
+    }
+    work(node, weight, slope);
   }
-  return clamped;
 }
 
 /// One point's stencil in registers, for a nodal array with so many components.
@@ -155,7 +164,7 @@ template <int dim> struct PointStencil {
   std::ptrdiff_t nearest;     ///< place of the nearest node in the array, doubles
   std::ptrdiff_t stride[dim]; ///< of neighbouring nodes, doubles
 
-  PointStencil(const AxisStencils<dim> &block, int p, const Lattice<dim> &grid, int components)
+  PointStencil(const AxisStencils<dim> &block, int p, const Lattice &grid, int components)
   {
     nearest = static_cast<std::ptrdiff_t>(block.node[p]) * components;
     for (int axis = 0; axis < dim; ++axis) {

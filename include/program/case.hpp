@@ -55,6 +55,7 @@ struct Case {
   {
     return LevelAt({model.indenter->tip[0], model.indenter->initial_surface - 1e-6 * CellSize(levels - 1)});
   }
+  int Dim() const { return model.geometry.Dim(); }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
   bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }

@@ -22,7 +22,7 @@ std::string WrongClock(const std::vector<double> &numbers, long step, const Case
 /// counts: of the points of each rank that wrote, which must add up to `rows`.
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows);
 /// The layout of a level among so many ranks.
-std::string WrongLayout(const std::vector<double> &columns, const std::vector<double> &rows, const std::vector<double> &owners,
+std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const std::vector<double> &owners,
                         const GridGeometry &grid, std::size_t ranks);
 std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures);
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name);

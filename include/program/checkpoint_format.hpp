@@ -10,24 +10,15 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 8;
-
-inline hid_t H5Type(FieldType type)
-{
-  switch (type) {
-  case FieldType::kInt32:
-    return H5T_NATIVE_INT;
-  case FieldType::kInt64:
-    return H5T_NATIVE_INT64;
-  default:
-    return H5T_NATIVE_DOUBLE;
-  }
-}
+inline constexpr int kFormatVersion = 9;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 
 /// Group of the copies of points that the next coarser (0) or finer level (1) owns.
 inline std::string CopiesName(int l, int origin) { return LevelName(l) + "/copies_" + std::to_string(origin); }
+
+/// Numbers of nodes of a level's blocks along each axis.
+inline constexpr const char *kWidthNames[3] = {"/columns", "/rows", "/layers"};
 
 inline std::string BorderName(int b) { return "/border_state_" + std::to_string(b); }
 

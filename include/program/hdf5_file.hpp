@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/petsc.hpp"
+#include "pointwise/point_fields.hpp"
 #include "program/files.hpp"
 
 #include <hdf5.h>
@@ -15,6 +16,19 @@
 
 namespace mlgimp
 {
+
+/// The native type of a point field's numbers.
+inline hid_t H5Type(FieldType type)
+{
+  switch (type) {
+  case FieldType::kInt32:
+    return H5T_NATIVE_INT;
+  case FieldType::kInt64:
+    return H5T_NATIVE_INT64;
+  default:
+    return H5T_NATIVE_DOUBLE;
+  }
+}
 
 /// Call before MPI_Init. Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards
 /// shared file pointers, which nobody needs here, by a semaphore named after the file, without the folder, that a killed

@@ -56,7 +56,11 @@ public:
   /// A list of at least `least` numbers; at most `most` where that is not 0.
   PetscErrorCode Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
                          std::vector<double> *values, bool *given = nullptr);
+  /// As many numbers as the geometry has dimensions; see SetDim.
   PetscErrorCode Vector(const OptionText &option, bool required, Vec3 *value, bool *given = nullptr);
+  void SetDim(int dim) { dim_ = dim; }
+  int Dim() const { return dim_; }
+  std::string Text(Vec3 x) const;
   /// A list of names, each a letter followed by letters, digits or underscores, none twice.
   PetscErrorCode Names(const OptionText &option, bool required, std::vector<std::string> *names);
 
@@ -73,6 +77,7 @@ private:
   PetscErrorCode Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given);
 
   MPI_Comm comm_;
+  int dim_ = 2;
   bool help_, identify_ = true;
   OptionItems items_ = nullptr;
   std::vector<std::string> known_, identity_;
@@ -80,7 +85,7 @@ private:
 
 /// Numbers as they are written in messages and files, exact.
 std::string FormatNumber(double x);
-std::string FormatVector(Vec3 x);
+std::string FormatVector(Vec3 x, int dim);
 /// A computed number for people to read: four digits.
 std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);

@@ -11,86 +11,114 @@ namespace mlgimp
 namespace
 {
 
-/// Points per node of a whole grid, with their sums over all rectangles from the first node.
+/// Points per node of a whole grid, with their sums over all boxes from the first node.
 class PointMap
 {
 public:
-  PointMap(const std::vector<double> &points, int width)
-      : width_(width), height_(static_cast<int>(points.size()) / width),
-        sums_((width + 1) * static_cast<std::size_t>(height_ + 1), 0.0)
+  PointMap(const std::vector<double> &points, const GridGeometry &grid) : dim_(grid.dim)
   {
-    for (int j = 0; j < height_; ++j)
-      for (int i = 0; i < width; ++i)
-        Sum(i + 1, j + 1) = points[static_cast<std::size_t>(j) * width + i] + Sum(i, j + 1) + Sum(i + 1, j) - Sum(i, j);
+    for (int axis = 0; axis < 3; ++axis) size_[axis] = grid.Nodes(axis);
+    sums_.assign(static_cast<std::size_t>(size_[0] + 1) * (size_[1] + 1) * (size_[2] + 1), 0.0);
+    std::size_t next = 0;
+    ForEach({{}, size_}, [&](Index at) { Sum(at + Index{1, 1, 1}) = points[next++]; });
+    for (int axis = 0; axis < 3; ++axis) {
+      Index step{};
+      step[axis] = 1;
+      ForEach({{1, 1, 1}, size_ + Index{1, 1, 1}}, [&](Index at) { Sum(at) += Sum(at - step); });
+    }
   }
-  int Width() const { return width_; }
-  int Height() const { return height_; }
-  double In(int i, int j, int columns, int rows) const
+  int Dim() const { return dim_; }
+  int Size(int axis) const { return size_[axis]; }
+  /// Number of points in a box of nodes.
+  double In(const IndexBox &box) const
   {
-    return Sum(i + columns, j + rows) - Sum(i, j + rows) - Sum(i + columns, j) + Sum(i, j);
+    double points = 0;
+    ForEach({{}, {2, 2, 2}}, [&](Index upper) {
+      Index corner;
+      int sign = 1;
+      for (int axis = 0; axis < 3; ++axis) {
+        corner[axis] = upper[axis] ? box.upper[axis] : box.lower[axis];
+        if (!upper[axis]) sign = -sign;
+      }
+      points += sign * Sum(corner);
+    });
+    return points;
   }
+  /// Points of each layer of nodes normal to an axis.
   std::vector<double> Marginal(int axis) const
   {
     std::vector<double> sums;
-    for (int k = 0; k < (axis == 0 ? width_ : height_); ++k)
-      sums.push_back(axis == 0 ? In(k, 0, 1, height_) : In(0, k, width_, 1));
+    IndexBox layer{{}, size_};
+    for (int k = 0; k < size_[axis]; ++k) {
+      layer.lower[axis] = k, layer.upper[axis] = k + 1;
+      sums.push_back(In(layer));
+    }
     return sums;
   }
 
 private:
-  double Sum(int i, int j) const { return sums_[static_cast<std::size_t>(j) * (width_ + 1) + i]; }
-  double &Sum(int i, int j) { return sums_[static_cast<std::size_t>(j) * (width_ + 1) + i]; }
-  int width_, height_;
+  double Sum(Index at) const { return sums_[Place(at)]; }
+  double &Sum(Index at) { return sums_[Place(at)]; }
+  std::size_t Place(Index at) const
+  {
+    return at[0] + (size_[0] + 1) * (at[1] + (size_[1] + 1) * static_cast<std::size_t>(at[2]));
+  }
+  int dim_;
+  Index size_{};
   std::vector<double> sums_;
 };
 
-bool FitsBlocks(int nodes, int blocks) { return blocks == 1 || nodes >= blocks * kHaloWidth; }
-
-void Divide(int columns, int rows, const std::vector<double> &by_column, const std::vector<double> &by_row, GridLayout *layout)
+void Divide(const PointMap &map, const std::array<int, 3> &blocks, GridLayout *layout)
 {
-  layout->widths[0] = DivideByWeight(by_column, columns, kHaloWidth);
-  layout->widths[1] = DivideByWeight(by_row, rows, kHaloWidth);
+  for (int axis = 0; axis < map.Dim(); ++axis)
+    layout->widths[axis] = DivideByWeight(map.Marginal(axis), blocks[axis], kHaloWidth);
 }
 
 /// Work of a block in points: a halo node costs about as much as a point.
-double Work(const PointMap &map, int i, int j, int columns, int rows)
+double Work(const PointMap &map, const IndexBox &block)
 {
-  const double halo = 2.0 * kHaloWidth * ((columns < map.Width()) * rows + (rows < map.Height()) * columns);
-  return halo + map.In(i, j, columns, rows);
+  double halo = 0;
+  for (int axis = 0; axis < map.Dim(); ++axis) {
+    if (block.Size(axis) == map.Size(axis)) continue;
+    double area = 1;
+    for (int other = 0; other < map.Dim(); ++other) area *= other == axis ? 1 : block.Size(other);
+    halo += 2.0 * kHaloWidth * area;
+  }
+  return halo + map.In(block);
 }
 
-/// Work of the busiest block.
+/// Work of the busiest of the blocks that a layout makes of a box of nodes, along the axes from `axis` on but for `fixed`.
+double LargestWork(const PointMap &map, const GridLayout &layout, int fixed, IndexBox box, int axis = 0)
+{
+  if (axis == map.Dim()) return Work(map, box);
+  if (axis == fixed) return LargestWork(map, layout, fixed, box, axis + 1);
+  double largest = 0;
+  int start = 0;
+  for (const PetscInt width : layout.widths[axis]) {
+    box.lower[axis] = start, box.upper[axis] = start + width;
+    largest = std::max(largest, LargestWork(map, layout, fixed, box, axis + 1));
+    start += width;
+  }
+  return largest;
+}
+
 double LargestWork(const PointMap &map, const GridLayout &layout)
 {
-  double largest = 0;
-  int j = 0;
-  for (const PetscInt rows : layout.widths[1]) {
-    int i = 0;
-    for (const PetscInt columns : layout.widths[0]) {
-      largest = std::max(largest, Work(map, i, j, columns, rows));
-      i += columns;
-    }
-    j += rows;
-  }
-  return largest;
+  return LargestWork(map, layout, -1, {{}, {map.Size(0), map.Size(1), map.Size(2)}});
 }
 
-/// Work of columns [i, i + columns) in the busiest of the rows of blocks that `layout` has; of rows, where axis is 1.
-double LargestWork(const PointMap &map, const GridLayout &layout, int axis, int i, int columns)
+/// Work of the layers [start, start + width) along an axis in the busiest of the blocks that `layout` makes of them.
+double LargestWork(const PointMap &map, const GridLayout &layout, int axis, int start, int width)
 {
-  double largest = 0;
-  int j = 0;
-  for (const PetscInt rows : layout.widths[1 - axis]) {
-    largest = std::max(largest, axis == 0 ? Work(map, i, j, columns, rows) : Work(map, j, i, rows, columns));
-    j += rows;
-  }
-  return largest;
+  IndexBox box{{}, {map.Size(0), map.Size(1), map.Size(2)}};
+  box.lower[axis] = start, box.upper[axis] = start + width;
+  return LargestWork(map, layout, axis, box);
 }
 
 /// Cuts along an axis into as many ranges as `layout` has, none with more work than `limit`; false where that cannot be.
 bool CutWithin(const PointMap &map, int axis, double limit, GridLayout *layout)
 {
-  const int nodes = axis == 0 ? map.Width() : map.Height();
+  const int nodes = map.Size(axis);
   std::vector<PetscInt> widths;
   int start = 0;
   for (int left = static_cast<int>(layout->widths[axis].size()) - 1; left >= 0; --left) {
@@ -106,14 +134,14 @@ bool CutWithin(const PointMap &map, int axis, double limit, GridLayout *layout)
   return true;
 }
 
-/// Takes work from the busiest block by the best cuts along each axis in turn, those along the other being kept.
+/// Takes work from the busiest block by the best cuts along each axis in turn, those along the others being kept.
 void ImproveCuts(const PointMap &map, GridLayout *layout)
 {
   constexpr double kTolerance = 1e-4;
   double before = HUGE_VAL, work = LargestWork(map, *layout);
   while (work < before) {
     before = work;
-    for (const int axis : {0, 1}) {
+    for (int axis = 0; axis < map.Dim(); ++axis) {
       double lower = 0, upper = work;
       while (upper - lower > kTolerance * work) {
         const double middle = 0.5 * (lower + upper);
@@ -124,21 +152,24 @@ void ImproveCuts(const PointMap &map, GridLayout *layout)
   }
 }
 
+bool FitsBlocks(int nodes, int blocks) { return blocks == 1 || nodes >= blocks * kHaloWidth; }
+
 /// The best split into this many blocks; false where there is none.
 bool BestSplit(const PointMap &map, int blocks, GridLayout *best)
 {
-  const std::vector<double> by_column = map.Marginal(0), by_row = map.Marginal(1);
   double least = HUGE_VAL;
-  for (int columns = 1; columns <= blocks; ++columns) {
+  ForEach({{1, 1, 1}, {blocks + 1, blocks + 1, map.Dim() == 3 ? blocks + 1 : 2}}, [&](Index split) {
     GridLayout layout;
-    if (blocks % columns || !FitsBlocks(map.Width(), columns) || !FitsBlocks(map.Height(), blocks / columns)) continue;
-    Divide(columns, blocks / columns, by_column, by_row, &layout);
+    bool fits = split[0] * split[1] * split[2] == blocks;
+    for (int axis = 0; axis < map.Dim(); ++axis) fits = fits && FitsBlocks(map.Size(axis), split[axis]);
+    if (!fits) return;
+    Divide(map, split, &layout);
     ImproveCuts(map, &layout);
     if (const double work = LargestWork(map, layout); work < least) {
       least = work;
       *best = layout;
     }
-  }
+  });
   return std::isfinite(least);
 }
 
@@ -150,11 +181,11 @@ static int SuitableRanks(double points, int ranks, double least_points)
   return static_cast<int>(std::clamp(points / least_points, 1.0, static_cast<double>(ranks)));
 }
 
-void FirstLayout(int ranks, double least_points, const std::vector<double> &points, int width, GridLayout *layout)
+void FirstLayout(int ranks, double least_points, const std::vector<double> &points, const GridGeometry &grid, GridLayout *layout)
 {
   const double total = std::accumulate(points.begin(), points.end(), 0.0);
   int blocks = SuitableRanks(total, ranks, least_points);
-  const PointMap map(points, width);
+  const PointMap map(points, grid);
   while (!BestSplit(map, blocks, layout)) --blocks;
   layout->ranks.resize(blocks);
   std::iota(layout->ranks.begin(), layout->ranks.end(), 0);
@@ -171,28 +202,28 @@ PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, G
   constexpr double kWorthWhile = 0.98; // of the busiest block's work
   const Grid &grid = level.Mesh();
   const GridGeometry &geometry = grid.Geometry();
-  const int width = geometry.Nodes(0);
-  std::vector<double> counts(static_cast<std::size_t>(width) * geometry.Nodes(1), 0.0);
+  const IndexBox nodes = geometry.NodeBox();
+  std::vector<double> counts(static_cast<std::size_t>(nodes.Count()), 0.0);
   PointArrays points;
   PetscMPIInt ranks;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(world, &ranks));
   PetscCall(level.PointStore().Arrays(&points));
   for (int p = 0; p < points.count; ++p) {
-    const int i = grid.Nearest(0, points.position[2 * p]) + geometry.padding,
-              j = grid.Nearest(1, points.position[2 * p + 1]) + geometry.padding;
-    ++counts[static_cast<std::size_t>(j) * width + i];
+    const Index at = grid.Nearest(points.Position(p)) - nodes.lower;
+    ++counts[at[0] + nodes.Size(0) * (at[1] + nodes.Size(1) * static_cast<std::size_t>(at[2]))];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_DOUBLE, MPI_SUM, world));
   const double total = std::accumulate(counts.begin(), counts.end(), 0.0);
   if (NeedsOtherRanks(total, grid.Layout().Blocks(), ranks, least_points)) {
-    FirstLayout(ranks, least_points, counts, width, layout);
+    FirstLayout(ranks, least_points, counts, geometry, layout);
     *changed = layout->Blocks() != grid.Layout().Blocks();
     if (*changed) PetscFunctionReturn(PETSC_SUCCESS);
   }
-  const PointMap map(counts, width);
+  const PointMap map(counts, geometry);
   const auto &widths = grid.Layout().widths;
-  Divide(static_cast<int>(widths[0].size()), static_cast<int>(widths[1].size()), map.Marginal(0), map.Marginal(1), layout);
+  Divide(map, {static_cast<int>(widths[0].size()), static_cast<int>(widths[1].size()), static_cast<int>(widths[2].size())},
+         layout);
   ImproveCuts(map, layout);
   layout->ranks = grid.Layout().ranks;
   *changed = LargestWork(map, *layout) < kWorthWhile * LargestWork(map, grid.Layout());

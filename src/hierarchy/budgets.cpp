@@ -18,6 +18,7 @@ static PetscErrorCode LocalBudgets(Level &level, Budgets *b)
   const NodalTotals &nodal = level.Nodal();
   const SweepTotals &sweeps = level.Sweeps();
   const ContactTotals &contact = level.Contacts();
+  const LoadTotals &loads = level.Loads();
   b->kinetic_energy += point_sums.kinetic_energy;
   b->strain_energy += point_sums.strain_energy;
   b->mass += point_sums.mass;
@@ -28,19 +29,19 @@ static PetscErrorCode LocalBudgets(Level &level, Budgets *b)
   b->xpic_dissipation += sweeps.xpic_dissipation;
   b->clamped_sizes += static_cast<double>(sweeps.clamped_sizes);
   b->damping_dissipation += nodal.damping_dissipation;
-  b->external_work += nodal.external_work;
+  b->external_work += nodal.gravity_work + loads.work;
   b->exchange_energy += nodal.exchange_work;
   b->indenter_work += contact.indenter_work;
   b->contact_work += contact.work;
   b->contact_steps += contact.steps;
   b->contact_set_updates += contact.set_updates;
   b->contact_fallbacks += contact.fallbacks;
-  for (int d = 0; d < 2; ++d) {
+  for (int d = 0; d < 3; ++d) {
     b->momentum[d] += point_sums.momentum[d];
     b->support_impulse[d] += nodal.support_impulse[d] + nodal.xpic_side_impulse[d];
     b->stagger_impulse[d] += sweeps.xpic_impulse[d] - nodal.xpic_side_impulse[d]; // between levels; nothing on one
     b->contact_impulse[d] += contact.impulse[d];
-    b->load_impulse[d] += nodal.load_impulse[d];
+    b->load_impulse[d] += loads.impulse[d];
     b->gravity_impulse[d] += nodal.gravity_impulse[d];
     b->damping_impulse[d] += nodal.damping_impulse[d];
   }
@@ -50,7 +51,7 @@ static PetscErrorCode LocalBudgets(Level &level, Budgets *b)
 /// This rank's share of what borders do.
 static void InterfaceBudgets(const InterfaceTotals &border, const PointTransferTotals &transfer, Budgets *b)
 {
-  for (int d = 0; d < 2; ++d) {
+  for (int d = 0; d < 3; ++d) {
     b->support_impulse[d] += border.support_impulse[d];
     b->stagger_impulse[d] += border.stagger_impulse[d];
   }
@@ -64,7 +65,7 @@ static void InterfaceBudgets(const InterfaceTotals &border, const PointTransferT
   b->transfer_momentum_error += transfer.momentum_error;
   b->points_adrift += transfer.points_adrift;
   b->mass_adrift += transfer.mass_adrift;
-  for (int d = 0; d < 2; ++d) b->momentum_adrift[d] += transfer.momentum_adrift[d];
+  for (int d = 0; d < 3; ++d) b->momentum_adrift[d] += transfer.momentum_adrift[d];
 }
 
 PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
@@ -75,7 +76,8 @@ PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
   for (auto &level : levels_) PetscCall(LocalBudgets(*level, budgets));
   for (int b = 0; b + 1 < Levels(); ++b) InterfaceBudgets(borders_[b]->Totals(), transfers_[b]->Totals(), budgets);
   if (CoupledByNodes()) {
-    budgets->exchange_energy += budgets->strain_energy + budgets->short_wave_dissipation + budgets->plastic_dissipation;
+    budgets->exchange_energy += budgets->strain_energy + budgets->short_wave_dissipation + budgets->plastic_dissipation +
+                                budgets->damping_dissipation - budgets->external_work;
     for (const auto &transfer : transfers_) budgets->exchange_energy -= transfer->Totals().strain_energy;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, budgets, sizeof(Budgets) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm_));
@@ -90,21 +92,23 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     NodalTotals &n = level->Nodal();
     SweepTotals &s = level->Sweeps();
     ContactTotals &c = level->Contacts();
-    for (Vec3 *impulse : {&n.support_impulse, &n.gravity_impulse, &n.load_impulse, &n.damping_impulse, &n.xpic_side_impulse,
+    LoadTotals &loads = level->Loads();
+    for (Vec3 *impulse : {&n.support_impulse, &n.gravity_impulse, &loads.impulse, &n.damping_impulse, &n.xpic_side_impulse,
                           &s.xpic_impulse, &c.impulse})
-      each((*impulse)[0], (*impulse)[1]);
-    each(n.external_work, n.exchange_work, n.damping_dissipation);
+      each((*impulse)[0], (*impulse)[1], (*impulse)[2]);
+    each(n.gravity_work, loads.work, n.exchange_work, n.damping_dissipation);
     each(s.short_wave_dissipation, s.plastic_dissipation, s.xpic_dissipation, s.clamped_sizes);
     each(c.indenter_work, c.work, c.steps, c.set_updates, c.fallbacks);
   }
   for (int b = 0; b + 1 < Levels(); ++b) {
     InterfaceTotals border = borders_[b]->Totals();
     PointTransferTotals transfer = transfers_[b]->Totals();
-    for (Vec3 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1]);
+    for (Vec3 *impulse : {&border.support_impulse, &border.stagger_impulse}) each((*impulse)[0], (*impulse)[1], (*impulse)[2]);
     each(transfer.energy, transfer.strain_energy);
     each(transfer.entered, transfer.left, transfer.split, transfer.merged, transfer.unsplit, transfer.mass_error,
          transfer.momentum_error);
-    each(transfer.points_adrift, transfer.mass_adrift, transfer.momentum_adrift[0], transfer.momentum_adrift[1]);
+    each(transfer.points_adrift, transfer.mass_adrift, transfer.momentum_adrift[0], transfer.momentum_adrift[1],
+         transfer.momentum_adrift[2]);
     borders_[b]->SetTotals(border);
     transfers_[b]->SetTotals(transfer);
   }

@@ -61,7 +61,8 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
   const CopyRepairs &repairs = settings_.repairs;
   const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
   const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
-  const PointNumbers numbers(seeds, settings_.ratio * settings_.ratio);
+  const int dim = settings_.levels[0].grid.dim;
+  const PointNumbers numbers(seeds, static_cast<int>(std::lround(std::pow(settings_.ratio, dim))));
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) {
     Level &coarse = *levels_[b], &fine = *levels_[b + 1];
@@ -82,7 +83,7 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   GridLayout layout;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm_, &ranks));
-  FirstLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid.Nodes(0), &layout);
+  FirstLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid, &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
@@ -246,13 +247,11 @@ PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
     const NodalTotals &nodal = level->Nodal();
     PointArrays a;
     PetscCall(level->PointStore().Arrays(&a));
-    for (int d = 0; d < 2; ++d) {
-      for (int p = 0; p < a.count; ++p) (*left)[d] += a.mass[p] * a.velocity[2 * p + d];
-      (*left)[d] -= nodal.support_impulse[d] + nodal.gravity_impulse[d] + nodal.load_impulse[d] + nodal.damping_impulse[d] +
-                    level->Contacts().impulse[d];
-    }
+    for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
+    *left = *left - nodal.support_impulse - nodal.gravity_impulse - level->Loads().impulse - nodal.damping_impulse -
+            level->Contacts().impulse;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 2, MPI_DOUBLE, MPI_SUM, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 3, MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

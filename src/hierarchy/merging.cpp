@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 namespace mlgimp
 {
@@ -24,8 +25,7 @@ PetscErrorCode FindSmall(Level &level, const PointNumbers &numbers, PetscMPIInt 
   PetscCall(level.PointStore().Arrays(&a));
   for (int p = 0; p < a.count; ++p) {
     const double usual = 0.5 * level.Geometry().grid.spacing / level.Physics().bodies[a.body[p]].points_per_cell;
-    if (std::max(a.half_size[2 * p], a.half_size[2 * p + 1]) < 0.75 * usual && numbers.Parent(a.id[p]) >= 0)
-      found->push_back({a.id[p], rank, p});
+    if (LargestComponent(a.HalfSize(p)) < 0.75 * usual && numbers.Parent(a.id[p]) >= 0) found->push_back({a.id[p], rank, p});
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,44 +56,75 @@ PetscErrorCode GatherSiblings(MPI_Comm world, const std::vector<Sibling> &mine, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Mean by mass of a field over a family, into the first.
-void Average(double *field, int components, const double *mass, const std::vector<Sibling> &family)
+/// Makes the field of the first of a family what the rule says of all; mass: of points, before it is merged itself.
+void MergeReals(MergeRule rule, int components, const double *mass, const std::vector<Sibling> &family, double *field)
 {
-  for (int c = 0; c < components; ++c) {
-    double sum = 0, total = 0;
-    for (const Sibling &s : family) sum += mass[s.point] * field[components * s.point + c], total += mass[s.point];
-    field[components * family.front().point + c] = sum / total;
+  for (int c = 0; c < components && rule != MergeRule::kFirst; ++c) {
+    double &merged = field[PointArrays::At(family.front().point, components) + c];
+    double sum = 0, weighted = 0, total = 0, largest = merged;
+    for (const Sibling &s : family) {
+      const double value = field[PointArrays::At(s.point, components) + c], m = mass[s.point];
+      weighted += m * value, total += m, sum += value, largest = std::max(largest, value);
+    }
+    merged = rule == MergeRule::kMean ? weighted / total : rule == MergeRule::kSum ? sum : largest;
   }
 }
 
-void MakeParent(const PointArrays &a, const std::vector<Sibling> &family, std::int64_t id, int ratio)
+double PlaneDeterminant(const double *F) { return F[0] * F[3] - F[1] * F[2]; }
+
+/// In axisymmetry: what the radii of the parent follow from. Siblings lie evenly about it, heavier ones outside.
+struct ParentRadius {
+  double initial = 0, volume_ratio = 0; ///< mean of the siblings' R; mean by mass of their J = det F r/R
+
+  ParentRadius(const PointArrays &a, const std::vector<Sibling> &family)
+  {
+    double mass = 0;
+    for (const Sibling &s : family) {
+      const double stretch = a.position[PointArrays::At(s.point, 2)] / a.initial_radius[s.point];
+      initial += a.initial_radius[s.point] / static_cast<double>(family.size());
+      volume_ratio += a.mass[s.point] * PlaneDeterminant(a.F + PointArrays::At(s.point, 4)) * stretch;
+      mass += a.mass[s.point];
+    }
+    volume_ratio /= mass;
+  }
+  /// R, and the r with which the volume is the sum of the siblings'.
+  void Set(const PointArrays &a, int parent) const
+  {
+    a.initial_radius[parent] = initial;
+    a.position[PointArrays::At(parent, 2)] = initial * volume_ratio / PlaneDeterminant(a.F + PointArrays::At(parent, 4));
+  }
+};
+
+/// The first of a family becomes its parent.
+PetscErrorCode MakeParent(Points &points, const std::vector<Sibling> &family, std::int64_t id, int ratio)
 {
   const int first = family.front().point;
-  Average(a.position, 2, a.mass, family);
-  Average(a.velocity, 2, a.mass, family);
-  Average(a.F, 4, a.mass, family);
-  Average(a.stress, 4, a.mass, family);
-  Average(a.short_wave_stress, 3, a.mass, family);
-  if (a.history) Average(a.history, a.history_components, a.mass, family);
-  double mass = 0;
-  for (const Sibling &s : family) {
-    mass += a.mass[s.point];
-    a.faces[first] |= a.faces[s.point];
-    for (int k = 0; k < a.loads; ++k) {
-      double &share = a.load_share[a.loads * first + k];
-      share = std::max(share, a.load_share[a.loads * s.point + k]);
-    }
+  PointArrays a;
+  PetscFunctionBeginUser;
+  PetscCall(points.Arrays(&a));
+  const std::optional<ParentRadius> radius = a.initial_radius ? std::optional<ParentRadius>({a, family}) : std::nullopt;
+  for (int k = 0; k < kPointFields; ++k) {
+    const PointFieldInfo &field = points.Table()[k];
+    void *data = nullptr;
+    if (k == kMass || field.components == 0) continue; // the mass comes last: means are by it
+    PetscCall(points.Field(static_cast<PointField>(k), &data));
+    if (field.merge == MergeRule::kBits)
+      for (const Sibling &s : family) static_cast<int *>(data)[first] |= static_cast<int *>(data)[s.point];
+    else if (field.type == FieldType::kReal)
+      MergeReals(field.merge, field.components, a.mass, family, static_cast<double *>(data));
   }
+  MergeReals(MergeRule::kSum, 1, a.mass, family, a.mass);
   a.id[first] = id;
-  a.mass[first] = mass;
-  for (int d = 0; d < 2; ++d) a.half_size[2 * first + d] *= ratio;
+  for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
+  if (radius) radius->Set(a, first);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
 PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, PointTransferTotals *totals)
 {
-  const int children = ratio * ratio;
+  const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
   std::vector<Sibling> mine, all;
   std::vector<std::pair<int, PetscMPIInt>> leaving;
   Migrants migrants;
@@ -121,7 +152,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     PointSums before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
-    MakeParent(a, family, parent, ratio);
+    PetscCall(MakeParent(level.PointStore(), family, parent, ratio));
     PetscCall(level.SumPoints({points.front()}, &after));
     AddChange(before, after, totals);
     spent.insert(spent.end(), points.begin() + 1, points.end());

@@ -19,8 +19,7 @@ PetscErrorCode PointCopies::Create(MPI_Comm world, Level &coarse, Level &fine, b
   origin_ = finer ? 0 : 1;
   const LevelGeometry &geometry = fine.Geometry();
   inner_ = finer ? WidenedBox(geometry, 0) : WidenedBox(geometry, -widths.inside * coarse.Geometry().grid.spacing);
-  outer_ =
-      finer ? WidenedBox(geometry, widths.outside * geometry.grid.spacing) : Box{{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
+  outer_ = finer ? WidenedBox(geometry, widths.outside * geometry.grid.spacing) : kEverywhere;
   PetscCallMPI(MPI_Type_contiguous(StateSize(), MPI_DOUBLE, &unit_));
   PetscCallMPI(MPI_Type_commit(&unit_));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -31,8 +30,13 @@ PointCopies::~PointCopies()
   if (unit_ != MPI_DATATYPE_NULL) MPI_Type_free(&unit_);
 }
 
-/// Numbers of a point that change in a step: position, velocity, F, stress, short-wave stress, internal variables.
-int PointCopies::StateSize() const { return 15 + from_->Physics().HistoryComponents(); }
+/// Numbers of a point that change in a step.
+int PointCopies::StateSize() const
+{
+  int size = 0;
+  for (const PointFieldInfo &field : from_->PointStore().Table()) size += field.evolves ? field.components : 0;
+  return size;
+}
 
 /// The points to copy and the ranks they go to, ordered by rank.
 PetscErrorCode PointCopies::FindSources(Migrants *found)
@@ -42,7 +46,7 @@ PetscErrorCode PointCopies::FindSources(Migrants *found)
   PetscFunctionBeginUser;
   PetscCall(from_->PointStore().Arrays(&a));
   for (int p = 0; p < a.count; ++p) {
-    const Vec3 x = {a.position[2 * p], a.position[2 * p + 1]};
+    const Vec3 x = a.Position(p);
     if (!outer_.Contains(x) || inner_.Contains(x)) continue;
     list.emplace_back(to_->OwnerOf(a, p), p);
   }
@@ -89,47 +93,52 @@ PetscErrorCode PointCopies::Rebuild()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Calls work(data, components, place) for each field that evolves, with its place in a point's state.
+template <class Work> static PetscErrorCode ForEachEvolving(Points &points, Work work)
+{
+  int place = 0;
+  PetscFunctionBeginUser;
+  for (int k = 0; k < kPointFields; ++k) {
+    const PointFieldInfo &field = points.Table()[k];
+    void *data = nullptr;
+    if (!field.evolves || field.components == 0) continue;
+    PetscCall(points.Field(static_cast<PointField>(k), &data));
+    work(static_cast<PointField>(k), static_cast<double *>(data), field.components, place);
+    place += field.components;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
 {
   const std::vector<int> &points = sources_.points;
-  std::vector<Level::VelocitySample> samples;
+  const int size = StateSize();
+  std::vector<VelocitySample> samples;
   std::vector<double> tensors;
-  PointArrays a;
   PetscFunctionBeginUser;
   if (dt_shift != 0) PetscCall(from_->SampleVelocity(points, &samples));
   if (smooth) PetscCall(from_->SmoothTensors(points, &tensors));
-  PetscCall(from_->PointStore().Arrays(&a));
-  double *next = state_.data();
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const int p = points[k];
-    next = std::copy_n(a.position + 2 * p, 2, next);
-    for (int d = 0; d < 2; ++d) *next++ = a.velocity[2 * p + d] + (dt_shift != 0 ? dt_shift / step * samples[k].change[d] : 0);
-    next = std::copy_n(smooth ? &tensors[8 * k] : a.F + 4 * p, 4, next);
-    next = std::copy_n(smooth ? &tensors[8 * k + 4] : a.stress + 4 * p, 4, next);
-    next = std::copy_n(a.short_wave_stress + 3 * p, 3, next);
-    if (a.history) next = std::copy_n(a.history + a.history_components * p, a.history_components, next);
-  }
+  PetscCall(ForEachEvolving(from_->PointStore(), [&](PointField field, const double *data, int components, int place) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      double *const to = &state_[size * k + place];
+      const bool tensor = smooth && (field == kDeformation || field == kStress);
+      std::copy_n(tensor ? &tensors[8 * k + (field == kStress ? 4 : 0)] : data + PointArrays::At(points[k], components),
+                  components, to);
+      for (int d = 0; field == kVelocity && dt_shift != 0 && d < components; ++d) to[d] += dt_shift / step * samples[k].change[d];
+    }
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PointCopies::UnpackState()
 {
-  PointArrays a;
+  Points &copies = to_->CopyStore(origin_);
+  const int size = StateSize();
   PetscFunctionBeginUser;
-  PetscCall(to_->CopyStore(origin_).Arrays(&a));
-  const double *next = copies_.data();
-  auto take = [&next](double *to, int count) {
-    std::copy_n(next, count, to);
-    next += count;
-  };
-  for (int p = 0; p < a.count; ++p) {
-    take(a.position + 2 * p, 2);
-    take(a.velocity + 2 * p, 2);
-    take(a.F + 4 * p, 4);
-    take(a.stress + 4 * p, 4);
-    take(a.short_wave_stress + 3 * p, 3);
-    if (a.history) take(a.history + a.history_components * p, a.history_components);
-  }
+  PetscCall(ForEachEvolving(copies, [&](PointField, double *data, int components, int place) {
+    for (int p = 0; p < copies.Count(); ++p)
+      std::copy_n(&copies_[static_cast<std::size_t>(size) * p + place], components, data + PointArrays::At(p, components));
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,7 +171,7 @@ static PetscErrorCode Select(Points &points, const Box &box, bool inside, std::v
   PetscFunctionBeginUser;
   PetscCall(points.Arrays(&a));
   for (int p = 0; p < a.count; ++p)
-    if (box.Contains({a.position[2 * p], a.position[2 * p + 1]}) == inside) list->push_back(p);
+    if (box.Contains(a.Position(p)) == inside) list->push_back(p);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -198,7 +207,7 @@ PetscErrorCode CopyBorder::CorrectMomentum(Vec3 dv)
     PointArrays a;
     PetscCall(copies->Owner().PointStore().Arrays(&a));
     for (int p : copies->Sources())
-      for (int d = 0; d < 2; ++d) a.velocity[2 * p + d] += dv[d];
+      for (int d = 0; d < a.dim; ++d) a.velocity[PointArrays::At(p, a.dim) + d] += dv[d];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -12,8 +12,8 @@ namespace mlgimp
 
 Box WidenedBox(const LevelGeometry &geometry, double distance)
 {
-  Box box;
-  for (int axis = 0; axis < 2; ++axis) {
+  Box box = kEverywhere;
+  for (int axis = 0; axis < geometry.grid.dim; ++axis) {
     const double lower = geometry.grid.lower[axis], upper = lower + geometry.grid.cells[axis] * geometry.grid.spacing;
     box.lower[axis] = geometry.border[2 * axis] ? lower - distance : -HUGE_VAL;
     box.upper[axis] = geometry.border[2 * axis + 1] ? upper + distance : HUGE_VAL;
@@ -56,8 +56,11 @@ PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, 
   PetscCall(level.PointStore().Arrays(&a));
   for (int first = 0; first < a.count; first += kBlock) {
     const int count = std::min(kBlock, a.count - first);
-    const double *const x = a.position + 2 * static_cast<std::ptrdiff_t>(first);
-    const auto selected = [=](int p) { return box.Contains({x[2 * p], x[2 * p + 1]}) == inside; };
+    const double *const x = a.position + PointArrays::At(first, a.dim);
+    const auto selected = [=, third = a.dim - 1](int p) {
+      const double *const at = x + (third + 1) * p;
+      return box.Contains({at[0], at[1], third == 2 ? at[third] : 0}) == inside;
+    };
     double found = 0;
 #pragma omp simd reduction(+ : found)
     for (int p = 0; p < count; ++p) found += selected(p) ? 1.0 : 0.0;
@@ -70,7 +73,7 @@ PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, 
 void AddChange(const PointSums &before, const PointSums &after, PointTransferTotals *totals)
 {
   totals->mass_error += std::abs(after.mass - before.mass);
-  for (int d = 0; d < 2; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
+  for (int d = 0; d < 3; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
   const double strain = after.strain_energy - before.strain_energy;
   totals->energy += after.kinetic_energy - before.kinetic_energy + strain;
   totals->strain_energy += strain;
@@ -91,7 +94,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   totals_.left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
     std::vector<int> parents;
-    std::vector<Level::VelocitySample> samples;
+    std::vector<VelocitySample> samples;
     PetscCall(FindParents(entering, &parents));
     PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
     if (border) {
@@ -115,7 +118,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 PetscErrorCode PointTransfer::SplitRing()
 {
   std::vector<int> near, parents;
-  std::vector<Level::VelocitySample> samples;
+  std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing), true, &near));
@@ -128,7 +131,7 @@ PetscErrorCode PointTransfer::SplitRing()
 PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift)
 {
   Migrants migrants;
-  std::vector<Level::VelocitySample> samples;
+  std::vector<VelocitySample> samples;
   PointArrays a;
   PetscFunctionBeginUser;
   if (shift != 0) PetscCall(from.SampleVelocity(points, &samples));
@@ -136,7 +139,8 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
     migrants.Add(p, to.OwnerOf(a, p));
-    for (int d = 0; d < 2 && shift != 0; ++d) a.velocity[2 * p + d] += shift / step * samples[k].change[d];
+    for (int d = 0; d < a.dim && shift != 0; ++d)
+      a.velocity[PointArrays::At(p, a.dim) + d] += shift / step * samples[k].change[d];
   }
   PointSums sent, received;
   const int before = to.PointStore().Count();
@@ -147,7 +151,7 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
   PetscCall(to.SumPoints(incoming, &received));
   totals_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
   totals_.mass_adrift += sent.mass - received.mass;
-  for (int d = 0; d < 2; ++d) totals_.momentum_adrift[d] += sent.momentum[d] - received.momentum[d];
+  totals_.momentum_adrift = totals_.momentum_adrift + sent.momentum - received.momentum;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,8 +164,7 @@ PetscErrorCode PointTransfer::FindParents(const std::vector<int> &points, std::v
   PetscCall(coarse_.PointStore().Arrays(&a));
   for (int p : points) {
     const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
-    const double size = std::max(a.half_size[2 * p], a.half_size[2 * p + 1]);
-    if (size <= 0.75 * ratio_ * usual) continue;
+    if (LargestComponent(a.HalfSize(p)) <= 0.75 * ratio_ * usual) continue;
     if (numbers_.CanSplit(a.id[p]))
       parents->push_back(p);
     else
@@ -171,23 +174,26 @@ PetscErrorCode PointTransfer::FindParents(const std::vector<int> &points, std::v
 }
 
 /// Splits the parents among some points of the coarser level, and adds the children to the points.
-PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::vector<Level::VelocitySample> &samples,
+PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples,
                                     std::vector<int> *points)
 {
-  const int children = ratio_ * ratio_;
+  const Index per_axis{ratio_, ratio_, coarse_.Geometry().grid.dim == 3 ? ratio_ : 1};
+  const int children = per_axis[0] * per_axis[1] * per_axis[2];
   PointSums before, after;
   PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(coarse_.SumPoints(*points, &before));
-  int next = coarse_.PointStore().Count();
-  PetscCall(coarse_.PointStore().Resize(next + static_cast<int>(parents.size()) * (children - 1)));
-  PetscCall(coarse_.PointStore().Arrays(&a));
+  Points &store = coarse_.PointStore();
+  int next = store.Count();
+  PetscCall(store.Resize(next + static_cast<int>(parents.size()) * (children - 1)));
+  PetscCall(store.Arrays(&a));
   for (std::size_t k = 0; k < parents.size(); ++k)
     for (int child = children - 1; child >= 0; --child) { // the first takes the parent's place, last
-      const int target = child ? next++ : parents[k];
+      const int parent = parents[k], target = child ? next++ : parent;
       if (child) points->push_back(target);
-      MakeChild(a, parents[k], target, child, samples[k].L);
+      if (child) PetscCall(store.Copy(parent, target));
+      MakeChild(a, target, child, samples[k]);
     }
   PetscCall(coarse_.SumPoints(*points, &after));
   AddChange(before, after, &totals_);
@@ -195,38 +201,50 @@ PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void PointTransfer::MakeChild(const PointArrays &a, int parent, int target, int child, const double L[4]) const
+/// Makes a copy of the parent one of its children: a share of its box and mass, moving with v + L (x - the mean by mass of the
+/// children). In axisymmetry shares of mass are those of the radii, and R = r/F_zz, so that volumes and F_zz are kept.
+void PointTransfer::MakeChild(const PointArrays &a, int target, int child, const VelocitySample &sample) const
 {
-  const int place[2] = {child % ratio_, child / ratio_};
-  const double *F = a.F + 4 * parent;
-  Vec3 offset;
-  for (int d = 0; d < 2; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * a.half_size[2 * parent + d];
-  const Vec3 dx = Multiply(F, offset), dv = Multiply(L, dx);
-  int faces = a.faces[parent];
-  for (int s = 0; s < kSides; ++s) {
+  const int dim = a.dim, place[3] = {child % ratio_, child / ratio_ % ratio_, child / (ratio_ * ratio_)};
+  const Vec3 half = a.HalfSize(target);
+  Vec3 offset{}, mean{};
+  for (int d = 0; d < dim; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * half[d];
+  const Vec3 dx = a.Deform(target, offset);
+  if (a.initial_radius) {
+    const double r = a.position[PointArrays::At(target, dim)];
+    a.mass[target] *= (r + dx[0]) / r;
+    a.initial_radius[target] *= (r + dx[0]) / r;
+    mean = MeanOffset(a, target);
+  }
+  for (int d = 0; d < dim; ++d) {
+    const std::ptrdiff_t at = PointArrays::At(target, dim) + d;
+    for (int b = 0; b < dim; ++b) a.velocity[at] += sample.L[dim * d + b] * (dx[b] - mean[b]);
+    a.position[at] += dx[d];
+    a.half_size[at] /= ratio_;
+  }
+  a.id[target] = numbers_.Child(a.id[target], child);
+  a.mass[target] /= std::pow(ratio_, dim);
+  for (int s = 0; s < 2 * dim; ++s) {
     const Side side = static_cast<Side>(s);
-    if (place[AxisOf(side)] == (SignOf(side) < 0 ? 0 : ratio_ - 1)) continue;
-    faces &= ~OuterFaceBit(side);
+    if (place[AxisOf(side)] != (SignOf(side) < 0 ? 0 : ratio_ - 1)) a.faces[target] &= ~OuterFaceBit(side);
   }
-  for (int k = 0; k < a.loads; ++k) {
-    const bool at_load = faces & OuterFaceBit(coarse_.Physics().loads[k].side);
-    a.load_share[a.loads * target + k] = at_load ? a.load_share[a.loads * parent + k] : 0;
-  }
-  a.id[target] = numbers_.Child(a.id[parent], child);
-  a.mass[target] = a.mass[parent] / (ratio_ * ratio_);
-  a.body[target] = a.body[parent];
-  a.faces[target] = faces;
-  for (int d = 0; d < 2; ++d) {
-    a.position[2 * target + d] = a.position[2 * parent + d] + dx[d];
-    a.velocity[2 * target + d] = a.velocity[2 * parent + d] + dv[d];
-    a.half_size[2 * target + d] = a.half_size[2 * parent + d] / ratio_;
-  }
-  if (target == parent) return;
-  std::copy_n(a.F + 4 * parent, 4, a.F + 4 * target);
-  std::copy_n(a.stress + 4 * parent, 4, a.stress + 4 * target);
-  std::copy_n(a.short_wave_stress + 3 * parent, 3, a.short_wave_stress + 3 * target);
-  if (a.history)
-    std::copy_n(a.history + a.history_components * parent, a.history_components, a.history + a.history_components * target);
+  for (int k = 0; k < a.loads; ++k)
+    if (!(a.faces[target] & OuterFaceBit(coarse_.Physics().loads[k].side)))
+      a.load_share[PointArrays::At(target, a.loads) + k] = 0;
+}
+
+/// Of the children of a point in axisymmetry, the mean by mass of their places less its own: heavier ones lie outside.
+Vec3 PointTransfer::MeanOffset(const PointArrays &a, int parent) const
+{
+  const double r = a.position[PointArrays::At(parent, a.dim)];
+  const Vec3 half = a.HalfSize(parent);
+  Vec3 mean{};
+  for (int j = 0; j < ratio_; ++j)
+    for (int i = 0; i < ratio_; ++i) {
+      const Vec3 dx = a.Deform(parent, {((2 * i + 1.0) / ratio_ - 1) * half[0], ((2 * j + 1.0) / ratio_ - 1) * half[1], 0});
+      mean = mean + (1 + dx[0] / r) / (ratio_ * ratio_) * dx;
+    }
+  return mean;
 }
 
 } // namespace mlgimp

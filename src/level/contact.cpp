@@ -26,19 +26,19 @@ int PointSegments(const PointArrays &points, int p, SurfaceSegment segments[kSid
 
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
 {
-  const double *x = points.position + 2 * p, h = view.grid.Geometry().spacing;
-  return view.indenter.Gap({x[0], x[1]}, view.time + view.dt).distance > kPointRange * h;
+  const double h = view.grid.Geometry().spacing;
+  return view.indenter.Gap(points.Position(p), view.time + view.dt).distance > kPointRange * h;
 }
 
-void ChangeVelocity(const ContactView &view, int i, int j, Vec3 change, ContactReport *report)
+void ChangeVelocity(const ContactView &view, Index node, Vec3 by, ContactReport *report)
 {
-  const std::ptrdiff_t node = view.grid.Index(i, j);
-  const double owned_mass = view.grid.Owns(i, j) ? view.grid.Arrays().sums[NodeArrays::kSums * node] : 0;
-  double *velocity = view.grid.Arrays().velocity + NodeArrays::kVelocity * node;
-  for (int d = 0; d < 2; ++d) {
-    velocity[d] += change[d];
-    velocity[2 + d] += change[d];
-    report->work += owned_mass * change[d] * (velocity[d] - 0.5 * velocity[2 + d]);
+  const std::ptrdiff_t place = view.grid.Place(node);
+  const double mass = view.grid.Owns(node) ? view.grid.Sums()[place].mass : 0;
+  const auto [velocity, change] = view.grid.Velocity(place);
+  for (int d = 0; d < view.grid.Geometry().dim; ++d) {
+    velocity[d] += by[d];
+    change[d] += by[d];
+    report->work += mass * by[d] * (velocity[d] - 0.5 * change[d]);
   }
 }
 

@@ -42,7 +42,7 @@ public:
 private:
   void AddPoint(const ContactView &view, const PointArrays &points, int p, ContactReport *report)
   {
-    const Vec3 x = {points.position[2 * p], points.position[2 * p + 1]};
+    const Vec3 x = points.Position(p);
     const SurfaceGap gap = view.indenter.Gap(x, view.time + view.dt);
     SurfaceSegment segments[kSides * kSegmentsPerFace];
     const int count = PointSegments(points, p, segments);
@@ -52,16 +52,15 @@ private:
     if (length == 0) return;
     report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.time).distance);
     rows_.push_back({points.id[p], 1, gap.distance, x[0], x[0] - 0.5 * length, x[0] + 0.5 * length});
-    Stencil<2> w;
-    ComputeStencil<ContiguousGimp>(view.grid.IndexSpace(), 1, points.position + 2 * p, points.half_size + 2 * p, points.F + 4 * p,
-                                   w);
-    const int i = view.grid.Nearest(0, x[0]), j = view.grid.Nearest(1, x[1]);
-    for (int k = 0; k < Stencil<2>::kNodes; ++k) {
-      const double S = w.S[k][0];
-      if (S > 0)
-        entries_.push_back(
-            {points.id[p], i + k % 3 - 1, j + k / 3 - 1, S * gap.normal, S * length * view.thickness * gap.normal});
-    }
+    AxisStencils<2> w;
+    ComputeAxisStencils<PlaneStrain, ContiguousGimp>(view.grid.IndexSpace(), 1, points.position + 2 * p, points.half_size + 2 * p,
+                                                     points.F + 4 * p, w);
+    const Index nearest = view.grid.Nearest(x);
+    ForEach({{-1, -1, 0}, {2, 2, 1}}, [&](Index k) {
+      const double S = w.w[0][k[0] + 1][0] * w.w[1][k[1] + 1][0];
+      const Index node = nearest + k;
+      if (S > 0) entries_.push_back({points.id[p], node[0], node[1], S * gap.normal, S * length * view.thickness * gap.normal});
+    });
   }
 
   ContactSystem system_;

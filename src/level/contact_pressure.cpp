@@ -106,7 +106,7 @@ private:
     for (int column = i; column < i + 2; ++column) {
       rows_.push_back({column, 0, 0, grid.Coordinate(0, column), HUGE_VAL, -HUGE_VAL});
       for (int k = 0; k < 4; ++k)
-        if (grid.IsLocal(i + k % 2, j + k / 2)) entries_.push_back({column, i + k % 2, j + k / 2, {}, {}});
+        if (grid.IsLocal({i + k % 2, j + k / 2, 0})) entries_.push_back({column, i + k % 2, j + k / 2, {}, {}});
     }
     cell_ = {i, j, static_cast<int>(entries_.size() - before)};
   }

@@ -293,15 +293,14 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   for (const ContactRow &row : rows)
     my_rows.push_back({static_cast<double>(row.key), row.weight, row.gap, row.x, row.left, row.right});
   for (const ContactEntry &e : entries) {
-    const std::ptrdiff_t index = grid.Index(e.i, e.j);
-    const double mass = grid.Arrays().sums[NodeArrays::kSums * index];
-    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * index;
+    const Index node = {e.i, e.j, 0};
+    const double mass = grid.Sums()[grid.Place(node)].mass, *velocity = grid.Velocity(grid.Place(node)).velocity;
     if (mass <= view.mass_cutoff) continue;
     my_entries.push_back({static_cast<double>(e.key),
                           static_cast<double>(e.j + padding) * width + e.i + padding,
                           {e.test[0], e.test[1]},
                           {e.force[0], e.force[1]},
-                          {view.sides.Constrains(e.i, e.j, 0) ? 0 : 1 / mass, view.sides.Constrains(e.i, e.j, 1) ? 0 : 1 / mass},
+                          {view.sides.Constrains(node, 0) ? 0 : 1 / mass, view.sides.Constrains(node, 1) ? 0 : 1 / mass},
                           {velocity[0], velocity[1]}});
   }
   Problem mine{std::move(my_rows), std::move(my_entries), {}};
@@ -334,8 +333,8 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   for (int k = 0; k < static_cast<int>(header.nodes); ++k, next += 3) {
     const std::int64_t node = static_cast<std::int64_t>(next[0]);
     const int i = static_cast<int>(node % width) - padding, j = static_cast<int>(node / width) - padding;
-    if (!grid.IsLocal(i, j)) continue;
-    ChangeVelocity(view, i, j, {next[1], next[2]}, report);
+    if (!grid.IsLocal({i, j, 0})) continue;
+    ChangeVelocity(view, {i, j, 0}, {next[1], next[2]}, report);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

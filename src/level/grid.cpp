@@ -6,87 +6,93 @@
 namespace mlgimp
 {
 
+static PetscErrorCode CreateUnit(int components, MPI_Datatype *unit)
+{
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Type_contiguous(components, MPI_DOUBLE, unit));
+  PetscCallMPI(MPI_Type_commit(unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout)
 {
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   geometry_ = geometry;
   layout_ = layout;
-  for (int d = 0; d < 2; ++d) {
-    starts_[d] = {-geometry.padding};
-    for (PetscInt width : layout.widths[d]) starts_[d].push_back(starts_[d].back() + width);
+  velocity_size_ = NodeLayout::Velocity(geometry.dim);
+  rates_size_ = NodeLayout::Rates(geometry.dim);
+  for (int axis = 0; axis < 3; ++axis) {
+    starts_[axis] = {-geometry.Padding(axis)};
+    for (PetscInt width : layout.widths[axis]) starts_[axis].push_back(starts_[axis].back() + width);
   }
   PetscCallMPI(MPI_Comm_rank(world, &rank));
   const auto place = std::find(layout.ranks.begin(), layout.ranks.end(), rank);
   const bool participates = place != layout.ranks.end();
   PetscCallMPI(MPI_Comm_split(world, participates ? 0 : MPI_UNDEFINED, static_cast<int>(place - layout.ranks.begin()), &comm_));
-  if (participates) {
-    PetscCall(CreateArrays());
-    PetscCall(CreateHalo());
-  }
-  PetscCallMPI(MPI_Type_contiguous(8, MPIU_SCALAR, &unit8_));
-  PetscCallMPI(MPI_Type_contiguous(4, MPIU_SCALAR, &unit4_));
-  PetscCallMPI(MPI_Type_commit(&unit8_));
-  PetscCallMPI(MPI_Type_commit(&unit4_));
+  PetscCall(CreateUnit(NodeLayout::kSums, &sums_unit_));
+  PetscCall(CreateUnit(static_cast<int>(velocity_size_), &velocity_unit_));
+  PetscCall(CreateUnit(static_cast<int>(rates_size_), &rates_unit_));
+  if (!participates) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CreateNodes());
+  PetscCall(CreateHalo());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::CreateArrays()
+PetscErrorCode Grid::CreateNodes()
 {
-  const PetscInt m = static_cast<PetscInt>(layout_.widths[0].size()), n = static_cast<PetscInt>(layout_.widths[1].size());
-  PetscInt xs, ys, xm, ym;
+  const auto &widths = layout_.widths;
+  PetscInt start[3], size[3];
   PetscFunctionBeginUser;
-  PetscCall(DMDACreate2d(comm_, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE, DMDA_STENCIL_BOX, geometry_.Nodes(0), geometry_.Nodes(1), m,
-                         n, NodeArrays::kSums, kHaloWidth, layout_.widths[0].data(), layout_.widths[1].data(), nodes8_.Out()));
-  PetscCall(DMSetUp(nodes8_));
-  PetscCall(DMDACreateCompatibleDMDA(nodes8_, NodeArrays::kVelocity, nodes4_.Out()));
-
-  PetscCall(DMDAGetCorners(nodes8_, &xs, &ys, nullptr, &xm, &ym, nullptr));
-  const PetscInt owned_start[2] = {xs, ys}, owned_size[2] = {xm, ym};
-  PetscCall(DMDAGetGhostCorners(nodes8_, &xs, &ys, nullptr, &xm, &ym, nullptr));
-  const PetscInt ghost_start[2] = {xs, ys}, ghost_size[2] = {xm, ym};
-  for (int d = 0; d < 2; ++d) {
-    owned_lower_[d] = owned_start[d] - geometry_.padding;
-    owned_upper_[d] = owned_lower_[d] + owned_size[d];
-    ghost_lower_[d] = ghost_start[d] - geometry_.padding;
-    ghost_size_[d] = ghost_size[d];
-    lattice_.origin[d] = geometry_.lower[d];
-    lattice_.first[d] = ghost_lower_[d];
-  }
+  PetscCall(DMDACreate(comm_, nodes_.Out()));
+  PetscCall(DMSetDimension(nodes_, geometry_.dim));
+  PetscCall(DMDASetSizes(nodes_, geometry_.Nodes(0), geometry_.Nodes(1), geometry_.Nodes(2)));
+  PetscCall(DMDASetNumProcs(nodes_, static_cast<PetscInt>(widths[0].size()), static_cast<PetscInt>(widths[1].size()),
+                            static_cast<PetscInt>(widths[2].size())));
+  PetscCall(DMDASetOwnershipRanges(nodes_, widths[0].data(), widths[1].data(), widths[2].data()));
+  PetscCall(DMDASetDof(nodes_, NodeLayout::kSums));
+  PetscCall(DMDASetStencilType(nodes_, DMDA_STENCIL_BOX));
+  PetscCall(DMDASetStencilWidth(nodes_, kHaloWidth));
+  PetscCall(DMSetUp(nodes_));
+  const auto to_box = [&](const PetscInt *first, const PetscInt *count) {
+    IndexBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = axis < geometry_.dim ? first[axis] - geometry_.padding : 0;
+      box.upper[axis] = axis < geometry_.dim ? box.lower[axis] + count[axis] : 1;
+    }
+    return box;
+  };
+  PetscCall(DMDAGetCorners(nodes_, &start[0], &start[1], &start[2], &size[0], &size[1], &size[2]));
+  owned_ = to_box(start, size);
+  PetscCall(DMDAGetGhostCorners(nodes_, &start[0], &start[1], &start[2], &size[0], &size[1], &size[2]));
+  ghosted_ = to_box(start, size);
   lattice_.inverse_spacing = 1 / geometry_.spacing;
-  lattice_.stride[0] = 1;
-  lattice_.stride[1] = ghost_size_[0];
-  PetscCall(CreateField(nodes8_, NodeArrays::kSums, &sums_, &arrays_.sums));
-  PetscCall(CreateField(nodes8_, NodeArrays::kRates, &rates_, &arrays_.rates));
-  PetscCall(CreateField(nodes4_, NodeArrays::kVelocity, &velocity_, &arrays_.velocity));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// A local vector of a DMDA as DMCreateLocalVector makes it, but on whole cache lines.
-PetscErrorCode Grid::CreateField(DM nodes, int components, NodalField *field, double **array)
-{
-  const std::size_t size = static_cast<std::size_t>(GhostedNodes()) * components;
-  PetscFunctionBeginUser;
-  field->memory.assign((size + 7) / 8, {});
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, components, static_cast<PetscInt>(size), field->memory.data()->values,
-                                  field->vector.Out()));
-  PetscCall(VecSetDM(field->vector, nodes));
-  PetscCall(VecGetArray(field->vector, array));
+  for (int axis = 0, stride = 1; axis < 3; stride *= ghosted_.Size(axis++)) {
+    lattice_.origin[axis] = geometry_.lower[axis];
+    lattice_.first[axis] = ghosted_.lower[axis];
+    lattice_.stride[axis] = stride;
+  }
+  const std::ptrdiff_t components[3] = {NodeLayout::kSums, velocity_size_, rates_size_};
+  for (int k = 0; k < 3; ++k) memory_[k].assign((GhostedNodes() * components[k] + 7) / 8, {});
+  sums_ = reinterpret_cast<NodeSums *>(memory_[0].data());
+  velocity_ = memory_[1].data()->values;
+  rates_ = memory_[2].data()->values;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 Grid::~Grid()
 {
   PetscFunctionBegin;
-  if (sums_.vector) PetscCallVoid(VecRestoreArray(sums_.vector, &arrays_.sums));
-  if (rates_.vector) PetscCallVoid(VecRestoreArray(rates_.vector, &arrays_.rates));
-  if (velocity_.vector) PetscCallVoid(VecRestoreArray(velocity_.vector, &arrays_.velocity));
-  for (MPI_Datatype *unit : {&unit4_, &unit8_})
+  for (MPI_Datatype *unit : {&sums_unit_, &velocity_unit_, &rates_unit_})
     if (*unit != MPI_DATATYPE_NULL) MPI_Type_free(unit);
-  halo_.Reset(), sums_.vector.Reset(), rates_.vector.Reset(), velocity_.vector.Reset(), nodes4_.Reset(), nodes8_.Reset();
+  halo_.Reset(), nodes_.Reset();
   if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
   PetscFunctionReturnVoid();
 }
+
+void Grid::ClearSums() const { std::fill_n(sums_, GhostedNodes(), NodeSums{}); }
+
+void Grid::ClearRates() const { std::fill_n(rates_, rates_size_ * GhostedNodes(), 0.0); }
 
 /// Roots are owned nodes and leaves ghost nodes, both as places in the ghosted arrays, so that the exchange is in place.
 PetscErrorCode Grid::CreateHalo()
@@ -96,63 +102,66 @@ PetscErrorCode Grid::CreateHalo()
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   std::vector<PetscInt> leaves;
   std::vector<PetscSFNode> roots;
-  for (int j = ghost_lower_[1]; j < ghost_lower_[1] + ghost_size_[1]; ++j)
-    for (int i = ghost_lower_[0]; i < ghost_lower_[0] + ghost_size_[0]; ++i) {
-      const int block = BlockOfNode(i, j);
-      if (block == rank) continue;
-      leaves.push_back(Index(i, j));
-      roots.push_back({block, IndexInBlock(block, i, j)});
-    }
+  ForEach(ghosted_, [&](Index node) {
+    const int block = BlockOfNode(node);
+    if (block == rank) return;
+    leaves.push_back(static_cast<PetscInt>(Place(node)));
+    roots.push_back({block, PlaceInBlock(block, node)});
+  });
   PetscCall(PetscSFCreate(comm_, halo_.Out()));
-  PetscCall(PetscSFSetGraph(halo_, GhostedNodes(), static_cast<PetscInt>(leaves.size()), leaves.data(), PETSC_COPY_VALUES,
-                            roots.data(), PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetGraph(halo_, static_cast<PetscInt>(GhostedNodes()), static_cast<PetscInt>(leaves.size()), leaves.data(),
+                            PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
   PetscCall(PetscSFSetUp(halo_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-int Grid::BlockOfNode(int i, int j) const
+int Grid::BlockOfNode(Index node) const
 {
-  const int node[2] = {i, j};
-  int block[2];
-  for (int d = 0; d < 2; ++d) {
-    if (node[d] < starts_[d].front() || node[d] >= starts_[d].back()) return -1;
-    block[d] = static_cast<int>(std::upper_bound(starts_[d].begin(), starts_[d].end(), node[d]) - starts_[d].begin()) - 1;
+  int block = 0;
+  for (int axis = 2; axis >= 0; --axis) {
+    const std::vector<int> &starts = starts_[axis];
+    if (node[axis] < starts.front() || node[axis] >= starts.back()) return -1;
+    const int layer = static_cast<int>(std::upper_bound(starts.begin(), starts.end(), node[axis]) - starts.begin()) - 1;
+    block = block * static_cast<int>(starts.size() - 1) + layer;
   }
-  return block[1] * static_cast<int>(starts_[0].size() - 1) + block[0];
+  return block;
 }
 
-PetscMPIInt Grid::OwnerOfNode(int i, int j) const
+PetscMPIInt Grid::OwnerOfNode(Index node) const
 {
-  const int block = BlockOfNode(i, j);
+  const int block = BlockOfNode(node);
   return block < 0 ? -1 : layout_.ranks[block];
 }
 
-int Grid::IndexInBlock(int block, int i, int j) const
+PetscInt Grid::PlaceInBlock(int block, Index node) const
 {
-  const int columns = static_cast<int>(starts_[0].size() - 1), place[2] = {block % columns, block / columns};
-  int lower[2], width = 0;
-  for (int d = 0; d < 2; ++d) {
-    lower[d] = std::max(starts_[d][place[d]] - kHaloWidth, starts_[d].front());
-    if (d == 0) width = std::min(starts_[d][place[d] + 1] + kHaloWidth, starts_[d].back()) - lower[d];
+  PetscInt place = 0, stride = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<int> &starts = starts_[axis];
+    const int layers = static_cast<int>(starts.size() - 1), layer = block % layers, halo = axis < geometry_.dim ? kHaloWidth : 0;
+    block /= layers;
+    const int lower = std::max(starts[layer] - halo, starts.front()), upper = std::min(starts[layer + 1] + halo, starts.back());
+    place += stride * (node[axis] - lower);
+    stride *= upper - lower;
   }
-  return (j - lower[1]) * width + i - lower[0];
+  return place;
 }
 
-PetscErrorCode Grid::ReduceToOwners(double *array)
+PetscErrorCode Grid::Reduce(MPI_Datatype unit, void *array)
 {
   PetscFunctionBeginUser;
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFReduceBegin(halo_, unit8_, array, array, MPI_SUM));
-  PetscCall(PetscSFReduceEnd(halo_, unit8_, array, array, MPI_SUM));
+  PetscCall(PetscSFReduceBegin(halo_, unit, array, array, MPI_SUM));
+  PetscCall(PetscSFReduceEnd(halo_, unit, array, array, MPI_SUM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::Broadcast(double *array, int components)
+PetscErrorCode Grid::Broadcast(MPI_Datatype unit, void *array)
 {
   PetscFunctionBeginUser;
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFBcastBegin(halo_, Unit(components), array, array, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(halo_, Unit(components), array, array, MPI_REPLACE));
+  PetscCall(PetscSFBcastBegin(halo_, unit, array, array, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(halo_, unit, array, array, MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,10 +1,11 @@
-// The sweeps, written once for all shape functions.
+// The sweeps, written once for all geometries and shape functions.
 #include "level/kernels.hpp"
 
 #include "base/pack.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace mlgimp
 {
@@ -17,120 +18,174 @@ constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays po
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
   int start;
-  int last; ///< point of the rank, counted from `start`
   const Material &material;
 };
 
-/// The block that begins at point `start`: at most kBlock points.
-Block CutBlock(const SweepView &view, int start)
-{
-  const PointArrays &all = view.points;
-  return {Slice(all, start, view.bodies.BlockEnd(all, start)), start, all.count - 1 - start, view.bodies.Of(all, start)};
-}
-
-/// Calls `work(block)` for all points, block by block.
+/// Calls `work(block)` for all points, block by block of at most kBlock.
 template <class Work> void ForEachBlock(const SweepView &view, Work work)
 {
-  for (int start = 0; start < view.points.count;) {
-    const Block block = CutBlock(view, start);
-    work(block);
-    start += block.count;
+  for (int start = 0, end; start < view.points.count; start = end) {
+    end = view.bodies.BlockEnd(view.points, start);
+    work(Block{Slice(view.points, start, end), start, view.bodies.Of(view.points, start)});
   }
 }
 
-/// Asks for what the next block's weights are made of while this block's point p is in work: that loop does little else
-/// than wait for it.
-void PrefetchNext(const Block &b, int p)
-{
-  const int next = std::min(p + kBlock, b.last);
-  __builtin_prefetch(b.position + 2 * next);
-  __builtin_prefetch(b.half_size + 2 * next);
-  __builtin_prefetch(b.F + 4 * next);
-}
-
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
-void Volumes(const Block &b, double *volume)
+template <class Geometry> void Volumes(const Block &b, double *volume)
 {
+  constexpr int dim = Geometry::kDim;
   const double inverse_density = 1 / b.material.Density();
+  const double *const F = b.F, *const mass = b.mass, *const x = b.position, *const radius = b.initial_radius;
 #pragma omp simd
-  for (int p = 0; p < b.count; ++p)
-    volume[p] = (b.F[4 * p] * b.F[4 * p + 3] - b.F[4 * p + 1] * b.F[4 * p + 2]) * b.mass[p] * inverse_density;
+  for (int p = 0; p < b.count; ++p) {
+    volume[p] = Determinant(F + dim * dim * p, dim) * mass[p] * inverse_density;
+    if constexpr (Geometry::kHoop) volume[p] *= x[dim * p] / radius[p];
+  }
 }
 
 void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b, int p)
 {
-  if (failure.kind == PointFailure::kNone) failure = {kind, b.id[p], {b.position[2 * p], b.position[2 * p + 1]}};
+  if (failure.kind == PointFailure::kNone) failure = {kind, b.id[p], b.Position(p)};
 }
 
-/// Advances F, stress and internal variables of a block. L [kBlock][4] in 1/s.
-void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals &totals, PointFailure &failure)
+/// Finds the point that deforms too fast or is no number.
+template <class Geometry>
+void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradient], PointFailure &failure)
 {
-  alignas(64) double increment[kBlock][4], plastic[kBlock] = {};
-  const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
-  const double *const F = b.F;
-  double sum = 0; // finite only if all of F is
-#pragma omp simd reduction(+ : sum)
-  for (int k = 0; k < 4 * b.count; ++k) sum += F[k];
-  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) {
-    for (int p = 0; p < b.count; ++p) {
-      const double row_x = std::abs(L[p][0]) + std::abs(L[p][1]), row_y = std::abs(L[p][2]) + std::abs(L[p][3]);
-      if (!std::isfinite(b.F[4 * p] + b.F[4 * p + 1] + b.F[4 * p + 2] + b.F[4 * p + 3]))
-        Record(failure, PointFailure::kNotFinite, b, p);
-      else if (dt * std::max(row_x, row_y) > kLargestStrainIncrement)
-        Record(failure, PointFailure::kDeformedTooFast, b, p);
+  constexpr int dim = Geometry::kDim;
+  for (int p = 0; p < b.count; ++p) {
+    double sum = 0, largest_row = 0;
+    for (int k = 0; k < dim * dim; ++k) sum += b.F[PointArrays::At(p, dim * dim) + k];
+    for (int i = 0; i < dim; ++i) {
+      double row = 0;
+      for (int j = 0; j < dim; ++j) row += std::abs(L[p][dim * i + j]);
+      largest_row = std::max(largest_row, row);
     }
+    if (!std::isfinite(sum))
+      Record(failure, PointFailure::kNotFinite, b, p);
+    else if (dt * largest_row > kLargestStrainIncrement)
+      Record(failure, PointFailure::kDeformedTooFast, b, p);
   }
-  const MaterialBatch batch = {b.count, dt, L, increment, b.F, b.stress, b.history, b.history_components};
-  b.material.UpdateStress(batch, plastic);
-  if (b.material.HistorySize())
-    for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
+}
+
+/// Advances F, stress and internal variables of a block. L [kBlock][dim*dim] in 1/s; grid_velocity [count][dim], which points
+/// move with in the step.
+template <class Geometry>
+void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity,
+                   SweepTotals &totals, PointFailure &failure)
+{
+  constexpr int size = Geometry::kGradient;
+  alignas(64) double increment[kBlock][size], plastic[kBlock] = {};
+  if constexpr (Geometry::kKind == GeometryKind::kPlaneStrain) {
+    const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
+    const double *const F = b.F;
+    double sum = 0; // finite only if all of F is
+#pragma omp simd reduction(+ : sum)
+    for (int k = 0; k < size * b.count; ++k) sum += F[k];
+    if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, failure);
+    const MaterialBatch batch = {b.count, dt, L, increment, b.F, b.stress, b.history, b.history_components};
+    b.material.UpdateStress(batch, plastic);
+    if (b.material.HistorySize())
+      for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
+  }
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.
+template <class Geometry>
 void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_velocity, PointFailure &failure)
 {
+  constexpr int dim = Geometry::kDim;
   const double h = grid.Geometry().spacing;
-  double lower[2 * kBlock], upper[2 * kBlock];
-  for (int axis = 0; axis < 2; ++axis) {
-    const double first = grid.Coordinate(axis, grid.GhostLower(axis)) + 0.5 * h, last = first + (grid.GhostSize(axis) - 2) * h;
-    for (int p = 0; p < b.count; ++p) lower[2 * p + axis] = first, upper[2 * p + axis] = last;
+  double lower[dim * kBlock], upper[dim * kBlock];
+  for (int axis = 0; axis < dim; ++axis) {
+    const double first = grid.Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
+    const double last = first + (grid.Ghosted().Size(axis) - 2) * h;
+    for (int p = 0; p < b.count; ++p) lower[dim * p + axis] = first, upper[dim * p + axis] = last;
   }
   const auto inside = [&](double x, int k) { return x >= lower[k] && x < upper[k]; }; // false for a NaN
-  double *const position = b.position, target[2 * kBlock], lost = 0;
+  double *const position = b.position, target[dim * kBlock], lost = 0;
 #pragma omp simd reduction(+ : lost)
-  for (int k = 0; k < 2 * b.count; ++k) {
+  for (int k = 0; k < dim * b.count; ++k) {
     target[k] = position[k] + dt * grid_velocity[k];
     const bool stays = inside(target[k], k);
     lost += stays ? 0.0 : 1.0;
     position[k] = stays ? target[k] : position[k];
   }
-  for (int k = 0; lost > 0 && k < 2 * b.count; ++k)
+  for (int k = 0; lost > 0 && k < dim * b.count; ++k)
     if (!inside(target[k], k))
-      Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / 2);
+      Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / dim);
 }
 
-template <class Shape> class ShapeKernels : public Kernels
+/// The vectors of doubles that the nodes of a geometry hold, and the places in them.
+template <class Geometry> struct Lanes;
+
+template <> struct Lanes<PlaneStrain> {
+  using Velocity = Pack; ///< (v, dv) of a node
+  static constexpr int kChange = 2;
+  /// Stress and short-wave stress: xx, yy, zz, xy.
+  static Pack Stress(const double *stress, const double *s) { return LoadVector<Pack>(stress) + Pack{s[0], s[1], 0, s[2]}; }
+  static Pack Rate(const double *s) { return Pack{s[0], s[1], s[2], 0}; }
+};
+
+template <> struct Lanes<Axisymmetric> {
+  using Velocity = Pack;
+  static constexpr int kChange = 2;
+  static Pack Stress(const double *stress, const double *s) { return LoadVector<Pack>(stress) + LoadVector<Pack>(s); }
+  static Pack Rate(const double *s) { return LoadVector<Pack>(s); }
+};
+
+template <> struct Lanes<Spatial> {
+  using Velocity = WidePack;
+  static constexpr int kChange = 4;
+};
+
+/// What a point adds to the NodeSums of its nodes: S times mass, momentum, body force and owned mass, and grad S times the
+/// stress, as a force. a: acceleration; counts: 1 for a point that the level owns, else 0; inverse_radius: 1/r in axisymmetry.
+template <class Geometry>
+inline Share<Geometry::kDim> NodeShare(const Block &b, int p, double volume, const double *a, double counts)
 {
-  using Weights = AxisStencils<2>;
+  constexpr int dim = Geometry::kDim;
+  const double m = b.mass[p], *v = b.velocity + dim * p, *stress = b.stress + Geometry::kStress * p,
+               *s = b.short_wave_stress + Geometry::kRate * p;
+  static_assert(offsetof(NodeSums, momentum) == 8 && offsetof(NodeSums, force) == 32 && offsetof(NodeSums, owned_mass) == 56);
+  if constexpr (dim == 2) {
+    const Pack force = -volume * Lanes<Geometry>::Stress(stress, s); // xx, yy, zz, xy
+    Pack body = m * Pack{a[0], a[1], 0, counts};
+    if constexpr (Geometry::kHoop) body[0] += force[2] / b.position[dim * p];
+    return {Join(m * Pack{1, v[0], v[1], 0}, body),
+            {MakeHigh(Pack{force[0], force[3], 0, 0}), MakeHigh(Pack{force[3], force[1], 0, 0})}};
+  } else {
+    const Pack normal = -volume * (LoadVector<Pack>(stress) + LoadVector<Pack>(s)); // xx, yy, zz, xy
+    const double yz = -volume * (stress[4] + s[4]), xz = -volume * (stress[5] + s[5]);
+    return {Join(m * Pack{1, v[0], v[1], v[2]}, m * Pack{a[0], a[1], a[2], counts}),
+            {MakeHigh(Pack{normal[0], normal[3], xz, 0}), MakeHigh(Pack{normal[3], normal[1], yz, 0}),
+             MakeHigh(Pack{xz, yz, normal[2], 0})}};
+  }
+}
+
+/// The sweeps in a geometry with a shape function.
+template <class Geometry, class Shape> class SweepKernels : public Kernels
+{
+  static constexpr int dim = Geometry::kDim, kGradient = Geometry::kGradient, kRate = Geometry::kRate;
+  using Weights = AxisStencils<dim>;
+  using At = PointStencil<dim>;
+  using Velocity = typename Lanes<Geometry>::Velocity;
+  using Gradient = double[kGradient];
 
 public:
   void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, SweepTotals &totals) const override
   {
     Weights w;
-    alignas(64) double volume[kBlock], body_force[2 * kBlock] = {};
+    alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
     ForEachBlock(view, [&](const Block &b) {
-      totals.clamped_sizes += ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      Volumes(b, volume);
+      totals.clamped_sizes += SetWeights(view, b, w);
+      Volumes<Geometry>(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
       for (int p = 0; p < b.count; ++p) {
-        PrefetchNext(b, p);
-        const double m = b.mass[p], *v = b.velocity + 2 * p, *a = body_force + 2 * p, *s = b.short_wave_stress + 3 * p;
-        const Pack force = -volume[p] * (LoadVector<Pack>(b.stress + 4 * p) + Pack{s[0], s[1], 0, s[2]}); // xx, yy, zz, xy
-        const Share<2> share = {Join(m * Pack{1, v[0], v[1], counts}, m * Pack{a[0], a[1], counts * a[0], counts * a[1]}),
-                                {MakeHigh(Pack{force[0], force[3], 0, 0}), MakeHigh(Pack{force[3], force[1], 0, 0})}};
-        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kSums);
-        Scatter<2, true>(at, share, view.grid.Arrays().sums + at.nearest);
+        const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
+        const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);
+        Scatter<dim, true>(at, share, &view.grid.Sums()->mass + at.nearest);
       }
     });
   }
@@ -139,169 +194,218 @@ public:
                     PointFailure &failure) const override
   {
     Weights w;
-    alignas(64) double L[kBlock][4], volume[kBlock];
+    alignas(64) double L[kBlock][kGradient], volume[kBlock];
     ForEachBlock(view, [&](const Block &b) {
-      double *grid_velocity = view.grid_velocity + 2 * b.start;
-      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+      double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
+      SetWeights(view, b, w);
       double power = 0; // of the short-wave stress, W
-      if (plan.strain_rate) Volumes(b, volume);
+      if (plan.strain_rate) Volumes<Geometry>(b, volume);
       for (int p = 0; p < b.count; ++p) {
-        PrefetchNext(b, p);
-        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kVelocity);
-        const auto sum = Gather<Pack, 2>(at, view.grid.Arrays().velocity + at.nearest);
-        const Pack dx = sum.slope[0], dy = sum.slope[1];
-        for (int d = 0; d < 2; ++d) {
-          grid_velocity[2 * p + d] = sum.value[d];
-          b.velocity[2 * p + d] += sum.value[2 + d];
+        const At at(w, p, view.grid.IndexSpace(), NodeLayout::Velocity(dim));
+        const auto sum = Gather<Velocity, dim>(at, view.grid.VelocityArray() + at.nearest);
+        for (int d = 0; d < dim; ++d) {
+          grid_velocity[dim * p + d] = Lane(sum.value, d);
+          b.velocity[dim * p + d] += Lane(sum.value, Lanes<Geometry>::kChange + d);
         }
-        if (plan.strain) StoreVector(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
-        if (plan.strain_rate) power += volume[p] * KeepStrainRate(dx, dy, b.short_wave_stress + 3 * p);
-        if (plan.scatter) ScatterRates(view.grid, w, b, p, sum.value);
+        if (plan.strain) StoreGradient(L[p], sum.slope);
+        if (plan.strain_rate) power += volume[p] * KeepStrainRate(sum, b.position + dim * p, b.short_wave_stress + kRate * p);
+        if (plan.scatter) ScatterRates(view.grid, w, b, p, grid_velocity + dim * p);
       }
       totals.short_wave_dissipation += plan.dt * power;
-      if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
-      if (plan.move) Move(b, view.grid, plan.dt, grid_velocity, failure);
+      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
+      if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
     });
   }
 
   /// gradient = sum (v_i - v) grad S_ip with v the mean of the nodes' velocities by S.
-  void VelocityAt(const SweepView &view, int point, double mass_cutoff, double change[2], double gradient[4]) const override
+  VelocitySample VelocityAt(const SweepView &view, int point, double mass_cutoff) const override
   {
-    Stencil<2> w;
-    const PointArrays &all = view.points;
-    double mean[2] = {}, sum = 0;
-    ComputeStencil<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point, w);
+    Weights w;
+    Vec3 mean{};
+    double sum = 0;
+    VelocitySample sample{};
+    SetWeights(view, Slice(view.points, point, point + 1), w);
     const auto for_each_node = [&](auto work) {
-      for (int k = 0; k < Stencil<2>::kNodes; ++k) {
-        const std::ptrdiff_t node = w.node[0] + w.offset[k];
-        if (view.grid.Arrays().sums[node * NodeArrays::kSums] > mass_cutoff)
-          work(k, view.grid.Arrays().velocity + node * NodeArrays::kVelocity);
-      }
+      ForEachNodeOf(w, 0, view.grid.IndexSpace(), [&](std::ptrdiff_t node, double weight, const auto &slope) {
+        if (view.grid.Sums()[node].mass > mass_cutoff) work(view.grid.Velocity(node), weight, slope);
+      });
     };
-    std::fill_n(change, 2, 0.0);
-    std::fill_n(gradient, 4, 0.0);
-    for_each_node([&](int k, const double *v) {
-      sum += w.S[k][0];
-      for (int d = 0; d < 2; ++d) mean[d] += w.S[k][0] * v[d], change[d] += w.S[k][0] * v[2 + d];
+    for_each_node([&](NodeVelocity node, double weight, const auto &) {
+      sum += weight;
+      for (int d = 0; d < dim; ++d) mean[d] += weight * node.velocity[d], sample.change[d] += weight * node.change[d];
     });
-    if (sum == 0) return;
-    for (int d = 0; d < 2; ++d) mean[d] /= sum, change[d] /= sum;
-    for_each_node([&](int k, const double *v) {
-      for (int d = 0; d < 2; ++d)
-        for (int axis = 0; axis < 2; ++axis) gradient[2 * d + axis] += w.dS[axis][k][0] * (v[d] - mean[d]);
+    if (sum == 0) return sample;
+    for (int d = 0; d < dim; ++d) mean[d] /= sum, sample.change[d] /= sum;
+    for_each_node([&](NodeVelocity node, double, const auto &slope) {
+      for (int d = 0; d < dim; ++d)
+        for (int axis = 0; axis < dim; ++axis) sample.L[dim * d + axis] += slope[axis] * (node.velocity[d] - mean[d]);
     });
+    return sample;
   }
 
   void ScatterTensors(const SweepView &view) const override
   {
-    Weights w;
-    ForEachBlock(view, [&](const Block &b) {
-      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      for (int p = 0; p < b.count; ++p) {
-        const Share<2> share = {Join(b.mass[p] * LoadVector<Pack>(b.F + 4 * p), b.mass[p] * LoadVector<Pack>(b.stress + 4 * p)),
-                                {}};
-        const PointStencil<2> at(w, p, view.grid.IndexSpace(), NodeArrays::kRates);
-        Scatter<2, false>(at, share, view.grid.Arrays().rates + at.nearest);
-      }
-    });
+    if constexpr (dim == 2) {
+      Weights w;
+      ForEachBlock(view, [&](const Block &b) {
+        SetWeights(view, b, w);
+        for (int p = 0; p < b.count; ++p) {
+          const Pack F = LoadVector<Pack>(b.F + 4 * p), stress = LoadVector<Pack>(b.stress + 4 * p);
+          const At at(w, p, view.grid.IndexSpace(), NodeLayout::Rates(dim));
+          Scatter<dim, false>(at, {Join(b.mass[p] * F, b.mass[p] * stress), {}}, view.grid.RatesArray() + at.nearest);
+        }
+      });
+    }
   }
 
   void TensorsAt(const SweepView &view, int point, double tensors[8]) const override
   {
-    Weights w;
-    StencilOf(view, point, w);
-    const PointStencil<2> at(w, 0, view.grid.IndexSpace(), NodeArrays::kRates);
-    const double *nearest = view.grid.Arrays().rates + at.nearest;
-    StoreVector(tensors, Gather<WidePack, 2>(at, nearest).value);
+    if constexpr (dim == 2) {
+      Weights w;
+      SetWeights(view, Slice(view.points, point, point + 1), w);
+      const At at(w, 0, view.grid.IndexSpace(), NodeLayout::Rates(dim));
+      StoreVector(tensors, Gather<WidePack, dim>(at, view.grid.RatesArray() + at.nearest).value);
+    }
   }
 
   void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const override
   {
     Weights w;
-    alignas(64) double L[kBlock][4], velocity[kBlock][4], smooth[kBlock][4];
+    alignas(64) double L[kBlock][kGradient], projected[kBlock][dim], smooth[kBlock][kRate];
     ForEachBlock(view, [&](const Block &b) {
-      ComputeAxisStencils<Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
-      GatherRates(view.grid, w, b, L, velocity, plan.short_wave.On() ? smooth : nullptr);
-      if (plan.strain) AdvanceStress(b, plan.dt, L, totals, failure);
+      double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
+      SetWeights(view, b, w);
+      GatherRates(view.grid, w, b, plan, L, projected, smooth);
+      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
-      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, velocity, totals);
-      if (plan.move) Move(b, view.grid, plan.dt, view.grid_velocity + 2 * b.start, failure);
+      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
+      if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
     });
   }
 
 private:
-  static void StencilOf(const SweepView &view, int point, Weights &w)
+  static int SetWeights(const SweepView &view, const PointArrays &b, Weights &w)
   {
-    const PointArrays &all = view.points;
-    ComputeAxisStencils<Shape>(view.grid.IndexSpace(), 1, all.position + 2 * point, all.half_size + 2 * point, all.F + 4 * point,
-                               w);
+    return ComputeAxisStencils<Geometry, Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
   }
 
-  /// [count][4] each: gradient of the second velocity; second and projected velocity; nodal strain rate xx, yy, xy, if asked
-  /// for.
-  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, double (*L)[4], double (*velocity)[4],
-                          double (*smooth)[4])
+  /// L_ab = d v_a/d x_b, by rows, from the slopes of the velocity.
+  template <class Vector> static void StoreGradient(double *L, const Vector (&slope)[dim])
+  {
+#pragma GCC unroll 3
+    for (int i = 0; i < dim; ++i)
+#pragma GCC unroll 3
+      for (int j = 0; j < dim; ++j) L[dim * i + j] = Lane(slope[j], i);
+  }
+
+  /// Gradient of the second velocity; projected velocity; strain rate of the nodes.
+  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Gradient *L,
+                          double (*projected)[dim], double (*smooth)[kRate])
   {
     for (int p = 0; p < b.count; ++p) {
-      PrefetchNext(b, p);
-      const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
-      const double *nearest = grid.Arrays().rates + at.nearest;
-      const auto sum = Gather<WidePack, 2>(at, nearest);
-      const Pack dx = Low(sum.slope[0]), dy = Low(sum.slope[1]);
-      StoreVector(L[p], Pack{dx[0], dy[0], dx[1], dy[1]});
-      StoreVector(velocity[p], Low(sum.value));
-      if (smooth) StoreVector(smooth[p], High(sum.value));
+      const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
+      const double *const nearest = grid.RatesArray() + at.nearest;
+      const auto sum = Gather<WidePack, dim>(at, nearest);
+      WidePack rate = sum.value;
+      if constexpr (dim == 3) rate = plan.short_wave.On() ? Gather<WidePack, dim>(at, nearest + 8).value : WidePack{};
+      if (plan.strain) StoreGradient(L[p], sum.slope);
+      for (int d = 0; d < dim; ++d) projected[p][d] = Lane(sum.value, NodeLayout::Projected(dim) + d);
+      for (int k = 0; k < kRate; ++k) smooth[p][k] = Lane(rate, NodeLayout::StrainRate(dim) % 8 + k);
     }
   }
 
-  /// Puts the strain rate of a point in the place of its short-wave stress s; returns the power of that stress, W/m3, with
-  /// the mean velocity of the step. dx, dy: slopes of the new velocity and of its change.
-  static double KeepStrainRate(Pack dx, Pack dy, double *s)
+  /// Component of the strain rate from lanes that begin at `first`: of the new velocity, or of its change.
+  static double StrainRate(const Gathered<Velocity, dim> &sum, int first, int component, double radius)
   {
-    const double xx = dx[0], yy = dy[1], xy = 0.5 * (dx[1] + dy[0]);
-    const double power = s[0] * (xx - 0.5 * dx[2]) + s[1] * (yy - 0.5 * dy[3]) + 2 * s[2] * (xy - 0.25 * (dx[3] + dy[2]));
-    s[0] = xx, s[1] = yy, s[2] = xy;
+    const int a = Geometry::kRateAxes[component][0], b = Geometry::kRateAxes[component][1];
+    if (Geometry::kHoop && a == 2) return Lane(sum.value, first) / radius;
+    return a == b ? Lane(sum.slope[a], first + a) : 0.5 * (Lane(sum.slope[a], first + b) + Lane(sum.slope[b], first + a));
+  }
+
+  /// Puts the strain rate of a point in the place of its short-wave stress s; returns the power of that stress, W/m3, with
+  /// the mean velocity of the step.
+  static double KeepStrainRate(const Gathered<Velocity, dim> &sum, const double *x, double *s)
+  {
+    double power = 0;
+#pragma GCC unroll 6
+    for (int k = 0; k < kRate; ++k) {
+      const double rate = StrainRate(sum, 0, k, x[0]), change = StrainRate(sum, Lanes<Geometry>::kChange, k, x[0]);
+      power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * s[k] * (rate - 0.5 * change);
+      s[k] = rate;
+    }
     return power;
   }
 
   /// Adds momentum, momentum of the grid's velocity u, and mass times strain rate of a point to `rates`.
-  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, int p, Pack u)
+  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, int p, const double *u)
   {
-    const double m = b.mass[p], *v = b.velocity + 2 * p, *rate = b.short_wave_stress + 3 * p;
-    const Share<2> share = {Join(m * Pack{v[0], v[1], u[0], u[1]}, m * Pack{rate[0], rate[1], rate[2], 0}), {}};
-    const PointStencil<2> at(w, p, grid.IndexSpace(), NodeArrays::kRates);
-    Scatter<2, false>(at, share, grid.Arrays().rates + at.nearest);
+    const double m = b.mass[p], *v = b.velocity + dim * p, *rate = b.short_wave_stress + kRate * p;
+    const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
+    double *const nearest = grid.RatesArray() + at.nearest;
+    if constexpr (dim == 2) {
+      Scatter<dim, false>(at, {Join(m * Pack{v[0], v[1], u[0], u[1]}, m * Lanes<Geometry>::Rate(rate)), {}}, nearest);
+    } else {
+      Scatter<dim, false>(at, {Join(m * Pack{v[0], v[1], v[2], 0}, m * Pack{u[0], u[1], u[2], 0}), {}}, nearest);
+      Scatter<dim, false>(at, {Join(m * LoadVector<Pack>(rate), m * Pack{rate[4], rate[5], 0, 0}), {}}, nearest + 8);
+    }
   }
 
-  /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2), E = (F^T F - I)/2.
-  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity, const double (*smooth)[4])
+  /// |E|^2 of the Green strain E = (F^T F - I)/2.
+  static double GreenStrainSquared(const double *F, double hoop)
+  {
+    double square = 0;
+#pragma GCC unroll 6
+    for (int k = 0; k < kRate; ++k) {
+      const int a = Geometry::kRateAxes[k][0], b = Geometry::kRateAxes[k][1];
+      double C = 0;
+      if (Geometry::kHoop && a == 2)
+        C = hoop * hoop;
+      else
+#pragma GCC unroll 3
+        for (int c = 0; c < dim; ++c) C += F[dim * c + a] * F[dim * c + b];
+      const double E = 0.5 * (a == b ? C - 1 : C);
+      square += (a == b ? 1 : 2) * E * E;
+    }
+    return square;
+  }
+
+  /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2).
+  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
+                              const double (*smooth)[kRate])
   {
     const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
     const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
+    const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
+    double *const stress = b.short_wave_stress;
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
-      const double *F = b.F + 4 * p;
-      double *s = b.short_wave_stress + 3 * p;
-      const double Exx = 0.5 * (F[0] * F[0] + F[2] * F[2] - 1), Eyy = 0.5 * (F[1] * F[1] + F[3] * F[3] - 1);
-      const double Exy = 0.5 * (F[0] * F[1] + F[2] * F[3]);
-      const double strength = std::min(0.3, viscosity.a + viscosity.b * (Exx * Exx + Eyy * Eyy + 2 * Exy * Exy));
-      const double xx = s[0] - smooth[p][0], yy = s[1] - smooth[p][1], xy = s[2] - smooth[p][2];
-      s[0] = strength * (lambda * (xx + yy) + mu2 * xx);
-      s[1] = strength * (lambda * (xx + yy) + mu2 * yy);
-      s[2] = strength * mu2 * xy;
+      double *const s = stress + kRate * p;
+      const double hoop = Geometry::kHoop ? x[dim * p] / radius[p] : 1;
+      const double strength = std::min(0.3, viscosity.a + viscosity.b * GreenStrainSquared(F + dim * dim * p, hoop));
+      double trace = 0, difference[kRate];
+#pragma GCC unroll 6
+      for (int k = 0; k < kRate; ++k) {
+        difference[k] = s[k] - smooth[p][k];
+        if (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1]) trace += difference[k];
+      }
+#pragma GCC unroll 6
+      for (int k = 0; k < kRate; ++k) {
+        const double sphere = Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? lambda * trace : 0;
+        s[k] = strength * (sphere + mu2 * difference[k]);
+      }
     }
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), adding up the kinetic energy lost and the momentum.
-  static void MixVelocity(const PointArrays &b, double fraction, const double (*velocity)[4], SweepTotals &totals)
+  static void MixVelocity(const PointArrays &b, double fraction, const double (*projected)[dim], SweepTotals &totals)
   {
     double lost = 0;
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < dim; ++axis) {
       double impulse = 0;
 #pragma omp simd reduction(+ : lost, impulse)
       for (int p = 0; p < b.count; ++p) {
-        double &v = b.velocity[2 * p + axis];
-        const double mixed = v + fraction * (velocity[p][2 + axis] - v);
+        double &v = b.velocity[dim * p + axis];
+        const double mixed = v + fraction * (projected[p][axis] - v);
         lost += 0.5 * b.mass[p] * (v - mixed) * (v + mixed);
         impulse += b.mass[p] * (mixed - v);
         v = mixed;
@@ -316,11 +420,14 @@ private:
 
 std::vector<std::string> ShapeFunctions() { return {"linear", "ugimp", "cpgimp"}; }
 
-std::unique_ptr<Kernels> CreateKernels(const std::string &shape_function)
+std::unique_ptr<Kernels> CreateKernels(GeometryKind geometry, const std::string &shape_function)
 {
-  if (shape_function == "linear") return std::make_unique<ShapeKernels<Linear>>();
-  if (shape_function == "ugimp") return std::make_unique<ShapeKernels<UniformGimp>>();
-  return std::make_unique<ShapeKernels<ContiguousGimp>>();
+  return WithGeometry(geometry, [&](auto policy) -> std::unique_ptr<Kernels> {
+    using Geometry = decltype(policy);
+    if (shape_function == "linear") return std::make_unique<SweepKernels<Geometry, Linear>>();
+    if (shape_function == "ugimp") return std::make_unique<SweepKernels<Geometry, UniformGimp>>();
+    return std::make_unique<SweepKernels<Geometry, ContiguousGimp>>();
+  });
 }
 
 } // namespace mlgimp

@@ -35,14 +35,15 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   grid_ = std::make_unique<Grid>();
   PetscCall(grid_->Create(world, geometry.grid, layout));
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
-    PetscCall(store->Create(static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
-  kernels_ = CreateKernels(model_.shape_function);
+    PetscCall(store->Create(model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
+  kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
   if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
   nodal_ = model_.nodal;
   nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
-  nodal_.mass_cutoff = kEmptyNode * density * geometry.grid.spacing * geometry.grid.spacing * model_.thickness;
+  const double h = geometry.grid.spacing;
+  nodal_.mass_cutoff = kEmptyNode * density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -68,7 +69,7 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     SweepTotals discarded;
     if (!owned && stores[k]->Count() == 0) continue;
     PetscCall(stores[k]->Arrays(&points));
-    grid_velocity_[k].resize(2 * static_cast<std::size_t>(points.count));
+    grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
     sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? sweep_totals_ : discarded, failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
@@ -80,13 +81,15 @@ PetscErrorCode Level::PointsToGrid(double time)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
-  std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  grid_->ClearSums();
+  applied_.clear();
   PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &) {
     kernels_->PointsToGrid(view, model_.acceleration, time, totals);
   }));
   PointFailure failure;
-  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.thickness, time, failure));
-  for (Points &copies : copies_) PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.thickness, time, failure));
+  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure));
+  for (Points &copies : copies_)
+    PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, applied_, failure));
   NoteFailure(failure, time);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -100,9 +103,8 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
-  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_ && clock_.contact_awake)
-    PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
+  PetscCall(grid_->ReduceSums());
+  if (contact_ && clock_.contact_awake) PetscCall(grid_->BroadcastSums()); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -113,8 +115,8 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateVelocities(*grid_, nodal_, dt, nodal_totals_);
-  PetscCall(PetscLogFlops(kNodeFlops * grid_->OwnedNodes()));
+  UpdateVelocities(*grid_, nodal_, dt);
+  PetscCall(PetscLogFlops(kNodeFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,9 +128,10 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, nodal_totals_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
-  if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) AddWork(*grid_, nodal_, dt, nodal_totals_);
+  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, nodal_totals_);
+  AddLoadWork(*grid_, applied_, dt, load_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,7 +143,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.thickness, nodal_.mass_cutoff, time, dt};
+  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry.thickness, nodal_.mass_cutoff, time, dt};
   PetscCall(contact_->Apply(view, &totals.last));
   if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   totals.penetration = std::max(totals.penetration, totals.last.penetration);
@@ -163,9 +166,9 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
-  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(grid_->Arrays().sums); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceSums(); }));
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().rates, NodeArrays::kRates); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(
       ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
@@ -177,15 +180,14 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 
 PetscErrorCode Level::ExchangeRates(double dt)
 {
-  double *rates = grid_->Arrays().rates;
   PetscFunctionBeginUser;
-  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceToOwners(rates); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
   UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
-  PetscCall(PetscLogFlops(kRatesFlops * grid_->OwnedNodes()));
+  PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
-  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(rates, NodeArrays::kRates); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,7 +202,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  if (rates) std::fill_n(grid_->Arrays().rates, NodeArrays::kRates * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  if (rates) grid_->ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
     kernels_->GridToPoints(view, first, totals, failure);
   }));
@@ -238,14 +240,15 @@ void Level::BoundDrift(double largest_speed, double dt)
 
 PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
 {
-  const Vec3 x = {points.position[2 * p], points.position[2 * p + 1]};
-  const PetscMPIInt owner = grid_->OwnerOfNode(grid_->Nearest(0, x[0]), grid_->Nearest(1, x[1]));
+  const Vec3 x = points.Position(p);
+  const PetscMPIInt owner = grid_->OwnerOfNode(grid_->Nearest(x));
   if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
   return owner;
 }
 
 PetscErrorCode Level::Migrate(bool everywhere)
 {
+  const IndexBox allowed = geometry_.PointNodes();
   PointArrays points;
   PetscMPIInt rank;
   Migrants migrants;
@@ -257,16 +260,15 @@ PetscErrorCode Level::Migrate(bool everywhere)
   PetscCall(points_.Arrays(&points));
   clock_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
-    double *x = points.position + 2 * p;
-    int node[2];
-    for (int axis = 0; axis < 2; ++axis) {
-      const int nearest = grid_->Nearest(axis, x[axis]);
-      node[axis] = std::clamp(nearest, geometry_.FirstNode(axis), geometry_.LastNode(axis));
-      if (node[axis] == nearest) continue;
-      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], {x[0], x[1]}};
-      x[axis] = grid_->Coordinate(axis, node[axis]);
+    const Index nearest = grid_->Nearest(points.Position(p));
+    Index node = nearest;
+    for (int axis = 0; axis < points.dim; ++axis) {
+      node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
+      if (node[axis] == nearest[axis]) continue;
+      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], points.Position(p)};
+      points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
     }
-    const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node[0], node[1]) : grid_->BlockOfNode(node[0], node[1]);
+    const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);
     if (owner == rank) continue;
     migrants.points.push_back(p);
     migrants.ranks.push_back(owner);
@@ -329,7 +331,7 @@ PetscErrorCode Level::Sort()
   PetscCall(points_.Arrays(&points));
   std::vector<int> start(grid_->GhostedNodes() + 1, 0), key(points.count), order(points.count);
   for (int p = 0; p < points.count; ++p) {
-    key[p] = grid_->Index(grid_->Nearest(0, points.position[2 * p]), grid_->Nearest(1, points.position[2 * p + 1]));
+    key[p] = static_cast<int>(grid_->Place(grid_->Nearest(points.Position(p))));
     ++start[key[p] + 1];
   }
   for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
@@ -346,21 +348,21 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   PetscFunctionBeginUser;
   tensors->resize(8 * points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  double *const rates = grid_->Arrays().rates, *const sums = grid_->Arrays().sums;
-  std::fill_n(rates, NodeArrays::kRates * nodes, 0.0);
-  std::fill_n(sums, NodeArrays::kSums * nodes, 0.0);
+  grid_->ClearRates();
+  grid_->ClearSums();
   PetscCall(ForEachStore(0, [&](const SweepView &view, SweepTotals &, PointFailure &) {
     SweepTotals discarded;
     kernels_->ScatterTensors(view);
     kernels_->PointsToGrid(view, {}, 0, discarded);
   }));
-  PetscCall(grid_->ReduceToOwners(rates));
-  PetscCall(grid_->ReduceToOwners(sums));
-  PetscCall(grid_->Broadcast(rates, NodeArrays::kRates));
-  PetscCall(grid_->Broadcast(sums, NodeArrays::kSums));
-  for (std::size_t i = 0; i < nodes; ++i)
-    for (int c = 0; c < NodeArrays::kRates; ++c)
-      rates[NodeArrays::kRates * i + c] /= std::max(sums[NodeArrays::kSums * i], nodal_.mass_cutoff);
+  PetscCall(grid_->ReduceRates());
+  PetscCall(grid_->ReduceSums());
+  PetscCall(grid_->BroadcastRates());
+  PetscCall(grid_->BroadcastSums());
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const double mass = std::max(grid_->Sums()[node].mass, nodal_.mass_cutoff);
+    for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
+  }
   PetscCall(points_.Arrays(&arrays));
   for (std::size_t k = 0; k < points.size(); ++k)
     kernels_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);

@@ -13,11 +13,10 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   PetscFunctionBeginUser;
   samples->resize(points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // nodes without mass have no velocity
+  PetscCall(grid_->BroadcastSums()); // nodes without mass have no velocity
   PetscCall(points_.Arrays(&arrays));
   const SweepView view = {*grid_, arrays, nullptr, bodies_};
-  for (std::size_t k = 0; k < points.size(); ++k)
-    kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff, (*samples)[k].change.data(), (*samples)[k].L);
+  for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,14 +27,14 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(points_.Arrays(&all));
-  std::fill_n(grid_->Arrays().sums, NodeArrays::kSums * static_cast<std::size_t>(grid_->GhostedNodes()), 0.0);
+  grid_->ClearSums();
   for (int p : points) {
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
     kernels_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, discarded);
   }
-  PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
+  PetscCall(grid_->ReduceSums());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -45,20 +44,23 @@ static void AddPoints(const PointArrays &points, const Material &material, Point
   double energy[kBlock];
   material.StoredEnergy(points.count, points.F, points.stress, points.history, points.history_components, energy);
   const double *const masses = points.mass, *const velocity = points.velocity;
-  double kinetic = 0, strain = 0, mass = 0, momentum_x = 0, momentum_y = 0;
-#pragma omp simd reduction(+ : kinetic, strain, mass, momentum_x, momentum_y)
-  for (int p = 0; p < points.count; ++p) {
-    const double m = masses[p], x = velocity[2 * p], y = velocity[2 * p + 1];
-    kinetic += 0.5 * m * (x * x + y * y);
-    strain += energy[p] * m;
-    mass += m;
-    momentum_x += m * x;
-    momentum_y += m * y;
+  const int dim = points.dim;
+  double strain = 0, mass = 0;
+#pragma omp simd reduction(+ : strain, mass)
+  for (int p = 0; p < points.count; ++p) strain += energy[p] * masses[p], mass += masses[p];
+  for (int axis = 0; axis < dim; ++axis) {
+    double kinetic = 0, momentum = 0;
+#pragma omp simd reduction(+ : kinetic, momentum)
+    for (int p = 0; p < points.count; ++p) {
+      const double v = velocity[dim * p + axis];
+      kinetic += 0.5 * masses[p] * v * v;
+      momentum += masses[p] * v;
+    }
+    point_sums->kinetic_energy += kinetic;
+    point_sums->momentum[axis] += momentum;
   }
-  point_sums->kinetic_energy += kinetic;
   point_sums->strain_energy += strain / material.Density();
   point_sums->mass += mass;
-  point_sums->momentum = point_sums->momentum + Vec3{momentum_x, momentum_y};
   point_sums->count += points.count;
 }
 
@@ -94,10 +96,7 @@ PetscErrorCode Level::IndenterDistance(double time, double *distance)
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(points_.Arrays(&points));
   PetscCall(points_.SurfacePoints(&surface));
-  for (int p : *surface) {
-    const double *x = points.position + 2 * p;
-    *distance = std::min(*distance, model_.indenter->Gap({x[0], x[1]}, time).distance);
-  }
+  for (int p : *surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), time).distance);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,17 +110,19 @@ PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
     bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
-    double fastest_point = 0, fastest_wave = 0, sum = 0; // the largest of numbers hides one that is none; their sum does not
-#pragma omp simd reduction(max : fastest_point, fastest_wave) reduction(+ : sum)
+    double speeds[kBlock], fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
     for (int p = first; p < end; ++p) {
-      const double *v = points.velocity + 2 * p, speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
-      fastest_point = std::max(fastest_point, speed);
-      fastest_wave = std::max(fastest_wave, speed + std::sqrt(speed2[p - first]));
-      sum += speed;
+      const Vec3 v = points.Velocity(p);
+      speeds[p - first] = std::sqrt(Dot(v, v));
+    }
+#pragma omp simd reduction(max : fastest_point, fastest_wave) reduction(+ : sum)
+    for (int k = 0; k < end - first; ++k) {
+      fastest_point = std::max(fastest_point, speeds[k]);
+      fastest_wave = std::max(fastest_wave, speeds[k] + std::sqrt(speed2[k]));
+      sum += speeds[k];
     }
     for (int p = first; std::isnan(sum) && p < end; ++p)
-      if (std::isnan(points.velocity[2 * p] + points.velocity[2 * p + 1]))
-        NoteFailure({PointFailure::kNotFinite, points.id[p], {points.position[2 * p], points.position[2 * p + 1]}}, time_);
+      if (std::isnan(speeds[p - first])) NoteFailure({PointFailure::kNotFinite, points.id[p], points.Position(p)}, time_);
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
   }

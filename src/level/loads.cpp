@@ -8,13 +8,14 @@ namespace mlgimp
 
 Face PointFace(const PointArrays &points, int p, Side side)
 {
-  const double *F = points.F + 4 * p, *half = points.half_size + 2 * p, *x = points.position + 2 * p;
+  const double *const F = points.F + 4 * p;
+  const Vec3 half = points.HalfSize(p);
   const int a = AxisOf(side), b = 1 - a, sign = SignOf(side);
   Vec3 out{}, along{};
   out[a] = sign * half[a];
   along[b] = half[b];
   const Vec3 cofactor = a == 0 ? Vec3{F[3], -F[1]} : Vec3{-F[2], F[0]};
-  return {Vec3{x[0], x[1]} + Multiply(F, out), Multiply(F, along), 2 * half[b] * sign * cofactor};
+  return {points.Position(p) + points.Deform(p, out), points.Deform(p, along), 2 * half[b] * sign * cofactor};
 }
 
 /// Weights of a face on the three nodes around its centre along one axis.
@@ -23,36 +24,36 @@ static AxisWeights FaceWeights(double d, double l)
   return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }
 
-/// False where the face has left the nodes that this rank holds.
-static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec3 force)
+/// Calls work(place, weight) for the nodes around a face.
+template <class Work> static void ForEachNodeOf(const Grid &grid, const FaceForce &face, Work work)
 {
-  AxisWeights at[2];
-  int nearest[2];
-  for (int axis = 0; axis < 2; ++axis) {
+  const bool spatial = grid.Geometry().dim == 3;
+  ForEach({{0, 0, 0}, {3, 3, spatial ? 3 : 1}}, [&](Index k) {
+    const double weight = face.at[0].w[k[0]] * face.at[1].w[k[1]] * (spatial ? face.at[2].w[k[2]] : 1);
+    work(grid.Place(face.nearest + k - Index{1, 1, spatial ? 1 : 0}), weight);
+  });
+}
+
+/// False where the face has left the nodes that this rank holds.
+static bool PlaceFace(const Grid &grid, const Face &face, FaceForce *placed)
+{
+  const IndexBox &local = grid.Ghosted();
+  placed->nearest = grid.Nearest(face.center);
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
     const double inverse_h = grid.IndexSpace().inverse_spacing;
-    const int first = grid.GhostLower(axis) + 1, last = grid.GhostLower(axis) + grid.GhostSize(axis) - 2;
-    nearest[axis] = grid.Nearest(axis, face.center[axis]);
-    if (nearest[axis] < first || nearest[axis] > last) return false;
-    const double d = (face.center[axis] - grid.Coordinate(axis, nearest[axis])) * inverse_h;
-    at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
+    const int nearest = placed->nearest[axis];
+    if (nearest <= local.lower[axis] || nearest >= local.upper[axis] - 1) return false;
+    const double d = (face.center[axis] - grid.Coordinate(axis, nearest)) * inverse_h;
+    placed->at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
   }
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) {
-      const int index = grid.Index(nearest[0] + i - 1, nearest[1] + j - 1);
-      double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-      for (int axis = 0; axis < 2; ++axis) {
-        const double part = at[0].w[i] * at[1].w[j] * force[axis];
-        sums[4 + axis] += part;
-        if (owned) sums[6 + axis] += part;
-      }
-    }
   return true;
 }
 
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
-                        double time, PointFailure &failure)
+PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
+                        double time, std::vector<FaceForce> &applied, PointFailure &failure)
 {
   const std::vector<int> *surface = nullptr;
+  const int dim = grid.Geometry().dim;
   PointArrays arrays;
   std::vector<double> pressure;
   PetscFunctionBeginUser;
@@ -61,14 +62,34 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
   PetscCall(points.Arrays(&arrays));
   PetscCall(points.SurfacePoints(&surface));
   for (int p : *surface)
-    for (std::size_t k = 0; k < loads.size(); ++k) {
-      const double share = arrays.load_share[loads.size() * p + k];
+    for (int k = 0; k < arrays.loads; ++k) {
+      const double share = arrays.load_share[PointArrays::At(p, arrays.loads) + k];
       if (share == 0) continue;
       const Face face = PointFace(arrays, p, loads[k].side);
-      if (AddFaceForce(grid, owned, face, -pressure[k] * share * thickness * face.area_normal)) continue;
-      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, arrays.id[p], face.center};
+      FaceForce placed{};
+      placed.force = -pressure[k] * share * geometry.OutOfPlane(face.center[0]) * face.area_normal;
+      if (!PlaceFace(grid, face, &placed)) {
+        if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, arrays.id[p], face.center};
+        continue;
+      }
+      ForEachNodeOf(grid, placed, [&](std::ptrdiff_t place, double weight) {
+        for (int axis = 0; axis < dim; ++axis) grid.Sums()[place].force[axis] += weight * placed.force[axis];
+      });
+      if (owned) applied.push_back(placed);
     }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double dt, LoadTotals &totals)
+{
+  for (const FaceForce &face : applied) {
+    totals.impulse = totals.impulse + dt * face.force;
+    ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
+      const auto [velocity, change] = grid.Velocity(place);
+      for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+        totals.work += dt * weight * face.force[axis] * (velocity[axis] - 0.5 * change[axis]);
+    });
+  }
 }
 
 } // namespace mlgimp

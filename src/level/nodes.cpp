@@ -9,46 +9,48 @@ namespace mlgimp
 namespace
 {
 
-/// Calls work(index) with the place in the ghosted arrays of every owned node.
+/// Calls work(place) with the place in the arrays of every owned node.
 template <class Work> void ForEachOwned(const Grid &grid, Work work)
 {
-  for (int j = grid.OwnedLower(1); j < grid.OwnedUpper(1); ++j) {
-    const int row = grid.Index(0, j);
-    for (int i = grid.OwnedLower(0); i < grid.OwnedUpper(0); ++i) work(row + i);
-  }
+  const IndexBox &owned = grid.Owned();
+  for (int k = owned.lower[2]; k < owned.upper[2]; ++k)
+    for (int j = owned.lower[1]; j < owned.upper[1]; ++j) {
+      const std::ptrdiff_t first = grid.Place({owned.lower[0], j, k}), end = first + owned.Size(0);
+      for (std::ptrdiff_t place = first; place < end; ++place) work(place);
+    }
 }
 
-/// Calls work(index, side) for every owned node at or beyond each bound side.
+/// Calls work(place, side) for every owned node at or beyond each side that is not free.
 template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryConditions &sides, Work work)
 {
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);
     if (sides.kind[s] == BoundaryKind::kFree) continue;
-    int lower[2] = {grid.OwnedLower(0), grid.OwnedLower(1)}, upper[2] = {grid.OwnedUpper(0), grid.OwnedUpper(1)};
+    IndexBox nodes = grid.Owned();
     const int axis = AxisOf(side);
     if (SignOf(side) < 0)
-      upper[axis] = std::min(upper[axis], sides.node[s] + 1);
+      nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[s] + 1);
     else
-      lower[axis] = std::max(lower[axis], sides.node[s]);
-    for (int j = lower[1]; j < upper[1]; ++j)
-      for (int i = lower[0]; i < upper[0]; ++i) work(grid.Index(i, j), side);
+      nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[s]);
+    ForEach(nodes, [&](Index node) { work(grid.Place(node), side); });
   }
 }
 
 /// Share of a node's mass that points of this level have; the rest are copies, whose budgets their owners keep.
-double OwnedShare(const double *sums) { return sums[0] > 0 ? sums[3] / sums[0] : 0; }
+double OwnedShare(const NodeSums &node) { return node.mass > 0 ? node.owned_mass / node.mass : 0; }
 
 } // namespace
 
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
+  const int dim = grid.Geometry().dim;
   Vec3 gravity_impulse{}, damping_impulse{};
-  ForEachOwned(grid, [&](int index) {
-    double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    const double owned = dt * OwnedShare(sums);
-    for (int axis = 0; axis < 2; ++axis) {
-      const double gravity = sums[0] * settings.gravity[axis], damping = -settings.damping * sums[1 + axis];
-      sums[4 + axis] += gravity + damping;
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    NodeSums &node = grid.Sums()[place];
+    const double owned = dt * OwnedShare(node);
+    for (int axis = 0; axis < dim; ++axis) {
+      const double gravity = node.mass * settings.gravity[axis], damping = -settings.damping * node.momentum[axis];
+      node.force[axis] += gravity + damping;
       gravity_impulse[axis] += owned * gravity;
       damping_impulse[axis] += owned * damping;
     }
@@ -57,86 +59,80 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, N
   totals.damping_impulse = totals.damping_impulse + damping_impulse;
 }
 
-void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
-  const NodeArrays &nodes = grid.Arrays();
-  Vec3 load_impulse{};
-  ForEachOwned(grid, [&](int index) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    const bool empty = sums[0] <= settings.mass_cutoff;
-    const double inverse_mass = empty ? 0 : 1 / sums[0];
-    for (int axis = 0; axis < 2; ++axis) {
-      velocity[2 + axis] = dt * sums[4 + axis] * inverse_mass;
-      velocity[axis] = sums[1 + axis] * inverse_mass + velocity[2 + axis];
-      load_impulse[axis] += empty ? 0 : dt * sums[6 + axis];
+  const int dim = grid.Geometry().dim;
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+    for (int axis = 0; axis < dim; ++axis) {
+      change[axis] = dt * node.force[axis] * inverse_mass;
+      velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
     }
   });
-  totals.load_impulse = totals.load_impulse + load_impulse;
 }
 
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                              NodalTotals &totals)
 {
-  const NodeArrays &nodes = grid.Arrays();
-  ForEachConstrained(grid, sides, [&](int index, Side side) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    if (sums[0] <= settings.mass_cutoff) return;
-    for (int axis = 0; axis < 2; ++axis) {
+  const int dim = grid.Geometry().dim;
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    if (node.mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      totals.support_impulse[axis] -= sums[3] * velocity[axis];
-      velocity[2 + axis] -= velocity[axis];
+      totals.support_impulse[axis] -= node.owned_mass * velocity[axis];
+      change[axis] -= velocity[axis];
       velocity[axis] = 0;
     }
   });
 }
 
-void AddWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
 {
-  const NodeArrays &nodes = grid.Arrays();
+  const int dim = grid.Geometry().dim;
   double work = 0, damped = 0;
-  ForEachOwned(grid, [&](int index) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    for (int axis = 0; axis < 2; ++axis) {
-      const double mean = velocity[axis] - 0.5 * velocity[2 + axis], old = velocity[axis] - velocity[2 + axis];
-      work += mean * (sums[6 + axis] + sums[3] * settings.gravity[axis]);
-      damped += sums[3] * old * mean;
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    for (int axis = 0; axis < dim; ++axis) {
+      const double mean = velocity[axis] - 0.5 * change[axis], old = velocity[axis] - change[axis];
+      work += mean * node.owned_mass * settings.gravity[axis];
+      damped += node.owned_mass * old * mean;
     }
   });
-  totals.external_work += dt * work;
+  totals.gravity_work += dt * work;
   totals.damping_dissipation += dt * settings.damping * damped;
 }
 
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
 {
+  const int dim = grid.Geometry().dim;
   for (CoupledNode &coupled : nodes) {
-    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(coupled.node);
-    const double *velocity = grid.Arrays().velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(coupled.node);
-    for (int axis = 0; axis < 2; ++axis)
-      coupled.change[axis] = sums[0] > settings.mass_cutoff ? velocity[2 + axis] - dt * sums[4 + axis] / sums[0] : 0;
+    const NodeSums &node = grid.Sums()[coupled.node];
+    const double *const change = grid.Velocity(coupled.node).change;
+    for (int axis = 0; axis < dim; ++axis)
+      coupled.change[axis] = node.mass > settings.mass_cutoff ? change[axis] - dt * node.force[axis] / node.mass : 0;
   }
 }
 
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
                  NodalTotals &totals)
 {
-  const NodeArrays &nodes = grid.Arrays();
+  const int dim = grid.Geometry().dim;
   double work = 0;
-  ForEachOwned(grid, [&](int index) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    const double *after = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-    if (sums[0] <= settings.mass_cutoff) return;
-    for (int axis = 0; axis < 2; ++axis) {
-      const double outside = sums[6 + axis] + sums[0] * settings.gravity[axis] - settings.damping * sums[1 + axis];
-      work += 0.5 * dt * (sums[4 + axis] - outside) / sums[0] * (sums[1 + axis] + after[axis]);
-    }
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const NodeSums &node = grid.Sums()[place];
+    const double *const after = grid.Rates(place);
+    if (node.mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < dim; ++axis) work += 0.5 * dt * node.force[axis] / node.mass * (node.momentum[axis] + after[axis]);
   });
-  for (const CoupledNode &node : coupled) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(node.node);
-    const double *after = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(node.node);
-    for (int axis = 0; axis < 2; ++axis) work += 0.5 * node.change[axis] * (sums[1 + axis] + after[axis]);
+  for (const CoupledNode &one : coupled) {
+    const NodeSums &node = grid.Sums()[one.node];
+    const double *const after = grid.Rates(one.node);
+    for (int axis = 0; axis < dim; ++axis) work += 0.5 * one.change[axis] * (node.momentum[axis] + after[axis]);
   }
   totals.exchange_work += work;
 }
@@ -144,14 +140,14 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 /// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
 static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
+  const int dim = grid.Geometry().dim;
   Vec3 impulse{};
-  ForEachConstrained(grid, sides, [&](int index, Side side) {
-    const double *sums = grid.Arrays().sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    double *rates = grid.Arrays().rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-    for (int axis = 0; axis < 2; ++axis) {
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side) {
+    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+    for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      impulse[axis] -= sums[3] * rates[2 + axis];
-      rates[axis] = rates[2 + axis] = 0;
+      impulse[axis] -= grid.Sums()[place].owned_mass * projected[axis];
+      velocity[axis] = projected[axis] = 0;
     }
   });
   return impulse;
@@ -159,14 +155,12 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
-  const NodeArrays &nodes = grid.Arrays();
-  ForEachOwned(grid, [&](int index) {
-    const double *sums = nodes.sums + NodeArrays::kSums * static_cast<std::ptrdiff_t>(index);
-    double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
-    std::fill_n(rates, NodeArrays::kRates, 0.0);
-    if (sums[0] <= settings.mass_cutoff) return;
-    rates[0] = sums[1] / sums[0];
-    rates[1] = sums[2] / sums[0];
+  const int dim = grid.Geometry().dim;
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const NodeSums &node = grid.Sums()[place];
+    double *const rates = grid.Rates(place);
+    std::fill_n(rates, NodeLayout::Rates(dim), 0.0);
+    for (int axis = 0; node.mass > settings.mass_cutoff && axis < dim; ++axis) rates[axis] = node.momentum[axis] / node.mass;
   });
   ConstrainRates(grid, sides);
 }
@@ -174,30 +168,26 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                  const std::vector<CoupledNode> &coupled, NodalTotals &totals)
 {
-  const NodeArrays &nodes = grid.Arrays();
-  ForEachOwned(grid, [&](int index) {
-    const double mass = nodes.sums[NodeArrays::kSums * static_cast<std::ptrdiff_t>(index)];
-    const double *velocity = nodes.velocity + NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(index);
-    double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(index);
+  const int dim = grid.Geometry().dim, components = NodeLayout::Rates(dim);
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
+    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     if (mass <= settings.mass_cutoff) {
-      std::fill_n(rates, NodeArrays::kRates, 0.0);
+      std::fill_n(velocity, components, 0.0);
       return;
     }
     const double inverse_mass = 1 / mass;
-    for (int k = 0; k < NodeArrays::kRates; ++k) rates[k] *= inverse_mass;
-    for (int axis = 0; axis < 2; ++axis) {
-      rates[2 + axis] = settings.xpic_order == 1 ? velocity[axis] : 2 * velocity[axis] - rates[2 + axis];
+    for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
+    for (int axis = 0; axis < dim; ++axis) {
+      projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
       if (settings.second_extrapolation)
-        rates[axis] += settings.xpic_fraction * (rates[2 + axis] - rates[axis]);
+        velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
       else
-        rates[axis] = velocity[axis];
+        velocity[axis] = updated[axis];
     }
   });
   for (const CoupledNode &node : coupled)
-    for (int axis = 0; node.held && axis < 2; ++axis) {
-      double *rates = nodes.rates + NodeArrays::kRates * static_cast<std::ptrdiff_t>(node.node);
-      rates[axis] = nodes.velocity[NodeArrays::kVelocity * static_cast<std::ptrdiff_t>(node.node) + axis];
-    }
+    if (node.held) std::copy_n(grid.Velocity(node.node).velocity, dim, grid.Rates(node.node));
   totals.xpic_side_impulse = totals.xpic_side_impulse + settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

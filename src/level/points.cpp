@@ -20,14 +20,15 @@ static PetscDataType PetscType(FieldType type)
   }
 }
 
-PetscErrorCode Points::Create(int loads, int history_components)
+PetscErrorCode Points::Create(GeometryKind geometry, int loads, int history_components)
 {
   static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
   PetscFunctionBeginUser;
-  table_ = PointFieldTable(loads, history_components);
+  table_ = PointFieldTable(geometry, loads, history_components);
+  dim_ = table_[kPosition].components;
   PetscCall(DMCreate(PETSC_COMM_SELF, swarm_.Out()));
   PetscCall(DMSetType(swarm_, DMSWARM));
-  PetscCall(DMSetDimension(swarm_, 2));
+  PetscCall(DMSetDimension(swarm_, dim_));
   PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(swarm_));
   for (const PointFieldInfo &field : table_)
@@ -75,6 +76,9 @@ PetscErrorCode Points::Arrays(PointArrays *arrays)
   auto real = [this](PointField field) { return static_cast<double *>(data_[field]); };
   auto integer = [this](PointField field) { return static_cast<int *>(data_[field]); };
   *arrays = {count_,
+             dim_,
+             table_[kStress].components,
+             table_[kShortWaveStress].components,
              static_cast<std::int64_t *>(first),
              real(kPosition),
              real(kVelocity),
@@ -83,6 +87,7 @@ PetscErrorCode Points::Arrays(PointArrays *arrays)
              real(kShortWaveStress),
              real(kMass),
              real(kHalfSize),
+             real(kInitialRadius),
              integer(kBody),
              integer(kFaces),
              real(kLoadShare),
@@ -228,6 +233,15 @@ PetscErrorCode Pack(Points &from, const Migrants &migrants, SendBuffer *buffer)
 }
 
 } // namespace
+
+PetscErrorCode Points::Copy(int source, int target)
+{
+  RecordCopier copier;
+  PetscFunctionBeginUser;
+  PetscCall(RecordCopier::Create(*this, &copier));
+  copier.Copy(source, target);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode Points::Remove(const std::vector<int> &holes)
 {

@@ -114,13 +114,13 @@ Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec3 cell_center) const
   return {start, (end - start) / count, count};
 }
 
-std::vector<Tile> Tiling::InCell(int i, int j) const
+std::vector<Tile> Tiling::InCell(Index at) const
 {
   std::vector<Tile> tiles;
-  const Vec3 center = CellCenter(i, j);
-  const Cut x = CutAxis(0, i, center);
+  const Vec3 center = CellCenter(at);
+  const Cut x = CutAxis(0, at[0], center);
   if (x.count == 0) return tiles;
-  const Cut y = CutAxis(1, j, center);
+  const Cut y = CutAxis(1, at[1], center);
   for (int b = 0; b < y.count; ++b)
     for (int a = 0; a < x.count; ++a)
       tiles.push_back({{x.start + (a + 0.5) * x.width, y.start + (b + 0.5) * y.width}, {0.5 * x.width, 0.5 * y.width}});
@@ -129,9 +129,9 @@ std::vector<Tile> Tiling::InCell(int i, int j) const
 
 bool Tiling::At(Vec3 x, Tile &tile) const
 {
-  const int cell[2] = {static_cast<int>(std::floor((x[0] - origin_[0]) / cell_size_)),
-                       static_cast<int>(std::floor((x[1] - origin_[1]) / cell_size_))};
-  const Vec3 center = CellCenter(cell[0], cell[1]);
+  const Index cell = {static_cast<int>(std::floor((x[0] - origin_[0]) / cell_size_)),
+                      static_cast<int>(std::floor((x[1] - origin_[1]) / cell_size_)), 0};
+  const Vec3 center = CellCenter(cell);
   for (int axis = 0; axis < 2; ++axis) {
     bool found = false;
     for (int neighbour : {0, -1, 1}) { // a sliver is a neighbour's

@@ -24,7 +24,7 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   PetscFunctionBeginUser;
   PetscCall(reader.Choice({"-geometry", "kinematics", ""}, {"plane_strain", "axisymmetric", "3d"}, &geometry));
   if (geometry != "plane_strain") PetscCall(reader.Refuse("-geometry", geometry, "plane_strain: it is the only one built yet"));
-  PetscCall(reader.Number({"-thickness", "out-of-plane thickness", "m"}, kPositive, false, &c->model.thickness));
+  PetscCall(reader.Number({"-thickness", "out-of-plane thickness", "m"}, kPositive, false, &c->model.geometry.thickness));
   PetscCall(reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower));
   PetscCall(reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper));
   PetscCall(reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size));
@@ -37,20 +37,21 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   if (!kCellSizes.Contains(c->cell_size))
     PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too"));
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < c->Dim(); ++axis) {
     const double cells = (c->domain.upper[axis] - c->domain.lower[axis]) / c->cell_size;
     if (!(cells > 0))
       PetscCall(
-          reader.Refuse("-domain_upper", FormatVector(c->domain.upper), "above -domain_lower " + FormatVector(c->domain.lower)));
+          reader.Refuse("-domain_upper", reader.Text(c->domain.upper), "above -domain_lower " + reader.Text(c->domain.lower)));
     if (cells > 1e6)
       PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges"));
     if (std::abs(cells - std::round(cells)) > 1e-6 * std::max(1.0, cells) || std::round(cells) < 1)
       PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                              "a whole fraction of the domain's edges " + FormatNumber(c->domain.upper[0] - c->domain.lower[0]) +
-                                  " and " + FormatNumber(c->domain.upper[1] - c->domain.lower[1])));
+                              "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower)));
   }
   // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
-  const double nodes = (c->Cells(0) + 4.0) * (c->Cells(1) + 4.0), most = PETSC_MAX_INT / NodeArrays::kSums;
+  const double most = PETSC_MAX_INT / NodeLayout::kSums;
+  double nodes = 1;
+  for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > most)
     PetscCall(
         reader.Refuse("-cell_size", FormatNumber(c->cell_size),

@@ -35,7 +35,7 @@ PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::st
     PetscCall(reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower));
     PetscCall(reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper));
     if (!(box.upper[0] > box.lower[0] && box.upper[1] > box.lower[1]) && !reader.Help())
-      PetscCall(reader.Refuse(prefix + "upper", FormatVector(box.upper), "above " + prefix + "lower " + FormatVector(box.lower)));
+      PetscCall(reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower)));
     *region = CreateBoxRegion(box);
   }
   if (shape == "disk" || reader.Help()) {
@@ -99,15 +99,15 @@ PetscErrorCode CheckPlace(OptionReader &reader, const Case &c, const Body &body,
   const Box bounds = body.region->Bounds();
   const double tolerance = 1e-9 * c.cell_size;
   PetscFunctionBeginUser;
-  for (int d = 0; d < 2; ++d)
+  for (int d = 0; d < c.Dim(); ++d)
     for (const bool upper : {false, true}) {
       const double beyond = upper ? bounds.upper[d] - c.domain.upper[d] : c.domain.lower[d] - bounds.lower[d];
       if (beyond <= tolerance) continue;
       const std::string option = "-" + body.name + "_" + PlaceOption(shape, upper);
-      PetscCall(reader.Refuse(option, shape == "box" ? FormatVector(upper ? bounds.upper : bounds.lower) : "",
-                              "inside the domain, " + FormatVector(c.domain.lower) + " to " + FormatVector(c.domain.upper) +
-                                  "; body " + body.name + " reaches from " + FormatVector(bounds.lower) + " to " +
-                                  FormatVector(bounds.upper)));
+      PetscCall(reader.Refuse(option, shape == "box" ? reader.Text(upper ? bounds.upper : bounds.lower) : "",
+                              "inside the domain, " + reader.Text(c.domain.lower) + " to " + reader.Text(c.domain.upper) +
+                                  "; body " + body.name + " reaches from " + reader.Text(bounds.lower) + " to " +
+                                  reader.Text(bounds.upper)));
     }
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
@@ -149,7 +149,7 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
   PetscCall(reader.Names({"-bodies", "names of the bodies", ""}, true, names));
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
-    Body body{name, nullptr, 0, {0, 0}, 2};
+    Body body{name, nullptr, 0, {}, 2};
     std::string shape, material = materials.size() == 1 ? materials[0] : "";
     PetscCall(ReadRegion(reader, name, &shape, &body.region));
     PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""},
@@ -186,25 +186,27 @@ PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, 
 PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c)
 {
   std::vector<std::string> names;
-  const std::vector<std::string> sides(kSideNames, kSideNames + kSides);
+  const std::vector<std::string> sides(kSideNames, kSideNames + 2 * c->Dim());
   PetscFunctionBeginUser;
   PetscCall(reader.Names({"-loads", "names of pressures on sides of bodies", ""}, false, &names));
   for (const std::string &name : names) {
     const std::string prefix = "-" + name + "_";
-    Load load{0, kXLower, {-HUGE_VAL, HUGE_VAL}, {}};
+    Load load{0, kXLower, {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}}, {}};
     std::string body = bodies[0], side = sides[0];
-    std::vector<double> span = {load.span[0], load.span[1]};
+    const int numbers = 2 * (c->Dim() - 1);
+    std::vector<double> span(&load.span[0][0], &load.span[0][0] + numbers);
     PetscCall(
         reader.Text({prefix + "body", "name of the body (default: the only one, else required)", ""}, bodies.size() > 1, &body));
     PetscCall(FindName(reader, prefix + "body", bodies, "-bodies", body, &load.body));
     PetscCall(reader.Choice({prefix + "side", "side of the body", ""}, sides, &side));
     load.side = static_cast<Side>(std::find(sides.begin(), sides.end(), side) - sides.begin());
-    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, 2, 2,
-                             false, &span));
-    load.span[0] = span[0];
-    load.span[1] = span[1];
-    if (!(span[1] > span[0]))
-      PetscCall(reader.Refuse(prefix + "span", FormatVector({span[0], span[1]}), "start,end with end above start"));
+    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, numbers,
+                             numbers, false, &span));
+    std::copy_n(span.begin(), numbers, &load.span[0][0]);
+    for (int k = 0; k < c->Dim() - 1; ++k)
+      if (!(load.span[k][1] > load.span[k][0]))
+        PetscCall(reader.Refuse(prefix + "span", FormatNumber(load.span[k][0]) + "," + FormatNumber(load.span[k][1]),
+                                "start,end with end above start"));
     PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
                           &load.pressure));
     c->model.loads.push_back(load);

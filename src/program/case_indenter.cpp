@@ -91,7 +91,7 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   if (!has_depth || reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const double travel = depth + indenter.tip[1] - indenter.initial_surface;
   if (travel <= 0)
-    PetscCall(reader.Refuse("-indenter_tip", FormatVector(indenter.tip), "above the depth that -indenter_max_depth gives"));
+    PetscCall(reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above the depth that -indenter_max_depth gives"));
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {
@@ -189,14 +189,14 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
       continue;
     const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
     if (c.IsBorder(k, kXLower) && x < box.lower[0] + margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", reader.Text(box.lower),
                               "at least " + FormatRounded(margin) + needed));
     if (c.IsBorder(k, kXUpper) && x > box.upper[0] - margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", FormatVector(box.upper),
+      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", reader.Text(box.upper),
                               "at least " + FormatRounded(margin) + needed));
     if (c.IsBorder(k, kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
       PetscCall(
-          reader.Refuse("-level_" + std::to_string(k) + "_lower", FormatVector(box.lower),
+          reader.Refuse("-level_" + std::to_string(k) + "_lower", reader.Text(box.lower),
                         "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

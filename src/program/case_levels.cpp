@@ -17,13 +17,13 @@ constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much
 PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
 {
   PetscFunctionBeginUser;
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < c.Dim(); ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
     if (std::abs(cells - std::round(cells)) > kOffLine && !at_side)
-      PetscCall(reader.Refuse(option, FormatVector(corner),
+      PetscCall(reader.Refuse(option, reader.Text(corner),
                               "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
-                                  " from -domain_lower " + FormatVector(c.domain.lower)));
+                                  " from -domain_lower " + reader.Text(c.domain.lower)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -44,14 +44,14 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 {
   const Box &box = c.boxes[k];
   PetscFunctionBeginUser;
-  for (int s = 0; s < kSides; ++s) {
+  for (int s = 0; s < 2 * c.Dim(); ++s) {
     const Side side = static_cast<Side>(s);
     const bool upper = SignOf(side) > 0;
     const std::string option = "-level_" + std::to_string(k) + (upper ? "_upper" : "_lower");
     const Vec3 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
-      PetscCall(reader.Refuse(option, FormatVector(corner),
+      PetscCall(reader.Refuse(option, reader.Text(corner),
                               "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
                                   kSideNames[s] + "; it is " + FormatRounded(depth)));
   }
@@ -62,7 +62,7 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
 /// as they were given.
 Vec3 OnLines(const Case &c, Vec3 corner, double cell)
 {
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < c.Dim(); ++axis) {
     const double lower = c.domain.lower[axis], upper = c.domain.upper[axis];
     const double line = std::round((corner[axis] - lower) / cell), last = std::round((upper - lower) / cell);
     corner[axis] = line == last ? upper : lower + line * cell;
@@ -81,16 +81,17 @@ PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckLines(reader, *c, name + "_lower", box.lower, coarse));
   PetscCall(CheckLines(reader, *c, name + "_upper", box.upper, coarse));
-  for (int axis = 0; axis < 2; ++axis)
+  for (int axis = 0; axis < c->Dim(); ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      PetscCall(reader.Refuse(name + "_upper", FormatVector(box.upper),
+      PetscCall(reader.Refuse(name + "_upper", reader.Text(box.upper),
                               "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
-                                  FormatVector(box.lower)));
+                                  reader.Text(box.lower)));
   box = {OnLines(*c, box.lower, coarse), OnLines(*c, box.upper, coarse)};
   c->boxes.push_back(box);
   PetscCall(CheckNesting(reader, *c, k));
-  const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeArrays::kSums;
-  const double nodes = ((box.upper[0] - box.lower[0]) / cell + 8) * ((box.upper[1] - box.lower[1]) / cell + 8);
+  const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeLayout::kSums;
+  double nodes = 1;
+  for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
   if (nodes > most)
     PetscCall(reader.Refuse("-levels", std::to_string(c->levels),
                             "such that each grid has at most " + FormatNumber(most) + " nodes; level " + std::to_string(k) +
@@ -161,7 +162,7 @@ void FitBlendWidths(Case *c)
 {
   std::vector<double> &widths = c->hierarchy.blend_widths;
   for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
-    for (int s = 0; s < kSides; ++s) {
+    for (int s = 0; s < 2 * c->Dim(); ++s) {
       const Side side = static_cast<Side>(s);
       const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
       if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
@@ -174,10 +175,10 @@ LevelGeometry MakeLevel(const Case &c, int k)
   const double h = c.CellSize(k);
   const int reach = c.hierarchy.coupling == LevelCoupling::kPoints ? c.hierarchy.ghost_cells + 2 : kHaloWidth;
   LevelGeometry geometry;
-  geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1};
-  for (int axis = 0; axis < 2; ++axis)
+  geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1, c.Dim()};
+  for (int axis = 0; axis < c.Dim(); ++axis)
     geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
-  for (int s = 0; s < kSides; ++s) {
+  for (int s = 0; s < 2 * c.Dim(); ++s) {
     const Side side = static_cast<Side>(s);
     geometry.border[s] = c.IsBorder(k, side);
     geometry.sides.kind[s] = geometry.border[s] ? BoundaryKind::kFree : c.model.sides[s];

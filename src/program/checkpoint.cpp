@@ -56,8 +56,8 @@ static PetscErrorCode WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   const bool first = rank == 0;
   PetscCall(WritePoints(file, hierarchy.Comm(), group, level.PointStore()));
   PetscCall(file.Attribute(group, "pace", {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_awake)}));
-  PetscCall(file.List(group + "/columns", first ? Numbers(layout.widths[0]) : std::vector<double>()));
-  PetscCall(file.List(group + "/rows", first ? Numbers(layout.widths[1]) : std::vector<double>()));
+  for (int axis = 0; axis < 3; ++axis)
+    PetscCall(file.List(group + kWidthNames[axis], first ? Numbers(layout.widths[axis]) : std::vector<double>()));
   PetscCall(file.List(group + "/ranks", first ? Numbers(layout.ranks) : std::vector<double>()));
   if (rank == layout.ranks[0])
     for (const auto &[key, pressure] : level.Pressures()) {
@@ -98,7 +98,8 @@ PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<s
   PetscCall(file.Attribute("/", "format_version", {double(kFormatVersion)}));
   PetscCall(file.Text("/identity", rank == 0 ? Join(identity, "\n") : "")); // of any length, as no attribute may be
   PetscCall(file.Attribute("/", "state", StateAsNumbers(state)));
-  PetscCall(file.Attribute("/", "copies", {double(copies.ready), copies.momentum_left[0], copies.momentum_left[1]}));
+  PetscCall(file.Attribute("/", "copies",
+                           {double(copies.ready), copies.momentum_left[0], copies.momentum_left[1], copies.momentum_left[2]}));
   PetscCall(file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), slab, totals.data()));
   for (int l = 0; l < hierarchy.Levels(); ++l) PetscCall(WriteLevel(file, hierarchy, l));
   for (int b = 0; b + 1 < hierarchy.Levels(); ++b) PetscCall(WriteBorder(file, hierarchy, b));

@@ -29,20 +29,26 @@ bool AllWhole(const std::vector<double> &values, double least, double most)
 const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
 {
   constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // see PointNumbers
-  const double *F = a.F + 4 * p, *size = a.half_size + 2 * p;
-  const double det = F[0] * F[3] - F[1] * F[2];
+  const auto finite = [&](const double *field, int components) {
+    return !field || AllFinite(field + p * components, static_cast<std::size_t>(components));
+  };
+  const Vec3 size = a.HalfSize(static_cast<int>(p));
+  const double det = Determinant(a.F + p * a.dim * a.dim, a.dim);
   if (a.id[p] < 0 || a.id[p] > kLargestId) return "a number that no point has";
-  if (!AllFinite(a.position + 2 * p, 2) || !AllFinite(a.velocity + 2 * p, 2) || !AllFinite(F, 4) ||
-      !AllFinite(a.stress + 4 * p, 4) || !AllFinite(a.short_wave_stress + 3 * p, 3) ||
-      (a.history && !AllFinite(a.history + a.history_components * p, a.history_components)))
+  if (!finite(a.position, a.dim) || !finite(a.velocity, a.dim) || !finite(a.F, a.dim * a.dim) ||
+      !finite(a.stress, a.stress_components) || !finite(a.short_wave_stress, a.rate_components) ||
+      !finite(a.history, a.history_components))
     return "a value that is not finite";
   if (!(det > 0 && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
-  if (!(size[0] > 0 && size[1] > 0) || !AllFinite(size, 2)) return "a size that is not above zero";
+  if (a.initial_radius && !(a.initial_radius[p] > 0 && std::isfinite(a.initial_radius[p]) && a.position[2 * p] > 0))
+    return "a radius that is not above zero";
+  for (int d = 0; d < a.dim; ++d)
+    if (!(size[d] > 0 && std::isfinite(size[d]))) return "a size that is not above zero";
   if (a.body[p] < 0 || a.body[p] >= bodies) return "a body that is not there";
   if (a.faces[p] < 0 || a.faces[p] >= 1 << kSides) return "faces that are not there";
   for (int k = 0; k < a.loads; ++k)
-    if (const double share = a.load_share[a.loads * p + k]; !(share >= 0 && share <= 1))
+    if (const double share = a.load_share[p * a.loads + k]; !(share >= 0 && share <= 1))
       return "a share of a load that is not in [0, 1]";
   return nullptr;
 }
@@ -55,7 +61,8 @@ std::string WrongValues(const PointArrays &points, int bodies)
   for (int p = 0; p < points.count; ++p) {
     const char *what = WrongPoint(points, p, bodies);
     if (!what) continue;
-    std::snprintf(place, sizeof place, " at (%.6e, %.6e) has ", points.position[2 * p], points.position[2 * p + 1]);
+    const Vec3 x = points.Position(p);
+    std::snprintf(place, sizeof place, " at (%.6e, %.6e) has ", x[0], x[1]);
     return "point " + std::to_string(points.id[p]) + place + what;
   }
   return "";
@@ -66,16 +73,16 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
   constexpr int kStray = kHaloWidth - 1; // nodes beyond its own that a rank can serve: a stencil reaches one further
   const Grid &grid = level.Mesh();
   if (own && !grid.Participates() && points.count > 0) return "a rank without a part of the grid has points";
-  for (int axis = 0; axis < 2; ++axis) {
-    double first = level.Geometry().FirstNode(axis), last = level.Geometry().LastNode(axis);
-    if (own) {
-      first = std::max<double>(first, grid.OwnedLower(axis) - kStray);
-      last = std::min<double>(last, grid.OwnedUpper(axis) - 1 + kStray);
+  IndexBox allowed = level.Geometry().PointNodes();
+  for (int axis = 0; axis < points.dim; ++axis) {
+    if (own && points.count > 0) {
+      allowed.lower[axis] = std::max(allowed.lower[axis], grid.Owned().lower[axis] - kStray);
+      allowed.upper[axis] = std::min(allowed.upper[axis], grid.Owned().upper[axis] + kStray);
     }
     for (int p = 0; p < points.count; ++p) {
-      const double node =
-          std::floor((points.position[2 * p + axis] - grid.Geometry().lower[axis]) / grid.Geometry().spacing + 0.5);
-      if (!(node >= first && node <= last)) return "point " + std::to_string(points.id[p]) + " is not on its part of the grid";
+      const double node = std::floor((points.Position(p)[axis] - grid.Geometry().lower[axis]) / grid.Geometry().spacing + 0.5);
+      if (!(node >= allowed.lower[axis] && node < allowed.upper[axis]))
+        return "point " + std::to_string(points.id[p]) + " is not on its part of the grid";
     }
   }
   return "";
@@ -113,16 +120,17 @@ std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, do
   return add_up ? "" : "its counts of points do not add up";
 }
 
-std::string WrongLayout(const std::vector<double> &columns, const std::vector<double> &rows, const std::vector<double> &owners,
+std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const std::vector<double> &owners,
                         const GridGeometry &grid, std::size_t ranks)
 {
-  const std::vector<double> *const widths[2] = {&columns, &rows};
   std::vector<double> sorted = owners;
-  bool right = owners.size() == columns.size() * rows.size() && AllWhole(owners, 0, static_cast<double>(ranks) - 1);
+  const double blocks =
+      static_cast<double>(widths[0].size()) * static_cast<double>(widths[1].size()) * static_cast<double>(widths[2].size());
+  bool right = static_cast<double>(owners.size()) == blocks && AllWhole(owners, 0, static_cast<double>(ranks) - 1);
   std::sort(sorted.begin(), sorted.end());
   right = right && std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
-  for (int axis = 0; axis < 2; ++axis) {
-    const std::vector<double> &width = *widths[axis];
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> &width = widths[axis];
     right = right && !width.empty() && AllWhole(width, width.size() > 1 ? kHaloWidth : 1, grid.Nodes(axis)) &&
             std::accumulate(width.begin(), width.end(), 0.0) == grid.Nodes(axis);
   }

@@ -102,7 +102,7 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 
 PetscErrorCode CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(3);
+  std::vector<double> numbers = StateAsNumbers({}), copies(4);
   std::string then, difference;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   PetscFunctionBeginUser;
@@ -118,7 +118,7 @@ PetscErrorCode CheckpointReader::ReadHead(RunState *state)
   }
   PetscCall(Settle("checkpoint_state"));
   *state = StateFromNumbers(numbers);
-  hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2]}});
+  hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,7 +165,7 @@ PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
     points += static_cast<double>(rows);
   }
   PetscCall(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
-  const double children = std::pow(case_.hierarchy.ratio, 2) - 1;
+  const double children = std::pow(case_.hierarchy.ratio, case_.Dim()) - 1;
   const double created = (budgets.points_split - budgets.points_merged) * children - state.initial_created;
   if (KeepsPoints() && points != state.initial_points + created)
     Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(state.initial_points + created));
@@ -227,15 +227,16 @@ PetscErrorCode CheckpointReader::ReadPoints(const std::string &group, Level &lev
 PetscErrorCode CheckpointReader::ReadLayout(int l)
 {
   const std::string group = LevelName(l);
-  std::vector<double> columns, rows, ranks;
+  std::array<std::vector<double>, 3> widths;
+  std::vector<double> ranks;
+  bool found = FoundList(group + "/ranks", &ranks);
   PetscFunctionBeginUser;
-  if (FoundList(group + "/columns", &columns) && FoundList(group + "/rows", &rows) && FoundList(group + "/ranks", &ranks))
-    Note(WrongLayout(columns, rows, ranks, hierarchy_.At(l).Geometry().grid, writers_));
+  for (int axis = 0; axis < 3; ++axis) found = FoundList(group + kWidthNames[axis], &widths[axis]) && found;
+  if (found) Note(WrongLayout(widths, ranks, hierarchy_.At(l).Geometry().grid, writers_));
   PetscCall(Settle("checkpoint_layout"));
   if (!same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
   GridLayout layout;
-  layout.widths[0].assign(columns.begin(), columns.end());
-  layout.widths[1].assign(rows.begin(), rows.end());
+  for (int axis = 0; axis < 3; ++axis) layout.widths[axis].assign(widths[axis].begin(), widths[axis].end());
   layout.ranks.assign(ranks.begin(), ranks.end());
   PetscCall(hierarchy_.At(l).Repartition(layout));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,20 +19,30 @@ std::string FrameWriter::FileName(int number) const
   return name;
 }
 
+/// A dataset of a frame as its series describes it.
+struct FrameField {
+  const char *name;
+  int components;
+  bool real;
+  int bytes; ///< of a number
+};
+
 /// Datasets of a level that are not fields of the points: current volume and half size.
 static PetscErrorCode AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model,
                                  const Slab &slab)
 {
   const BodyTable bodies = model.Table();
   PetscFunctionBeginUser;
-  std::vector<double> volume(points.count), half_size(2 * static_cast<std::size_t>(points.count));
+  const int dim = points.dim;
+  std::vector<double> volume(points.count), half_size(static_cast<std::size_t>(dim) * points.count);
   for (int p = 0; p < points.count; ++p) {
-    const double *F = points.F + 4 * p;
-    volume[p] = (F[0] * F[3] - F[1] * F[2]) * points.mass[p] / bodies.Of(points, p).Density();
-    for (int axis = 0; axis < 2; ++axis) half_size[2 * p + axis] = CurrentHalfSize(points, p, axis);
+    const double hoop = points.initial_radius ? points.Position(p)[0] / points.initial_radius[p] : 1;
+    volume[p] =
+        Determinant(points.F + PointArrays::At(p, dim * dim), dim) * hoop * points.mass[p] / bodies.Of(points, p).Density();
+    for (int axis = 0; axis < dim; ++axis) half_size[PointArrays::At(p, dim) + axis] = CurrentHalfSize(points, p, axis);
   }
   PetscCall(file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data()));
-  PetscCall(file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, 2, slab, half_size.data()));
+  PetscCall(file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, dim, slab, half_size.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,13 +61,13 @@ PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time,
     PetscCall(hierarchy.At(l).PointStore().Arrays(&points));
     PetscCall(MakeSlab(hierarchy.Comm(), points.count, &slab));
     PetscCall(file.Group(group));
-    PetscCall(file.Dataset(group + "/id", H5T_NATIVE_INT64, 1, slab, points.id));
-    PetscCall(file.Dataset(group + "/position", H5T_NATIVE_DOUBLE, 2, slab, points.position));
-    PetscCall(file.Dataset(group + "/velocity", H5T_NATIVE_DOUBLE, 2, slab, points.velocity));
-    PetscCall(file.Dataset(group + "/stress", H5T_NATIVE_DOUBLE, 4, slab, points.stress));
-    PetscCall(file.Dataset(group + "/deformation_gradient", H5T_NATIVE_DOUBLE, 4, slab, points.F));
-    PetscCall(file.Dataset(group + "/mass", H5T_NATIVE_DOUBLE, 1, slab, points.mass));
-    PetscCall(file.Dataset(group + "/body", H5T_NATIVE_INT, 1, slab, points.body));
+    for (int k = 0; k < kPointFields; ++k) {
+      const PointFieldInfo &field = hierarchy.At(l).PointStore().Table()[k];
+      void *data = nullptr;
+      if (!field.in_frames || field.components == 0) continue;
+      PetscCall(hierarchy.At(l).PointStore().Field(static_cast<PointField>(k), &data));
+      PetscCall(file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data));
+    }
     PetscCall(AddDerived(file, group, points, model_, slab));
     frame.counts.push_back(slab.total);
   }
@@ -94,13 +104,11 @@ PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written, std::string *prob
 
 PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) const
 {
-  static const struct {
-    const char *name, *kind, *number;
-    int components;
-  } attributes[] = {
-      {"velocity", "Matrix", "Float", 2}, {"stress", "Matrix", "Float", 4}, {"deformation_gradient", "Matrix", "Float", 4},
-      {"volume", "Scalar", "Float", 1},   {"mass", "Scalar", "Float", 1},   {"half_size", "Matrix", "Float", 2},
-      {"body", "Scalar", "Int", 1},       {"id", "Scalar", "Int", 1}};
+  const int dim = model_.geometry.Dim();
+  std::vector<FrameField> fields = {{"volume", 1, true, 8}, {"half_size", dim, true, 8}};
+  for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
+    if (field.in_frames && field.components > 0)
+      fields.push_back({field.name, field.components, field.type == FieldType::kReal, field.type == FieldType::kInt32 ? 4 : 8});
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -117,15 +125,15 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) con
         const std::string place = FileName(frame.number) + ":/level_" + std::to_string(l) + "/";
         xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
             << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n << "\" NodesPerElement=\"1\"/>\n"
-            << "<Geometry GeometryType=\"XY\"><DataItem Dimensions=\"" << n
-            << " 2\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
-        for (const auto &a : attributes) {
-          const bool wide = a.number[0] == 'F' || a.name == std::string("id");
-          xml << "<Attribute Name=\"" << a.name << "\" AttributeType=\"" << a.kind << "\" Center=\"Node\"><DataItem Dimensions=\""
-              << n;
-          if (a.components > 1) xml << " " << a.components;
-          xml << "\" NumberType=\"" << a.number << "\" Precision=\"" << (wide ? 8 : 4) << "\" Format=\"HDF\">" << place << a.name
-              << "</DataItem></Attribute>\n";
+            << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
+            << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
+        for (const FrameField &field : fields) {
+          if (field.name == std::string("position")) continue;
+          xml << "<Attribute Name=\"" << field.name << "\" AttributeType=\"" << (field.components > 1 ? "Matrix" : "Scalar")
+              << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
+          if (field.components > 1) xml << " " << field.components;
+          xml << "\" NumberType=\"" << (field.real ? "Float" : "Int") << "\" Precision=\"" << field.bytes << "\" Format=\"HDF\">"
+              << place << field.name << "</DataItem></Attribute>\n";
         }
         xml << "</Grid>\n";
       }

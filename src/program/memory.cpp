@@ -12,11 +12,11 @@ namespace mlgimp
 namespace
 {
 
-/// Area that two boxes share, in cells: that of lengths like 1e-200 m is no number.
-double CommonCells(const Box &a, const Box &b, double cell)
+/// Area or volume that two boxes share, in cells: that of lengths like 1e-200 m is no number.
+double CommonCells(const Box &a, const Box &b, double cell, int dim)
 {
   double area = 1;
-  for (int d = 0; d < 2; ++d) area *= std::max(0.0, std::min(a.upper[d], b.upper[d]) - std::max(a.lower[d], b.lower[d])) / cell;
+  for (int d = 0; d < dim; ++d) area *= std::max(0.0, std::min(a.upper[d], b.upper[d]) - std::max(a.lower[d], b.lower[d])) / cell;
   return area;
 }
 
@@ -26,12 +26,12 @@ void CountAll(const Case &c, double *nodes, double *points)
   *nodes = *points = 0;
   for (int l = 0; l < c.levels; ++l) {
     const GridGeometry &grid = c.hierarchy.levels[l].grid;
-    *nodes += static_cast<double>(grid.Nodes(0)) * grid.Nodes(1);
+    *nodes += static_cast<double>(grid.Nodes(0)) * grid.Nodes(1) * grid.Nodes(2);
     for (const Body &body : c.model.bodies) {
       const Box bounds = body.region->Bounds();
-      const double finer = l + 1 < c.levels ? CommonCells(bounds, c.boxes[l + 1], grid.spacing) : 0;
-      const double cells = CommonCells(bounds, c.boxes[l], grid.spacing) - finer;
-      *points += std::max(0.0, cells) * std::pow(body.points_per_cell, 2);
+      const double finer = l + 1 < c.levels ? CommonCells(bounds, c.boxes[l + 1], grid.spacing, c.Dim()) : 0;
+      const double cells = CommonCells(bounds, c.boxes[l], grid.spacing, c.Dim()) - finer;
+      *points += std::max(0.0, cells) * std::pow(body.points_per_cell, c.Dim());
     }
   }
 }
@@ -59,8 +59,9 @@ PetscErrorCode BytesForRank(MPI_Comm comm, double *bytes)
 
 PetscErrorCode CheckMemory(MPI_Comm comm, const Case &c)
 {
-  constexpr double kPoint = 220, kNode = 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
-  constexpr double kNodeOnEveryRank = 24;     // bytes: counts of points, for the layout
+  const double kPoint = c.Dim() == 3 ? 400 : 220,
+               kNode = c.Dim() == 3 ? 300 : 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
+  constexpr double kNodeOnEveryRank = 24;        // bytes: counts of points, for the layout
   constexpr double kGigabyte = 1e9;
   PetscMPIInt ranks;
   double nodes, points, bytes;

@@ -27,7 +27,10 @@ std::string FormatRounded(double x)
   return text;
 }
 
-std::string FormatVector(Vec3 x) { return FormatNumber(x[0]) + "," + FormatNumber(x[1]); }
+std::string FormatVector(Vec3 x, int dim)
+{
+  return FormatNumber(x[0]) + "," + FormatNumber(x[1]) + (dim == 3 ? "," + FormatNumber(x[2]) : "");
+}
 
 std::string Join(const std::vector<std::string> &words, const std::string &separator)
 {
@@ -190,12 +193,14 @@ PetscErrorCode OptionReader::Numbers(const OptionText &option, const Range &rang
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+std::string OptionReader::Text(Vec3 x) const { return FormatVector(x, dim_); }
+
 PetscErrorCode OptionReader::Vector(const OptionText &option, bool required, Vec3 *value, bool *given)
 {
-  std::vector<double> values = {(*value)[0], (*value)[1]};
+  std::vector<double> values(value->begin(), value->begin() + dim_);
   PetscFunctionBeginUser;
-  PetscCall(Numbers(option, kAnyNumber, 2, 2, required, &values, given));
-  *value = {values[0], values[1]};
+  PetscCall(Numbers(option, kAnyNumber, dim_, dim_, required, &values, given));
+  std::copy_n(values.begin(), dim_, value->begin());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

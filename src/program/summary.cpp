@@ -26,7 +26,12 @@ Json Number(double x)
   return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
 }
 
-Json Pair(Vec3 x) { return {Number(x[0]), Number(x[1])}; }
+Json Numbers(Vec3 x, int dim)
+{
+  Json list = Json::array();
+  for (int axis = 0; axis < dim; ++axis) list.push_back(Number(x[axis]));
+  return list;
+}
 
 /// Seconds in an event over the stages of all levels, on this rank.
 PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event, double *seconds)
@@ -60,30 +65,31 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
 {
   const GridGeometry &grid = level.Geometry().grid;
   const int ranks = level.Mesh().Layout().Blocks();
-  const Vec3 size = grid.spacing * Vec3{static_cast<double>(grid.cells[0]), static_cast<double>(grid.cells[1])};
-  return {{"lower", Pair(grid.lower)},
-          {"upper", Pair(grid.lower + size)},
+  const auto upper = [&](int axis) { return grid.lower[axis] + grid.cells[axis] * grid.spacing; };
+  return {{"lower", Numbers(grid.lower, grid.dim)},
+          {"upper", Numbers({upper(0), upper(1), upper(2)}, grid.dim)},
           {"cell_size", Number(grid.spacing)},
           {"points", Number(points)},
-          {"cells", static_cast<long>(grid.cells[0]) * grid.cells[1]},
+          {"cells", static_cast<long>(grid.cells[0]) * grid.cells[1] * (grid.dim == 3 ? grid.cells[2] : 1)},
           {"steps", level.Steps()},
           {"time_step", Number(time_step)},
           {"imbalance", Number(points > 0 ? largest * ranks / points : 1)},
           {"ranks", ranks}};
 }
 
-Json TransfersJson(const Budgets &budgets)
+Json TransfersJson(const Budgets &budgets, int dim)
 {
-  return {{"entered", Number(budgets.points_entered)},
-          {"left", Number(budgets.points_left)},
-          {"split", Number(budgets.points_split)},
-          {"merged", Number(budgets.points_merged)},
-          {"unsplit", Number(budgets.points_unsplit)},
-          {"mass_error", Number(budgets.transfer_mass_error)},
-          {"momentum_error", Number(budgets.transfer_momentum_error)},
-          {"points_adrift", Number(budgets.points_adrift)},
-          {"mass_adrift", Number(budgets.mass_adrift)},
-          {"momentum_adrift", Pair({budgets.momentum_adrift[0], budgets.momentum_adrift[1]})}};
+  return {
+      {"entered", Number(budgets.points_entered)},
+      {"left", Number(budgets.points_left)},
+      {"split", Number(budgets.points_split)},
+      {"merged", Number(budgets.points_merged)},
+      {"unsplit", Number(budgets.points_unsplit)},
+      {"mass_error", Number(budgets.transfer_mass_error)},
+      {"momentum_error", Number(budgets.transfer_momentum_error)},
+      {"points_adrift", Number(budgets.points_adrift)},
+      {"mass_adrift", Number(budgets.mass_adrift)},
+      {"momentum_adrift", Numbers({budgets.momentum_adrift[0], budgets.momentum_adrift[1], budgets.momentum_adrift[2]}, dim)}};
 }
 
 } // namespace
@@ -107,7 +113,8 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
   double mapped = 0, unmapped = 0;
   hierarchy.BytesBetweenLevels(&mapped, &unmapped);
   const int ratio = in.settings.hierarchy.ratio;
-  const double created = (budgets.points_split - budgets.points_merged) * (ratio * ratio - 1) - in.state.initial_created;
+  const double created =
+      (budgets.points_split - budgets.points_merged) * (std::pow(ratio, in.settings.Dim()) - 1) - in.state.initial_created;
   Json levels = Json::array();
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     double points = 0, largest = 0;
@@ -130,7 +137,7 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
                      {"mass_error", Number(budgets.mass / in.state.initial_mass - 1)},
                      {"points_created", Number(created)},
                      {"points_lost", Number(in.state.initial_points + created - budgets.points)},
-                     {"transfers", TransfersJson(budgets)},
+                     {"transfers", TransfersJson(budgets, in.settings.Dim())},
                      {"contact_steps", Number(budgets.contact_steps)},
                      {"contact_set_updates", Number(budgets.contact_set_updates)},
                      {"contact_fallbacks", Number(budgets.contact_fallbacks)},

@@ -66,7 +66,7 @@ void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b
 void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals &totals, PointFailure &failure)
 {
   alignas(64) double increment[kBlock][4], plastic[kBlock] = {};
-  const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
+  const double largest = AdvanceDeformation<PlaneStrain>(b.count, dt, L[0], increment[0], b.F);
   const double *const F = b.F;
   double sum = 0; // finite only if all of F is
 #pragma omp simd reduction(+ : sum)
@@ -80,7 +80,7 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[4], SweepTotals 
         Record(failure, PointFailure::kDeformedTooFast, b, p);
     }
   }
-  const MaterialBatch batch = {b.count, dt, L, increment, b.F, b.stress, b.history, b.history_components};
+  const MaterialBatch batch = {b.count, dt, L[0], increment[0], b.F, nullptr, nullptr, b.stress, b.history, b.history_components};
   b.material.UpdateStress(batch, plastic);
   if (b.material.HistorySize())
     for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();

@@ -43,7 +43,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
 static void AddPoints(const PointArrays &points, const Material &material, PointSums *point_sums)
 {
   double energy[kBlock];
-  material.StoredEnergy(points.count, points.F, points.stress, points.history, points.history_components, energy);
+  material.StoredEnergy(points.count, points.F, nullptr, points.stress, points.history, points.history_components, energy);
   const double *const masses = points.mass, *const velocity = points.velocity;
   double kinetic = 0, strain = 0, mass = 0, momentum_x = 0, momentum_y = 0;
 #pragma omp simd reduction(+ : kinetic, strain, mass, momentum_x, momentum_y)
@@ -110,7 +110,7 @@ PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
+    bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, nullptr, speed2);
     double fastest_point = 0, fastest_wave = 0, sum = 0; // the largest of numbers hides one that is none; their sum does not
 #pragma omp simd reduction(max : fastest_point, fastest_wave) reduction(+ : sum)
     for (int p = first; p < end; ++p) {

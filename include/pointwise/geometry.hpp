@@ -4,6 +4,8 @@
 // the policies below; all other code has the kind, the dimension and the thickness at run time.
 #pragma once
 
+#include "base/tensor.hpp"
+
 namespace mlgimp
 {
 
@@ -55,6 +57,29 @@ template <class Work> auto WithGeometry(GeometryKind kind, Work work)
   if (kind == GeometryKind::kAxisymmetric) return work(Axisymmetric{});
   if (kind == GeometryKind::kSpatial) return work(Spatial{});
   return work(PlaneStrain{});
+}
+
+/// The tensor that a point stores as `a` [kGradient]; zz where the geometry does not store it.
+template <class Geometry> inline Mat3 LoadGradient(const double *a, double zz)
+{
+  if constexpr (Geometry::kDim == 3)
+    return {a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]};
+  else
+    return {a[0], a[1], 0, a[2], a[3], 0, 0, 0, zz};
+}
+
+/// The symmetric tensor that a point stores as `a` [kStress].
+template <class Geometry> inline Sym3 LoadStress(const double *a)
+{
+  if constexpr (Geometry::kDim == 3)
+    return {a[0], a[1], a[2], a[3], a[4], a[5]};
+  else
+    return {a[0], a[1], a[2], a[3], 0, 0};
+}
+template <class Geometry> inline void StoreStress(const Sym3 &s, double *a)
+{
+  a[0] = s.xx, a[1] = s.yy, a[2] = s.zz, a[3] = s.xy;
+  if constexpr (Geometry::kDim == 3) a[4] = s.yz, a[5] = s.xz;
 }
 
 } // namespace mlgimp

@@ -69,25 +69,40 @@ void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradie
 }
 
 /// Advances F, stress and internal variables of a block. L [kBlock][dim*dim] in 1/s; grid_velocity [count][dim], which points
-/// move with in the step.
+/// move with in the step: it gives F_zz = r/R at its end.
 template <class Geometry>
 void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity,
                    SweepTotals &totals, PointFailure &failure)
 {
-  constexpr int size = Geometry::kGradient;
-  alignas(64) double increment[kBlock][size], plastic[kBlock] = {};
-  if constexpr (Geometry::kKind == GeometryKind::kPlaneStrain) {
-    const double largest = AdvanceDeformation(b.count, dt, L, increment, b.F);
-    const double *const F = b.F;
-    double sum = 0; // finite only if all of F is
+  constexpr int size = Geometry::kGradient, dim = Geometry::kDim;
+  alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock] = {};
+  const double largest = AdvanceDeformation<Geometry>(b.count, dt, L[0], increment[0], b.F);
+  const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
+  double sum = 0; // finite only if all of F is
 #pragma omp simd reduction(+ : sum)
-    for (int k = 0; k < size * b.count; ++k) sum += F[k];
-    if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, failure);
-    const MaterialBatch batch = {b.count, dt, L, increment, b.F, b.stress, b.history, b.history_components};
-    b.material.UpdateStress(batch, plastic);
-    if (b.material.HistorySize())
-      for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
+  for (int k = 0; k < size * b.count; ++k) sum += F[k];
+  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, failure);
+  if constexpr (Geometry::kHoop) {
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) {
+      const double r = x[dim * p] + dt * grid_velocity[dim * p];
+      hoop[p] = r / radius[p];
+      hoop_ratio[p] = r / x[dim * p];
+    }
   }
+  const MaterialBatch batch = {b.count,
+                               dt,
+                               L[0],
+                               increment[0],
+                               b.F,
+                               Geometry::kHoop ? hoop : nullptr,
+                               Geometry::kHoop ? hoop_ratio : nullptr,
+                               b.stress,
+                               b.history,
+                               b.history_components};
+  b.material.UpdateStress(batch, plastic);
+  if (b.material.HistorySize())
+    for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.
@@ -275,7 +290,7 @@ public:
     ForEachBlock(view, [&](const Block &b) {
       double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
       SetWeights(view, b, w);
-      GatherRates(view.grid, w, b, plan, L, projected, smooth);
+      GatherRates(view.grid, w, b, plan, grid_velocity, L, projected, smooth);
       if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
@@ -298,9 +313,10 @@ private:
       for (int j = 0; j < dim; ++j) L[dim * i + j] = Lane(slope[j], i);
   }
 
-  /// Gradient of the second velocity; projected velocity; strain rate of the nodes.
-  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Gradient *L,
-                          double (*projected)[dim], double (*smooth)[kRate])
+  /// Gradient of the second velocity; projected velocity; strain rate of the nodes. Before the points' own velocity is known
+  /// the second one is what they move with.
+  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, double *grid_velocity,
+                          Gradient *L, double (*projected)[dim], double (*smooth)[kRate])
   {
     for (int p = 0; p < b.count; ++p) {
       const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
@@ -309,6 +325,7 @@ private:
       WidePack rate = sum.value;
       if constexpr (dim == 3) rate = plan.short_wave.On() ? Gather<WidePack, dim>(at, nearest + 8).value : WidePack{};
       if (plan.strain) StoreGradient(L[p], sum.slope);
+      for (int d = 0; d < dim && !plan.move; ++d) grid_velocity[dim * p + d] = Lane(sum.value, d);
       for (int d = 0; d < dim; ++d) projected[p][d] = Lane(sum.value, NodeLayout::Projected(dim) + d);
       for (int k = 0; k < kRate; ++k) smooth[p][k] = Lane(rate, NodeLayout::StrainRate(dim) % 8 + k);
     }

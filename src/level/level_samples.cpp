@@ -38,11 +38,21 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// F_zz = r/R of at most kBlock points; null where the geometry has none.
+static const double *HoopStretch(const PointArrays &points, double *hoop)
+{
+  if (!points.initial_radius) return nullptr;
+  for (int p = 0; p < points.count; ++p) hoop[p] = points.position[points.dim * p] / points.initial_radius[p];
+  return hoop;
+}
+
 /// Adds at most kBlock points of one material.
 static void AddPoints(const PointArrays &points, const Material &material, PointSums *point_sums)
 {
   double energy[kBlock];
-  material.StoredEnergy(points.count, points.F, points.stress, points.history, points.history_components, energy);
+  double hoop[kBlock];
+  material.StoredEnergy(points.count, points.F, HoopStretch(points, hoop), points.stress, points.history,
+                        points.history_components, energy);
   const double *const masses = points.mass, *const velocity = points.velocity;
   const int dim = points.dim;
   double strain = 0, mass = 0;
@@ -103,13 +113,14 @@ PetscErrorCode Level::IndenterDistance(double time, double *distance)
 PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
 {
   PointArrays points;
-  double speed2[kBlock];
+  double speed2[kBlock], hoop[kBlock];
   PetscFunctionBeginUser;
   *wave = *point = 0;
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    bodies_.Of(points, first).WaveSpeedSquared(end - first, points.F + 4 * first, speed2);
+    const PointArrays block = Slice(points, first, end);
+    bodies_.Of(points, first).WaveSpeedSquared(block.count, block.F, HoopStretch(block, hoop), speed2);
     double speeds[kBlock], fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
     for (int p = first; p < end; ++p) {
       const Vec3 v = points.Velocity(p);

@@ -136,7 +136,7 @@ PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::str
       PetscCall(reader.Number({prefix + "hardening_modulus", "slope of the yield stress over plastic strain (j2)", "Pa"},
                               kNotNegative, true, &k.hardening_modulus));
     }
-    c->model.materials.push_back(CreateMaterial(model, k));
+    c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -44,7 +44,7 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
   Budgets first, budgets;
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
-  const double c = CreateMaterial("neo_hookean", kMaterial)->SpeedOfSound();
+  const double c = CreateMaterial("neo_hookean", kMaterial, GeometryKind::kPlaneStrain)->SpeedOfSound();
   const Vec3 velocity = {kSpeed * c, 0.68 * kSpeed * c};
   const double h = amplitude == 0 ? 1 : 0.5; // m; the vibration needs the finer one
   const Box body = amplitude == 0 ? kRagged : kWhole;

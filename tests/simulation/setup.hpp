@@ -131,7 +131,7 @@ struct LevelsRun {
 inline void AddBody(Model &model, std::unique_ptr<Region> region, const std::string &law, const MaterialConstants &constants,
                     Vec3 velocity = {0, 0}, int points_per_cell = 2)
 {
-  model.materials.push_back(CreateMaterial(law, constants));
+  model.materials.push_back(CreateMaterial(law, constants, GeometryKind::kPlaneStrain));
   model.bodies.push_back({"body", std::move(region), static_cast<int>(model.materials.size()) - 1, velocity, points_per_cell});
 }
 

@@ -1,0 +1,32 @@
+// A logarithm that loops over points can vectorise.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+namespace mlgimp
+{
+
+/// ln x of a positive normal x, to round-off: without branches or calls.
+/// x = 2^k m with m between sqrt(1/2) and sqrt(2); ln m from the odd series in s = (m - 1)/(m + 1), with the
+/// coefficients of the C library of Sun Microsystems (1993).
+inline double Log(double x)
+{
+  constexpr std::uint64_t kRootHalf = 0x3fe6a09e667f3bcd, kBias = 1024, kTwoTo52 = 0x4330000000000000;
+  constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, 8);
+  const std::uint64_t biased = (bits - kRootHalf + (kBias << 52)) >> 52, k_bits = kTwoTo52 | biased;
+  const std::uint64_t m_bits = bits - ((biased - kBias) << 52);
+  double k, m;
+  std::memcpy(&k, &k_bits, 8);
+  std::memcpy(&m, &m_bits, 8);
+  k -= 4503599627370496.0 + kBias;
+  const double f = m - 1, s = f / (2 + f), z = s * s, zz = z * z;
+  const double odd = z * (6.666666666666735130e-01 +
+                          zz * (2.857142874366239149e-01 + zz * (1.818357216161805012e-01 + zz * 1.479819860511658591e-01)));
+  const double even = zz * (3.999999999940941908e-01 + zz * (2.222219843214978396e-01 + zz * 1.531383769920937332e-01));
+  return k * kLn2Upper - ((s * (f - (odd + even)) - k * kLn2Lower) - f);
+}
+
+} // namespace mlgimp

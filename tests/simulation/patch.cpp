@@ -64,7 +64,7 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   PetscFunctionBeginUser;
   const double middle = Random(2, 3); // the bodies meet within a cell
   const MaterialConstants constants = {1e7, 0.3, 1000, NAN, NAN};
-  model.thickness = kThickness;
+  model.geometry.thickness = kThickness;
   AddBody(model, CreateBoxRegion({{0, 0}, {middle, kHeight}}), "neo_hookean", constants, {0, 0}, patch.left);
   AddBody(model, CreateBoxRegion({{middle, 0}, {kWidth, kHeight}}), "neo_hookean", constants, {0, 0}, patch.right);
   if (patch.pressed) AddPressures(model, patch);
@@ -77,22 +77,21 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   const Vec3 shift = {Random(0, 3 * kH), Random(0, 3 * kH)};
   for (int p = 0; p < a.count; ++p) {
     const Vec3 x = Multiply(patch.F, {a.position[2 * p], a.position[2 * p + 1]}) + shift;
-    std::copy(x.begin(), x.end(), a.position + 2 * p);
+    std::copy_n(x.begin(), 2, a.position + 2 * p);
     std::copy(patch.F, patch.F + 4, a.F + 4 * p);
     std::copy(patch.stress, patch.stress + 4, a.stress + 4 * p);
   }
   PetscCall(hierarchy.Advance(0, 1e-15));
   const Grid &nodes = hierarchy.At(0).Mesh();
   *forces = {};
-  for (int j = nodes.OwnedLower(1); j < nodes.OwnedUpper(1); ++j)
-    for (int i = nodes.OwnedLower(0); i < nodes.OwnedUpper(0); ++i) {
-      const double *sums = nodes.Arrays().sums + NodeArrays::kSums * nodes.Index(i, j);
-      const double force = std::hypot(sums[4], sums[5]) / kScale;
-      forces->all = std::max(forces->all, force);
-      if (!Inside(patch, {nodes.Coordinate(0, i), nodes.Coordinate(1, j)}, shift)) continue;
-      forces->inside = std::max(forces->inside, force);
-      ++forces->nodes;
-    }
+  ForEach(nodes.Owned(), [&](Index node) {
+    const NodeSums &sums = nodes.Sums()[nodes.Place(node)];
+    const double force = std::hypot(sums.force[0], sums.force[1]) / kScale;
+    forces->all = std::max(forces->all, force);
+    if (!Inside(patch, {nodes.Coordinate(0, node[0]), nodes.Coordinate(1, node[1])}, shift)) return;
+    forces->inside = std::max(forces->inside, force);
+    ++forces->nodes;
+  });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,14 +34,18 @@ inline void ExpectAtLeast(const std::string &name, double value, double limit)
   ExpectTrue(name, value >= limit, detail);
 }
 
+/// The whole grid on the first rank.
+inline GridLayout OneBlock(const GridGeometry &grid) { return {{{{grid.Nodes(0)}, {grid.Nodes(1)}, {grid.Nodes(2)}}}, {0}}; }
+
 /// One level over a box with the model's sides.
 inline HierarchySettings OneLevel(const Model &model, const Box &box, double spacing)
 {
   LevelGeometry geometry;
-  geometry.grid = {box.lower, spacing, {}, 1};
-  for (int d = 0; d < 2; ++d) geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
+  geometry.grid = {box.lower, spacing, {}, 1, model.geometry.Dim()};
+  for (int d = 0; d < geometry.grid.dim; ++d)
+    geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
   geometry.sides.kind = model.sides;
-  geometry.sides.node = {0, geometry.grid.cells[0], 0, geometry.grid.cells[1]};
+  for (int s = 0; s < kSides; ++s) geometry.sides.node[s] = s % 2 ? geometry.grid.cells[s / 2] : 0;
   HierarchySettings settings;
   settings.levels = {geometry};
   return settings;
@@ -57,7 +61,7 @@ inline HierarchySettings NestedLevels(const Model &model, const Box &domain, dou
     spacing /= ratio;
     LevelGeometry geometry = OneLevel(model, box, spacing).levels[0];
     geometry.grid.padding = kHaloWidth;
-    for (int s = 0; s < kSides; ++s) {
+    for (int s = 0; s < 2 * geometry.grid.dim; ++s) {
       const double own = s % 2 ? box.upper[s / 2] : box.lower[s / 2], outer = s % 2 ? domain.upper[s / 2] : domain.lower[s / 2];
       geometry.border[s] = std::abs(own - outer) > 1e-6 * spacing;
       if (geometry.border[s]) geometry.sides.kind[s] = BoundaryKind::kFree;

@@ -27,8 +27,7 @@ struct TwoLevels {
     PetscCallAbort(PETSC_COMM_WORLD, RegisterLogEvents(&events));
     for (const LevelGeometry &geometry : settings.levels) {
       levels.push_back(std::make_unique<Level>(model, events));
-      const GridLayout layout = {{{{geometry.grid.Nodes(0)}, {geometry.grid.Nodes(1)}}}, {0}};
-      PetscCallAbort(PETSC_COMM_WORLD, levels.back()->Create(PETSC_COMM_SELF, geometry, layout));
+      PetscCallAbort(PETSC_COMM_WORLD, levels.back()->Create(PETSC_COMM_SELF, geometry, OneBlock(geometry.grid)));
     }
     PetscCallAbort(PETSC_COMM_WORLD, border.Create(PETSC_COMM_SELF, *levels[0], *levels[1], ratio, width));
     Clear();
@@ -36,25 +35,16 @@ struct TwoLevels {
   void Clear()
   {
     for (auto &level : levels) {
-      const NodeArrays &a = level->Mesh().Arrays();
-      std::fill_n(a.sums, NodeArrays::kSums * level->Mesh().GhostedNodes(), 0.0);
-      std::fill_n(a.velocity, NodeArrays::kVelocity * level->Mesh().GhostedNodes(), 0.0);
+      level->Mesh().ClearSums();
+      std::fill_n(level->Mesh().VelocityArray(), NodeLayout::Velocity(2) * level->Mesh().GhostedNodes(), 0.0);
     }
   }
-  double *Sums(int l, int i, int j)
-  {
-    return levels[l]->Mesh().Arrays().sums + NodeArrays::kSums * levels[l]->Mesh().Index(i, j);
-  }
-  double *Velocity(int l, int i, int j)
-  {
-    return levels[l]->Mesh().Arrays().velocity + NodeArrays::kVelocity * levels[l]->Mesh().Index(i, j);
-  }
+  NodeSums &Sums(int l, int i, int j) { return levels[l]->Mesh().Sums()[levels[l]->Mesh().Place({i, j, 0})]; }
+  double *Velocity(int l, int i, int j) { return levels[l]->Mesh().Velocity(levels[l]->Mesh().Place({i, j, 0})).velocity; }
   /// Calls work(i, j) for all nodes of a level's grid.
   template <class Work> void ForEachNode(int l, Work work)
   {
-    const Grid &grid = levels[l]->Mesh();
-    for (int j = grid.OwnedLower(1); j < grid.OwnedUpper(1); ++j)
-      for (int i = grid.OwnedLower(0); i < grid.OwnedUpper(0); ++i) work(i, j);
+    ForEach(levels[l]->Mesh().Owned(), [&](Index node) { work(node[0], node[1]); });
   }
   void Step()
   {
@@ -73,7 +63,7 @@ struct TwoLevels {
 std::vector<double> Betas(TwoLevels &two)
 {
   two.Clear();
-  two.ForEachNode(0, [&](int i, int j) { two.Sums(0, i, j)[0] = 1; });
+  two.ForEachNode(0, [&](int i, int j) { two.Sums(0, i, j).mass = 1; });
   two.ForEachNode(1, [&](int i, int j) { two.Velocity(1, i, j)[0] = 1; });
   two.Step();
   std::vector<double> betas;
@@ -86,9 +76,9 @@ double InterfaceShare(TwoLevels &two, int i, int j)
 {
   double share = 0;
   two.Clear();
-  two.ForEachNode(0, [&](int a, int b) { two.Sums(0, a, b)[0] = 1; });
-  two.Sums(1, i, j)[0] = 1e-30; // nodes without mass are left out
-  two.Sums(1, i, j)[1] = 1;
+  two.ForEachNode(0, [&](int a, int b) { two.Sums(0, a, b).mass = 1; });
+  two.Sums(1, i, j).mass = 1e-30; // nodes without mass are left out
+  two.Sums(1, i, j).momentum[0] = 1;
   two.Step();
   two.ForEachNode(0, [&](int a, int b) { share += two.ratio * two.Velocity(0, a, b)[0]; });
   return share;
@@ -131,9 +121,9 @@ TEST(Borders, LinearFieldsPass)
       return c[axis][0] + c[axis][1] * grid.Coordinate(0, i) + c[axis][2] * grid.Coordinate(1, j);
     };
     two.ForEachNode(0, [&](int i, int j) {
-      double *sums = two.Sums(0, i, j);
-      sums[0] = Random(1, 2);
-      for (int axis = 0; axis < 2; ++axis) sums[1 + axis] = sums[0] * field(0, i, j, axis);
+      NodeSums &sums = two.Sums(0, i, j);
+      sums.mass = Random(1, 2);
+      for (int axis = 0; axis < 2; ++axis) sums.momentum[axis] = sums.mass * field(0, i, j, axis);
     });
     two.ForEachNode(1, [&](int i, int j) {
       for (int axis = 0; axis < 2; ++axis) two.Velocity(1, i, j)[axis] = field(1, i, j, axis);
@@ -164,7 +154,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
       for (int k = 0; k < 3; ++k) a.short_wave_stress[3 * p + k] = Random(-1e3, 1e3);
     }
     two.ForEachNode(0, [&](int i, int j) { // children of a shearing body move on
-      two.Sums(0, i, j)[0] = 1;
+      two.Sums(0, i, j).mass = 1;
       two.Velocity(0, i, j)[0] = 0.1 * coarse.Mesh().Coordinate(1, j);
     });
     std::vector<double> x(a.position, a.position + 2 * kPoints), v(a.velocity, a.velocity + 2 * kPoints),
@@ -193,7 +183,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
       for (int k = 0; k < 4; ++k) a.F[4 * p + k] += 1e-3 * change, a.stress[4 * p + k] += 1e3 * change;
       for (int k = 0; k < 3; ++k) a.short_wave_stress[3 * p + k] += change;
     }
-    for (int p = 0; p < kPoints; ++p) EXPECT_EQ(outer[p], p % 5 < kSides ? ratio : children) << "along a side, or a load's bit";
+    for (int p = 0; p < kPoints; ++p) EXPECT_EQ(outer[p], p % 5 < 4 ? ratio : children) << "along a side, or a load's bit";
     EXPECT_GT(apart, 0.05) << "children lie apart";
 
     ASSERT_EQ(MergeSiblings(PETSC_COMM_SELF, coarse, numbers, ratio, &totals), PETSC_SUCCESS);

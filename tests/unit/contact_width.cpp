@@ -40,11 +40,11 @@ double HalfWidth(const std::function<double(double)> &pressure, double start, do
   std::vector<ContactEntry> entries;
   const Indenter indenter = {CreateCylinder(1), {PiecewiseLinear({0}, {0})}, {kTip, 0}, 0};
   const BoundaryConditions sides;
-  EXPECT_EQ(grid.Create(PETSC_COMM_SELF, geometry, {{{{geometry.Nodes(0)}, {geometry.Nodes(1)}}}, {0}}), PETSC_SUCCESS);
+  EXPECT_EQ(grid.Create(PETSC_COMM_SELF, geometry, {{{{geometry.Nodes(0)}, {geometry.Nodes(1)}, {1}}}, {0}}), PETSC_SUCCESS);
   EXPECT_EQ(system.Create(true, 0, false), PETSC_SUCCESS);
   for (int i = 0; i <= kColumns; ++i) {
     const double x = i * kH, from_tip = x - kTip;
-    grid.Arrays().sums[NodeArrays::kSums * grid.Index(i, 0)] = 1; // mass
+    grid.Sums()[grid.Place({i, 0, 0})].mass = 1;
     // With unit time step, mass and force the condition reads gap + lambda >= 0.
     rows.push_back({i, 1, -HatMean(pressure, from_tip), x, std::max(x - kH, kTip + start), std::min(x + kH, kTip + end)});
     entries.push_back({i, i, 0, {0, 1}, {0, 1}});

@@ -17,12 +17,10 @@ double Random(double lower, double upper) { return std::uniform_real_distributio
 
 constexpr double kH = 0.25; // m
 
-GridLayout OneBlock(const GridGeometry &geometry) { return {{{{geometry.Nodes(0)}, {geometry.Nodes(1)}}}, {0}}; }
-
 /// One point somewhere on a grid of 16 x 16 cells, with the share of its face that each load acts on.
 void MakePoint(const std::vector<double> &shares, Points &points, PointArrays *a)
 {
-  ASSERT_EQ(points.Create(static_cast<int>(shares.size()), 0), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, static_cast<int>(shares.size()), 0), PETSC_SUCCESS);
   ASSERT_EQ(points.Resize(1), PETSC_SUCCESS);
   ASSERT_EQ(points.Arrays(a), PETSC_SUCCESS);
   for (int d = 0; d < 2; ++d) a->position[d] = Random(4 * kH, 12 * kH), a->half_size[d] = kH * Random(0.05, 0.4);
@@ -51,7 +49,7 @@ TEST(Faces, EncloseThePoint)
     const Vec3 x = {a.position[0], a.position[1]};
     Vec3 sum{};
     double area = 0;
-    for (int s = 0; s < kSides; ++s) {
+    for (int s = 0; s < 4; ++s) {
       const Side side = static_cast<Side>(s);
       const Face face = PointFace(a, 0, side);
       Vec3 middle{};
@@ -77,7 +75,7 @@ TEST(Faces, ForcesOfAPressure)
   Grid grid;
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
   for (int n = 0; n < 40; ++n) {
-    const Side side = static_cast<Side>(n % kSides);
+    const Side side = static_cast<Side>(n % 4);
     Points points;
     PointArrays a;
     const double share = n % 3 ? 1 : 0.3;
@@ -85,27 +83,29 @@ TEST(Faces, ForcesOfAPressure)
     a.faces[0] = OuterFaceBit(side);
     const std::vector<Load> loads = {{0, side, {}, PiecewiseLinear({0}, {1e9})}, // this one is on other points
                                      {0, side, {}, PiecewiseLinear({0, 2}, {0, 2 * kPressure})}};
-    double *sums = grid.Arrays().sums;
-    std::fill_n(sums, NodeArrays::kSums * grid.GhostedNodes(), 0.0);
+    std::vector<FaceForce> applied;
+    grid.ClearSums();
     PointFailure failure;
-    ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, kThickness, 1.0, failure), PETSC_SUCCESS);
+    ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, {GeometryKind::kPlaneStrain, kThickness}, 1.0, applied, failure),
+              PETSC_SUCCESS);
     EXPECT_EQ(failure.kind, PointFailure::kNone);
     const Face face = PointFace(a, 0, side);
     const Vec3 force = -kPressure * share * kThickness * face.area_normal;
     const double scale = kPressure * kThickness * kH;
-    Vec3 sum{}, external{};
+    Vec3 sum{};
     double moments[2][2] = {};
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {
-        const double *node = sums + NodeArrays::kSums * grid.Index(i, j);
+        const double *node = grid.Sums()[grid.Place({i, j, 0})].force;
         const double x[2] = {grid.Coordinate(0, i), grid.Coordinate(1, j)};
-        sum = sum + Vec3{node[4], node[5]};
-        external = external + Vec3{node[6], node[7]};
+        sum = sum + Vec3{node[0], node[1]};
         for (int d = 0; d < 2; ++d)
-          for (int k = 0; k < 2; ++k) moments[d][k] += node[4 + d] * x[k];
+          for (int k = 0; k < 2; ++k) moments[d][k] += node[d] * x[k];
       }
     EXPECT_LE(Norm(sum - force), 1e-13 * scale);
-    EXPECT_LE(Norm(external - (n % 2 == 0 ? 1.0 : 0.0) * force), 1e-13 * scale) << "external for owned points alone";
+    LoadTotals totals;
+    AddLoadWork(grid, applied, 2, totals);
+    EXPECT_LE(Norm(totals.impulse - (n % 2 == 0 ? 2.0 : 0.0) * force), 1e-13 * scale) << "of owned points alone";
     for (int d = 0; d < 2; ++d)
       for (int k = 0; k < 2; ++k) EXPECT_NEAR(moments[d][k], force[d] * face.center[k], 1e-12 * scale);
   }
@@ -120,14 +120,14 @@ TEST(Faces, ForcesAreMeansOfHats)
   for (int n = 0; n < 20; ++n) {
     Points points;
     PointArrays a;
-    const Side side = static_cast<Side>(n % kSides);
+    const Side side = static_cast<Side>(n % 4);
     MakePoint({1}, points, &a);
     a.F[1] = a.F[2] = 0;
     a.faces[0] = OuterFaceBit(side);
-    double *sums = grid.Arrays().sums;
-    std::fill_n(sums, NodeArrays::kSums * grid.GhostedNodes(), 0.0);
+    std::vector<FaceForce> applied;
+    grid.ClearSums();
     PointFailure failure;
-    ASSERT_EQ(AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, 1, 0, failure), PETSC_SUCCESS);
+    ASSERT_EQ(AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, {}, 0, applied, failure), PETSC_SUCCESS);
     const Face face = PointFace(a, 0, side);
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {
@@ -137,8 +137,8 @@ TEST(Faces, ForcesAreMeansOfHats)
           const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge;
           mean += std::max(0.0, 1 - std::abs(x[0] / kH - i)) * std::max(0.0, 1 - std::abs(x[1] / kH - j)) / kParts;
         }
-        const double *node = sums + NodeArrays::kSums * grid.Index(i, j);
-        for (int d = 0; d < 2; ++d) EXPECT_NEAR(node[4 + d], -mean * face.area_normal[d], 1e-5 * kH);
+        const double *node = grid.Sums()[grid.Place({i, j, 0})].force;
+        for (int d = 0; d < 2; ++d) EXPECT_NEAR(node[d], -mean * face.area_normal[d], 1e-5 * kH);
       }
   }
 }
@@ -149,14 +149,14 @@ TEST(Faces, OuterAndLoadedFaces)
   Model model = TwoBlocks();
   const GridGeometry geometry = {{0, 0}, kH, {8, 8}, 1};
   const BoundaryConditions sides = {{BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kFixed, BoundaryKind::kFree},
-                                    {0, 8, 0, 8}};
-  model.loads.push_back({0, kXUpper, {2.625 * kH, HUGE_VAL}, PiecewiseLinear({0}, {1})});
-  model.loads.push_back({1, kYUpper, {-HUGE_VAL, 4 * kH}, PiecewiseLinear({0}, {1})});
+                                    {0, 8, 0, 8, 0, 0}};
+  model.loads.push_back({0, kXUpper, {{2.625 * kH, HUGE_VAL}, {}}, PiecewiseLinear({0}, {1})});
+  model.loads.push_back({1, kYUpper, {{-HUGE_VAL, 4 * kH}, {}}, PiecewiseLinear({0}, {1})});
   Grid grid;
   Points points;
   PointArrays a;
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
-  ASSERT_EQ(points.Create(2, 0), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
   const Seeding seeding(
       model, geometry, sides, [](Vec3) { return kH; }, 2, 0);
   ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);

@@ -87,6 +87,9 @@ TEST(Layouts, DivideByWeight)
   }
 }
 
+/// A grid of so many nodes, padding included.
+GridGeometry Plane(int width, int height) { return {{}, 1, {width - 3, height - 3, 0}, 1, 2}; }
+
 /// Rows are too few to cut, so that all cuts can be tried.
 TEST(Layouts, BestCutsAlongAnAxis)
 {
@@ -94,13 +97,13 @@ TEST(Layouts, BestCutsAlongAnAxis)
   for (int n = 0; n < 50; ++n) {
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout, other;
-    FirstLayout(3, 1, points, kWidth, &layout);
+    FirstLayout(3, 1, points, Plane(kWidth, kHeight), &layout);
     ExpectWhole(layout, kWidth, kHeight);
     ASSERT_EQ(layout.widths[0].size(), 3U);
     double least = HUGE_VAL;
     for (int a = kHaloWidth; a <= kWidth - 2 * kHaloWidth; ++a)
       for (int b = kHaloWidth; b <= kWidth - a - kHaloWidth; ++b) {
-        other.widths = {{{a, b, kWidth - a - b}, {kHeight}}};
+        other.widths = {{{a, b, kWidth - a - b}, {kHeight}, {1}}};
         least = std::min(least, LargestWork(points, kWidth, other));
       }
     EXPECT_LE(LargestWork(points, kWidth, layout), least * (1 + 1e-3));
@@ -114,7 +117,7 @@ TEST(Layouts, CutsOfThePlane)
     const int ranks = 2 + n % 7;
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout;
-    FirstLayout(ranks, 1, points, kWidth, &layout);
+    FirstLayout(ranks, 1, points, Plane(kWidth, kHeight), &layout);
     ExpectWhole(layout, kWidth, kHeight);
     EXPECT_EQ(layout.Blocks(), ranks);
     for (int columns = 1; columns <= ranks; ++columns) { // no worse than any division by the sums of columns and rows
@@ -122,7 +125,7 @@ TEST(Layouts, CutsOfThePlane)
       std::vector<double> by_column(kWidth, 0.0), by_row(kHeight, 0.0);
       for (int k = 0; k < kWidth * kHeight; ++k) by_column[k % kWidth] += points[k], by_row[k / kWidth] += points[k];
       GridLayout plain;
-      plain.widths = {DivideByWeight(by_column, columns, kHaloWidth), DivideByWeight(by_row, ranks / columns, kHaloWidth)};
+      plain.widths = {DivideByWeight(by_column, columns, kHaloWidth), DivideByWeight(by_row, ranks / columns, kHaloWidth), {1}};
       EXPECT_LE(LargestWork(points, kWidth, layout), LargestWork(points, kWidth, plain) * (1 + 1e-3));
     }
   }
@@ -132,12 +135,12 @@ TEST(Layouts, FewPointsTakeFewRanks)
 {
   const std::vector<double> points(20 * 20, 1.0);
   GridLayout layout;
-  FirstLayout(8, 100, points, 20, &layout);
+  FirstLayout(8, 100, points, Plane(20, 20), &layout);
   EXPECT_EQ(layout.Blocks(), 4);
   EXPECT_EQ(layout.ranks, (std::vector<PetscMPIInt>{0, 1, 2, 3}));
-  FirstLayout(8, 1000, points, 20, &layout);
+  FirstLayout(8, 1000, points, Plane(20, 20), &layout);
   EXPECT_EQ(layout.Blocks(), 1);
-  FirstLayout(64, 1, std::vector<double>(7 * 7, 1.0), 7, &layout); // room for two blocks along each axis
+  FirstLayout(64, 1, std::vector<double>(7 * 7, 1.0), Plane(7, 7), &layout); // room for two blocks along each axis
   EXPECT_EQ(layout.Blocks(), 4);
 }
 

@@ -63,7 +63,7 @@ std::vector<std::int64_t> Read(Points &points)
 
 void Fill(Points &points, std::int64_t first, int count)
 {
-  ASSERT_EQ(points.Create(kLoads, kHistoryComponents), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, kLoads, kHistoryComponents), PETSC_SUCCESS);
   ASSERT_EQ(points.Resize(count), PETSC_SUCCESS);
   for (int p = 0; p < count; ++p) Write(points, p, first + p);
 }

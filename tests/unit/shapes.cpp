@@ -1,4 +1,5 @@
 // Shape functions by their properties at random places.
+#include "pointwise/geometry.hpp"
 #include "pointwise/shape.hpp"
 
 #include <gtest/gtest.h>
@@ -66,10 +67,10 @@ template <class Shape> void CheckAxisWeights(const std::string &name, const std:
 template <class Shape> void CheckStencil(const std::string &name)
 {
   constexpr double kH = 0.37;
-  const Lattice<2> lattice = {{-1.3, 2.1}, 1 / kH, {-2, 3}, {1, 40}};
+  const Lattice lattice = {{-1.3, 2.1, 0}, 1 / kH, {-2, 3, 0}, {1, 40, 0}};
   double x[2 * kBlock], half[2 * kBlock], F[4 * kBlock], largest = 0;
   int clamped = 0;
-  Stencil<2> stencil;
+  AxisStencils<2> stencil;
   for (int p = 0; p < kBlock; ++p) {
     for (int a = 0; a < 2; ++a) {
       x[2 * p + a] = lattice.origin[a] + kH * Random(5, 15);
@@ -77,7 +78,7 @@ template <class Shape> void CheckStencil(const std::string &name)
     }
     for (int c = 0; c < 4; ++c) F[4 * p + c] = (c % 3 == 0) + (p % 8 < 6 ? 0 : Random(-0.3, 0.3));
   }
-  const int counted = ComputeStencil<Shape>(lattice, kBlock, x, half, F, stencil);
+  const int counted = ComputeAxisStencils<PlaneStrain, Shape>(lattice, kBlock, x, half, F, stencil);
   for (int p = 0; p < kBlock; ++p) {
     double l[2], sum = 0;
     for (int a = 0; a < 2; ++a) {
@@ -86,21 +87,18 @@ template <class Shape> void CheckStencil(const std::string &name)
       clamped += l[a] > 0.5 + 1e-9 || l[a] < 1e-3;
       l[a] = std::is_same_v<Shape, Linear> ? 0 : std::min(std::max(l[a], 1e-3), 0.5);
     }
-    for (int k = 0; k < 9; ++k) {
-      const int index = stencil.node[p] + stencil.offset[k] + 40 * 3 - 2; // global node i + 40 j
+    double gradient[2][2] = {};
+    ForEachNodeOf(stencil, p, lattice, [&](std::ptrdiff_t node, double weight, const std::array<double, 2> &slope) {
+      const int index = static_cast<int>(node) + 40 * 3 - 2; // global node i + 40 j
       const double dx = (x[2 * p] - lattice.origin[0]) / kH - index % 40,
                    dy = (x[2 * p + 1] - lattice.origin[1]) / kH - index / 40;
-      largest = std::max(largest, std::abs(stencil.S[k][p] - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1])));
-      sum += stencil.S[k][p];
-    }
-    double gradient[2][2] = {};
-    for (int k = 0; k < 9; ++k) {
-      const int index = stencil.node[p] + stencil.offset[k] + 40 * 3 - 2;
+      largest = std::max(largest, std::abs(weight - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1])));
+      sum += weight;
       for (int a = 0; a < 2; ++a) {
-        gradient[a][0] += stencil.dS[a][k][p] * kH * (index % 40);
-        gradient[a][1] += stencil.dS[a][k][p] * kH * (index / 40);
+        gradient[a][0] += slope[a] * kH * (index % 40);
+        gradient[a][1] += slope[a] * kH * (index / 40);
       }
-    }
+    });
     largest = std::max({largest, std::abs(sum - 1), 1e-2 * std::abs(gradient[0][0] - 1), 1e-2 * std::abs(gradient[1][1] - 1),
                         1e-2 * std::abs(gradient[0][1]), 1e-2 * std::abs(gradient[1][0])});
   }

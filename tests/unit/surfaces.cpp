@@ -130,7 +130,7 @@ TEST(Surfaces, Tilings)
                          static_cast<int>((box.upper[1] - origin[1]) / h) + 1};
     for (int j = -1; j <= last[1]; ++j)
       for (int i = -1; i <= last[0]; ++i)
-        for (const Tile &tile : tiling.InCell(i, j)) {
+        for (const Tile &tile : tiling.InCell({i, j, 0})) {
           Tile found;
           other = std::max(other, tiling.At(tile.center, found) ? Norm(found.center - tile.center) : HUGE_VAL);
           for (int a = 0; a < 2; ++a)

@@ -36,7 +36,7 @@ struct Budgets {
   double kinetic_energy, strain_energy, mass, momentum[3], points, contact_points;
   double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
   double external_work, indenter_work, support_impulse[3], contact_impulse[3], load_impulse[3], gravity_impulse[3],
-      damping_impulse[3], stagger_impulse[3];
+      damping_impulse[3], stagger_impulse[3], hoop_impulse;
   double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error,
       points_adrift, mass_adrift, momentum_adrift[3];
   double contact_work; ///< of the contact forces on the body; less than indenter_work by what contact takes up

@@ -54,6 +54,7 @@ struct PointFailure {
 /// Sums that the sweeps collect on this rank.
 struct SweepTotals {
   double short_wave_dissipation = 0, plastic_dissipation = 0, xpic_dissipation = 0; ///< J
+  double hoop_force = 0;  ///< in axisymmetry, radial force of the hoop stress in the last sweep, N
   Vec3 xpic_impulse{};    ///< change of the points' momentum by XPIC, N s
   long clamped_sizes = 0; ///< half sizes that were clamped, counted once a step
 };

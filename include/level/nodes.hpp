@@ -52,6 +52,7 @@ struct NodalSettings {
 struct NodalTotals {
   Vec3 support_impulse{}, gravity_impulse{}, damping_impulse{}; ///< on the body, N s
   Vec3 xpic_side_impulse{};                                     ///< of sides on what XPIC mixes in, N s
+  double hoop_impulse = 0;                                      ///< of the hoop stress on the body along the radius, N s
   double gravity_work = 0, damping_dissipation = 0;             ///< J
   double exchange_work = 0; ///< of all forces but those of sides and contact on points, and of neighbouring levels, J
 };

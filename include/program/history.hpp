@@ -4,6 +4,7 @@
 #include "hierarchy/hierarchy.hpp"
 #include "program/files.hpp"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,19 @@ struct HistoryRow {
   Budgets budgets;
 };
 
+/// A column of the file.
+struct HistoryColumn {
+  std::string name;
+  std::function<double(const HistoryRow &row)> value;
+};
+
 class History
 {
 public:
   /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. problem: empty, or why the
   /// file cannot be written, the same on every rank. Collective.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, long resume_step, std::string *problem);
+  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step,
+                      std::string *problem);
   PetscErrorCode Write(const HistoryRow &row, std::string *problem);
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
@@ -34,6 +42,7 @@ private:
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
+  std::vector<HistoryColumn> columns_;
   Descriptor file_; ///< on the first rank
   long last_ = -1;
 };

@@ -31,6 +31,7 @@ static PetscErrorCode LocalBudgets(Level &level, Budgets *b)
   b->damping_dissipation += nodal.damping_dissipation;
   b->external_work += nodal.gravity_work + loads.work;
   b->exchange_energy += nodal.exchange_work;
+  b->hoop_impulse += nodal.hoop_impulse;
   b->indenter_work += contact.indenter_work;
   b->contact_work += contact.work;
   b->contact_steps += contact.steps;
@@ -96,7 +97,7 @@ template <class Visit> void Hierarchy::ForEachTotal(Visit visit)
     for (Vec3 *impulse : {&n.support_impulse, &n.gravity_impulse, &loads.impulse, &n.damping_impulse, &n.xpic_side_impulse,
                           &s.xpic_impulse, &c.impulse})
       each((*impulse)[0], (*impulse)[1], (*impulse)[2]);
-    each(n.gravity_work, loads.work, n.exchange_work, n.damping_dissipation);
+    each(n.hoop_impulse, n.gravity_work, loads.work, n.exchange_work, n.damping_dissipation);
     each(s.short_wave_dissipation, s.plastic_dissipation, s.xpic_dissipation, s.clamped_sizes);
     each(c.indenter_work, c.work, c.steps, c.set_updates, c.fallbacks);
   }

@@ -154,6 +154,15 @@ template <> struct Lanes<Spatial> {
   static constexpr int kChange = 4;
 };
 
+/// Radial force of the hoop stress of a block, -sum V (sigma_zz + s_zz)/r, N.
+double HoopForce(const Block &b, const double *volume)
+{
+  double force = 0;
+  for (int p = 0; p < b.count; ++p)
+    force -= volume[p] * (b.stress[4 * p + 2] + b.short_wave_stress[4 * p + 2]) / b.position[2 * p];
+  return force;
+}
+
 /// What a point adds to the NodeSums of its nodes: S times mass, momentum, body force and owned mass, and grad S times the
 /// stress, as a force. a: acceleration; counts: 1 for a point that the level owns, else 0; inverse_radius: 1/r in axisymmetry.
 template <class Geometry>
@@ -193,10 +202,12 @@ public:
     Weights w;
     alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
+    totals.hoop_force = 0;
     ForEachBlock(view, [&](const Block &b) {
       totals.clamped_sizes += SetWeights(view, b, w);
       Volumes<Geometry>(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
+      if constexpr (Geometry::kHoop) totals.hoop_force += HoopForce(b, volume);
       for (int p = 0; p < b.count; ++p) {
         const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
         const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);

@@ -102,6 +102,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   time_ = time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
   PetscCall(PointsToGrid(time));
+  nodal_totals_.hoop_impulse += dt * sweep_totals_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceSums());
   if (contact_ && clock_.contact_awake) PetscCall(grid_->BroadcastSums()); // contact asks ghosts for mass

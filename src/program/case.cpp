@@ -18,17 +18,49 @@ namespace
 
 const Range kCellSizes = Closed(1e-100, 1e100); ///< m
 
+PetscErrorCode ReadGeometry(OptionReader &reader, Geometry *geometry)
+{
+  const std::vector<std::string> kinds = {"plane_strain", "axisymmetric", "3d"};
+  std::string kind = kinds[0];
+  bool given = false;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis", ""}, kinds, &kind));
+  geometry->kind = static_cast<GeometryKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
+  PetscCall(
+      reader.Number({"-thickness", "plane_strain: out-of-plane thickness", "m"}, kPositive, false, &geometry->thickness, &given));
+  if (given && geometry->kind != GeometryKind::kPlaneStrain)
+    PetscCall(reader.Refuse("-thickness", FormatNumber(geometry->thickness),
+                            "left out with -geometry " + kind + ": it is of plane strain"));
+  reader.SetDim(geometry->Dim());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// In axisymmetry the domain begins at the axis, which is a side of symmetry, or beyond it.
+PetscErrorCode CheckAxis(OptionReader &reader, Case *c)
+{
+  const double lower = c->domain.lower[0];
+  PetscFunctionBeginUser;
+  if (!c->model.geometry.HasHoop()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (lower < 0)
+    PetscCall(reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x >= 0, the radius; the axis is x = 0"));
+  if (lower > 0 && lower < 2 * c->cell_size)
+    PetscCall(reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
+                            "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it"));
+  if (lower > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (c->model.sides[kXLower] == BoundaryKind::kFixed)
+    PetscCall(reader.Refuse("-boundary_x_lower", "fixed", "symmetry or left out: it is the axis"));
+  c->model.sides[kXLower] = BoundaryKind::kSymmetry;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
 {
-  std::string geometry = "plane_strain";
   PetscFunctionBeginUser;
-  PetscCall(reader.Choice({"-geometry", "kinematics", ""}, {"plane_strain", "axisymmetric", "3d"}, &geometry));
-  if (geometry != "plane_strain") PetscCall(reader.Refuse("-geometry", geometry, "plane_strain: it is the only one built yet"));
-  PetscCall(reader.Number({"-thickness", "out-of-plane thickness", "m"}, kPositive, false, &c->model.geometry.thickness));
+  PetscCall(ReadGeometry(reader, &c->model.geometry));
   PetscCall(reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower));
   PetscCall(reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper));
   PetscCall(reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size));
-  for (int s = 0; s < kSides; ++s) {
+  for (int s = 0; s < (reader.Help() ? kSides : 2 * c->Dim()); ++s) {
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
     std::string kind = "free";
     PetscCall(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain", ""}, kinds, &kind));
@@ -48,6 +80,7 @@ PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
       PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
                               "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower)));
   }
+  PetscCall(CheckAxis(reader, c));
   // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
   const double most = PETSC_MAX_INT / NodeLayout::kSums;
   double nodes = 1;

@@ -151,6 +151,8 @@ PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
   PetscCall(
       reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
                     {"nodes", "points"}, &coupling));
+  if (coupling == "points" && c->model.geometry.kind != GeometryKind::kPlaneStrain)
+    PetscCall(reader.Refuse("-level_coupling", coupling, "nodes but in plane strain"));
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) PetscCall(ReadNodeCoupling(reader, c));
   if (coupling == "points" || reader.Help()) PetscCall(ReadPointCoupling(reader, c));

@@ -59,7 +59,8 @@ PetscErrorCode Simulation::PrepareOutputFolder()
   if (goes_on) last_checkpoint_ = state_.step;
   if (goes_on) PetscCall(frames_.Resume(comm_, state_.frames, &problem)); // the series, before frames go that it may name
   if (problem.empty()) PetscCall(folder_.Clear(comm_, state_.step, frames_.Last(), &problem));
-  if (problem.empty()) PetscCall(history_.Open(comm_, case_.output.directory, goes_on ? state_.step : -1, &problem));
+  if (problem.empty())
+    PetscCall(history_.Open(comm_, case_.output.directory, case_.model.geometry, goes_on ? state_.step : -1, &problem));
   if (!problem.empty()) PetscCall(Refuse(comm_, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -321,8 +322,8 @@ PetscErrorCode Simulation::WriteHistoryRow()
   PetscFunctionBeginUser;
   PetscCall(hierarchy_.ReduceBudgets(&budgets_));
   const double passed = state_.time - state_.time_at_row;
-  if (passed > 0) load_ = -(budgets_.contact_impulse[1] - state_.impulse_at_row) / passed;
-  state_.impulse_at_row = budgets_.contact_impulse[1];
+  if (passed > 0) load_ = -(budgets_.contact_impulse[case_.Dim() - 1] - state_.impulse_at_row) / passed;
+  state_.impulse_at_row = budgets_.contact_impulse[case_.Dim() - 1];
   state_.time_at_row = state_.time;
   row.step = state_.step;
   row.time = state_.time;

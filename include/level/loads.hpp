@@ -1,6 +1,7 @@
 // Pressure on the sides of bodies: it acts on the current faces of the points and follows them.
 #pragma once
 
+#include "level/face.hpp"
 #include "level/grid.hpp"
 #include "level/kernels.hpp"
 #include "level/points.hpp"
@@ -26,15 +27,5 @@ struct Load {
 /// failure: a point whose face has left this rank's nodes.
 PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, double thickness,
                         double time, PointFailure &failure);
-
-/// One face of a point in the current configuration.
-struct Face {
-  Vec3 center;      ///< m
-  Vec3 half_edge;   ///< from the centre to an end, m
-  Vec3 area_normal; ///< outward normal times length, m
-};
-
-/// The face of point p on `side`: centre x + F (+-l0 e_a), edge F (l0 e_b), normal cof(F) e_a.
-Face PointFace(const PointArrays &points, int p, Side side);
 
 } // namespace mlgimp

@@ -37,7 +37,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.shape_function);
-  if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
+  if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
   nodal_ = model_.nodal;
@@ -101,8 +101,6 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceToOwners(grid_->Arrays().sums));
-  if (contact_ && clock_.contact_awake)
-    PetscCall(grid_->Broadcast(grid_->Arrays().sums, NodeArrays::kSums)); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,8 +124,8 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, nodal_totals_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
+  PetscCall(Logged(events_.halo, [&] { return grid_->Broadcast(grid_->Arrays().velocity, NodeArrays::kVelocity); }));
   if (!model_.loads.empty() || nodal_.HasBodyForces() || model_.acceleration) AddWork(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,24 +134,21 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
 {
   const Indenter &indenter = *model_.indenter;
   ContactTotals &totals = contact_totals_;
-  PetscMPIInt rank;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.thickness, nodal_.mass_cutoff, time, dt};
+  const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
+  const struct Geometry geometry = {GeometryKind::kPlaneStrain, model_.thickness};
+  const ContactView view = {*grid_, points_, geometry_.sides, indenter, geometry, nodal_.mass_cutoff, time, dt};
   PetscCall(contact_->Apply(view, &totals.last));
   if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   totals.penetration = std::max(totals.penetration, totals.last.penetration);
   totals.work += totals.last.work;
-  if (rank == 0) {
-    const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
-    totals.impulse = totals.impulse + totals.last.impulse;
-    nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
-    totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
-    totals.steps += totals.last.set_updates > 0;
-    totals.set_updates += totals.last.set_updates;
-    totals.fallbacks += totals.last.fallback;
-  }
+  totals.impulse = totals.impulse + totals.last.impulse;
+  nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
+  totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
+  totals.steps += totals.last.set_updates > 0;
+  totals.set_updates += totals.last.set_updates;
+  totals.fallbacks += totals.last.fallback;
   PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,17 +6,6 @@
 namespace mlgimp
 {
 
-Face PointFace(const PointArrays &points, int p, Side side)
-{
-  const double *F = points.F + 4 * p, *half = points.half_size + 2 * p, *x = points.position + 2 * p;
-  const int a = AxisOf(side), b = 1 - a, sign = SignOf(side);
-  Vec3 out{}, along{};
-  out[a] = sign * half[a];
-  along[b] = half[b];
-  const Vec3 cofactor = a == 0 ? Vec3{F[3], -F[1]} : Vec3{-F[2], F[0]};
-  return {Vec3{x[0], x[1]} + Multiply(F, out), Multiply(F, along), 2 * half[b] * sign * cofactor};
-}
-
 /// Weights of a face on the three nodes around its centre along one axis.
 static AxisWeights FaceWeights(double d, double l)
 {
@@ -34,7 +23,7 @@ static bool AddFaceForce(const Grid &grid, bool owned, const Face &face, Vec3 fo
     nearest[axis] = grid.Nearest(axis, face.center[axis]);
     if (nearest[axis] < first || nearest[axis] > last) return false;
     const double d = (face.center[axis] - grid.Coordinate(axis, nearest[axis])) * inverse_h;
-    at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
+    at[axis] = FaceWeights(d, std::abs(face.half_edge[0][axis]) * inverse_h);
   }
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
@@ -64,7 +53,7 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
     for (std::size_t k = 0; k < loads.size(); ++k) {
       const double share = arrays.load_share[loads.size() * p + k];
       if (share == 0) continue;
-      const Face face = PointFace(arrays, p, loads[k].side);
+      const Face face = PointFace(arrays, p, loads[k].side, 2);
       if (AddFaceForce(grid, owned, face, -pressure[k] * share * thickness * face.area_normal)) continue;
       if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, arrays.id[p], face.center};
     }

@@ -52,6 +52,7 @@ const Column kColumns[] = {
     {"contact_work", [](const HistoryRow &r) { return r.budgets.contact_work; }},
     {"exchange_energy", [](const HistoryRow &r) { return r.budgets.exchange_energy; }},
     {"transfer_energy", [](const HistoryRow &r) { return r.budgets.transfer_energy; }},
+    {"contact_area", [](const HistoryRow &r) { return r.area; }},
 };
 
 /// The rows of an earlier part of the run up to a step, without one that a kill left incomplete.

@@ -53,12 +53,12 @@ TEST(Faces, EncloseThePoint)
     double area = 0;
     for (int s = 0; s < kSides; ++s) {
       const Side side = static_cast<Side>(s);
-      const Face face = PointFace(a, 0, side);
+      const Face face = PointFace(a, 0, side, 2);
       Vec3 middle{};
       middle[AxisOf(side)] = SignOf(side) * a.half_size[AxisOf(side)];
       EXPECT_LE(Norm(face.center - x - Multiply(a.F, middle)), 1e-15);
-      EXPECT_NEAR(Dot(face.area_normal, face.half_edge), 0, 1e-15);
-      EXPECT_NEAR(Norm(face.area_normal), 2 * Norm(face.half_edge), 1e-15);
+      EXPECT_NEAR(Dot(face.area_normal, face.half_edge[0]), 0, 1e-15);
+      EXPECT_NEAR(Norm(face.area_normal), 2 * Norm(face.half_edge[0]), 1e-15);
       EXPECT_GT(Dot(face.area_normal, face.center - x), 0) << "outward";
       sum = sum + face.area_normal;
       area += 0.5 * Dot(face.area_normal, face.center - x); // the divergence theorem
@@ -90,7 +90,7 @@ TEST(Faces, ForcesOfAPressure)
     PointFailure failure;
     ASSERT_EQ(AddLoads(grid, points, n % 2 == 0, loads, kThickness, 1.0, failure), PETSC_SUCCESS);
     EXPECT_EQ(failure.kind, PointFailure::kNone);
-    const Face face = PointFace(a, 0, side);
+    const Face face = PointFace(a, 0, side, 2);
     const Vec3 force = -kPressure * share * kThickness * face.area_normal;
     const double scale = kPressure * kThickness * kH;
     Vec3 sum{}, external{};
@@ -128,13 +128,13 @@ TEST(Faces, ForcesAreMeansOfHats)
     std::fill_n(sums, NodeArrays::kSums * grid.GhostedNodes(), 0.0);
     PointFailure failure;
     ASSERT_EQ(AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, 1, 0, failure), PETSC_SUCCESS);
-    const Face face = PointFace(a, 0, side);
+    const Face face = PointFace(a, 0, side, 2);
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {
         constexpr int kParts = 2000;
         double mean = 0;
         for (int k = 0; k < kParts; ++k) {
-          const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge;
+          const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge[0];
           mean += std::max(0.0, 1 - std::abs(x[0] / kH - i)) * std::max(0.0, 1 - std::abs(x[1] / kH - j)) / kParts;
         }
         const double *node = sums + NodeArrays::kSums * grid.Index(i, j);

@@ -37,7 +37,7 @@ INCLUDES    = $(eval INCLUDES := -Iinclude $$(shell $(PKG_CONFIG) --cflags $(PAC
 LIBRARIES   = $(eval LIBRARIES := $$(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis $(RUN_PATH))$(LIBRARIES)
 FLAGS       = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math $(WARNINGS) $(INCLUDES) -MMD -MP
 
-SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp))
+SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp src/*/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=$(BUILD)/%.o)
 # tests/unit/*.cpp make one program of fast tests, each of tests/simulation/*.cpp one of its own.
 UNITS   := $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/unit/*.cpp))
@@ -118,7 +118,7 @@ bench: deps
 
 # Layout and checks of the sources; needs clang-format and clang-tidy.
 lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/main.tidy
-	clang-format --dry-run -Werror $(wildcard src/*/*.cpp include/*/*.hpp tests/*/*.cpp tests/*/*.hpp)
+	clang-format --dry-run -Werror $(wildcard src/*/*.cpp src/*/*/*.cpp include/*/*.hpp include/*/*/*.hpp tests/*/*.cpp tests/*/*.hpp)
 
 $(BUILD)/%.tidy: %.cpp .clang-tidy
 	@mkdir -p $(@D)

@@ -1,7 +1,7 @@
 // One grid level: its grid, its points, and one explicit step of both.
 #pragma once
 
-#include "level/contact.hpp"
+#include "level/contact/contact.hpp"
 #include "level/events.hpp"
 #include "level/model.hpp"
 #include "level/points.hpp"
@@ -29,11 +29,11 @@ struct LevelGeometry {
   }
 };
 
-/// What contact did since the run began, added up on the first rank of the level, and in the last step.
+/// What contact did since the run began, this rank's part, and in the last step.
 struct ContactTotals {
   Vec3 impulse{};           ///< on the body, N s
   double indenter_work = 0; ///< J
-  double work = 0;          ///< of the contact forces on the nodes that this rank owns, J
+  double work = 0;          ///< of the contact forces on nodes, J
   double penetration = 0;   ///< deepest so far, m
   double steps = 0, set_updates = 0, fallbacks = 0;
   ContactReport last;
@@ -76,7 +76,7 @@ public:
   PetscErrorCode GatherForces(double time, double dt);
   /// New velocities of owned nodes from the level's own points.
   PetscErrorCode UpdateNodes(double dt);
-  /// Holds the velocities at the domain's sides and sends them to ghost nodes; contact.
+  /// Holds the velocities at the domain's sides; contact; sends them to ghost nodes.
   PetscErrorCode FinishNodes(double time, double dt);
   /// Velocities, positions, strain and stress of the points.
   PetscErrorCode AdvancePoints(double dt);

@@ -1,6 +1,7 @@
 // Pressure on the sides of bodies: it acts on the current faces of the points and follows them.
 #pragma once
 
+#include "level/face.hpp"
 #include "level/grid.hpp"
 #include "level/kernels.hpp"
 #include "level/points.hpp"
@@ -41,15 +42,5 @@ struct LoadTotals {
 
 /// Adds up impulse and work of the forces in a step, after sides and contact.
 void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double dt, LoadTotals &totals);
-
-/// One face of a point in the current configuration.
-struct Face {
-  Vec3 center;      ///< m
-  Vec3 half_edge;   ///< from the centre to an end, m
-  Vec3 area_normal; ///< outward normal times length, m
-};
-
-/// The face of point p on `side`: centre x + F (+-l0 e_a), edge F (l0 e_b), normal cof(F) e_a.
-Face PointFace(const PointArrays &points, int p, Side side);
 
 } // namespace mlgimp

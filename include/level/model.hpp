@@ -1,6 +1,7 @@
 // The physics that all levels share: bodies, materials, loads, indenter, and the variants of the step.
 #pragma once
 
+#include "level/contact/settings.hpp"
 #include "level/kernels.hpp"
 #include "level/loads.hpp"
 #include "level/nodes.hpp"
@@ -35,8 +36,8 @@ struct Model {
   std::vector<Body> bodies;
   std::vector<Load> loads;
   std::optional<Indenter> indenter;
-  std::string contact = "pressure", shape_function = "cpgimp";
-  bool contact_monitor = false;
+  ContactSettings contact;
+  std::string shape_function = "cpgimp";
   StressUpdate stress_update = StressUpdate::kMusl;
   ShortWaveViscosity short_wave;
   NodalSettings nodal;           ///< mass_cutoff is set by each level

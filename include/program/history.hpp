@@ -14,7 +14,7 @@ namespace mlgimp
 /// A row; the columns are named in history.cpp.
 struct HistoryRow {
   long step;
-  double time, depth, load, half_width, penetration, peak_pressure;
+  double time, depth, load, half_width, area, penetration, peak_pressure;
   Budgets budgets;
 };
 

@@ -37,7 +37,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
-  if (model_.indenter && model_.contact != "none") PetscCall(CreateContact(model_.contact, model_.contact_monitor, &contact_));
+  if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
   nodal_ = model_.nodal;
@@ -105,7 +105,6 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   nodal_totals_.hoop_impulse += dt * sweep_totals_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceSums());
-  if (contact_ && clock_.contact_awake) PetscCall(grid_->BroadcastSums()); // contact asks ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -129,8 +128,8 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, nodal_totals_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
+  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, nodal_totals_);
   AddLoadWork(*grid_, applied_, dt, load_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,24 +139,20 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
 {
   const Indenter &indenter = *model_.indenter;
   ContactTotals &totals = contact_totals_;
-  PetscMPIInt rank;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry.thickness, nodal_.mass_cutoff, time, dt};
+  const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
+  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
   PetscCall(contact_->Apply(view, &totals.last));
   if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   totals.penetration = std::max(totals.penetration, totals.last.penetration);
   totals.work += totals.last.work;
-  if (rank == 0) {
-    const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
-    totals.impulse = totals.impulse + totals.last.impulse;
-    nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
-    totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
-    totals.steps += totals.last.set_updates > 0;
-    totals.set_updates += totals.last.set_updates;
-    totals.fallbacks += totals.last.fallback;
-  }
+  totals.impulse = totals.impulse + totals.last.impulse;
+  nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
+  totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
+  totals.steps += totals.last.set_updates > 0;
+  totals.set_updates += totals.last.set_updates;
+  totals.fallbacks += totals.last.fallback;
   PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

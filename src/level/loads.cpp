@@ -6,18 +6,6 @@
 namespace mlgimp
 {
 
-Face PointFace(const PointArrays &points, int p, Side side)
-{
-  const double *const F = points.F + 4 * p;
-  const Vec3 half = points.HalfSize(p);
-  const int a = AxisOf(side), b = 1 - a, sign = SignOf(side);
-  Vec3 out{}, along{};
-  out[a] = sign * half[a];
-  along[b] = half[b];
-  const Vec3 cofactor = a == 0 ? Vec3{F[3], -F[1]} : Vec3{-F[2], F[0]};
-  return {points.Position(p) + points.Deform(p, out), points.Deform(p, along), 2 * half[b] * sign * cofactor};
-}
-
 /// Weights of a face on the three nodes around its centre along one axis.
 static AxisWeights FaceWeights(double d, double l)
 {
@@ -44,7 +32,9 @@ static bool PlaceFace(const Grid &grid, const Face &face, FaceForce *placed)
     const int nearest = placed->nearest[axis];
     if (nearest <= local.lower[axis] || nearest >= local.upper[axis] - 1) return false;
     const double d = (face.center[axis] - grid.Coordinate(axis, nearest)) * inverse_h;
-    placed->at[axis] = FaceWeights(d, std::abs(face.half_edge[axis]) * inverse_h);
+    double extent = 0;
+    for (const Vec3 &half_edge : face.half_edge) extent += std::abs(half_edge[axis]);
+    placed->at[axis] = FaceWeights(d, extent * inverse_h);
   }
   return true;
 }

@@ -159,7 +159,9 @@ PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
   PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
   PetscCall(OnTerminal(reader.Comm(), &out.monitor));
   PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)", ""}, &out.monitor));
-  PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact_monitor));
+  PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact.monitor));
+  PetscCall(reader.Integer({"-contact_serial_unknowns", "fewer contact pressures than this are solved on one rank", ""},
+                           Closed(1, 2e9), &c->model.contact.serial_unknowns));
   PetscCall(
       reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
   PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},

@@ -1,7 +1,7 @@
 // Options of the indenter, its motion and the contact solver.
 #include "program/case_groups.hpp"
 
-#include "level/contact.hpp"
+#include "level/contact/contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -166,7 +166,7 @@ PetscErrorCode CheckIndenterSize(OptionReader &reader, const Case &c, const std:
     PetscCall(
         reader.Refuse("-indenter", kind,
                       "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide"));
-  if (c.model.contact != "none" && depth > 0 && indenter.surface->Width(depth) < h)
+  if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
     PetscCall(PetscFPrintf(
         reader.Comm(), PETSC_STDERR,
         "mlgimp: warning: -indenter %s: at its largest depth of %s m it is %s m wide, less than %s: the load is "
@@ -207,13 +207,17 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
 PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
 {
   std::string kind = "none";
-  std::vector<std::string> methods = ContactMethods();
+  std::vector<std::string> methods = ContactMethods(GeometryKind::kPlaneStrain);
   PetscFunctionBeginUser;
   methods.push_back("none");
   PetscCall(reader.Choice({"-indenter", "rigid indenter", ""}, {"none", "wedge", "cylinder", "flat_punch", "polygon"}, &kind));
-  PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact));
+  PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact.method));
   if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-  const bool has_solver = c->model.contact == "pressure" || c->model.contact == "point_pressure";
+  const std::string &method = c->model.contact.method;
+  const bool has_solver = method == "pressure" || method == "point_pressure";
+  if (method == "pressure" || reader.Help())
+    PetscCall(reader.Number({"-contact_width", "half width of the kernel of a contact pressure in cells; 1 is the hat", ""},
+                            {0, 1, true, false}, false, &c->model.contact.width));
   if (has_solver && !reader.Help()) PetscCall(CheckContactSolver(reader));
   Indenter &indenter = c->model.indenter.emplace();
   PetscCall(ReadSurface(reader, kind, &indenter.surface));

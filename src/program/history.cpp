@@ -52,6 +52,7 @@ std::vector<HistoryColumn> Columns(const Geometry &geometry)
   columns.push_back({"contact_work", sum(&Budgets::contact_work)});
   columns.push_back({"exchange_energy", sum(&Budgets::exchange_energy)});
   columns.push_back({"transfer_energy", sum(&Budgets::transfer_energy)});
+  columns.push_back({"contact_area", [](const HistoryRow &r) { return r.area; }});
   if (geometry.HasHoop()) columns.push_back({"hoop_impulse_x", sum(&Budgets::hoop_impulse)});
   if (geometry.Dim() == 2) return columns;
   AddVector(columns, "momentum", 2, 3, &Budgets::momentum);

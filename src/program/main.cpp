@@ -1,5 +1,5 @@
 // mlgimp: multi-level generalized interpolation material point method for indentation and contact.
-#include "level/active_set.hpp"
+#include "level/contact/active_set.hpp"
 #include "program/case.hpp"
 #include "program/command_line.hpp"
 #include "program/errors.hpp"
@@ -37,7 +37,7 @@ PetscErrorCode Main(const std::string &name)
   PetscCall(ReadCase(reader, &settings));
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
-    PetscCall(solver.Create(true));
+    PetscCall(solver.Create(PETSC_COMM_SELF, true));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   Simulation simulation(settings);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unistd.h>
 
 namespace mlgimp
@@ -151,7 +152,7 @@ PetscErrorCode Simulation::Run()
   std::string problem;
   PetscFunctionBeginUser;
   PetscCall(PrepareOutputFolder());
-  if (case_.model.indenter && case_.model.contact == "point_pressure")
+  if (case_.model.indenter && case_.model.contact.method == "point_pressure")
     PetscCall(PetscFPrintf(comm_, PETSC_STDERR,
                            "mlgimp: warning: -contact point_pressure: is rank deficient, its diagonal is raised by "
                            "1 %%; single pressures mean little and contact comes late\n"));
@@ -266,21 +267,23 @@ PetscErrorCode Simulation::CheckWritten(const std::string &problem)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// What contact reports as largest values, over levels and ranks.
+/// What contact reports as largest values, over levels and ranks, and the area of all levels.
 PetscErrorCode Simulation::LargestContact(HistoryRow *row)
 {
-  double largest[3] = {};
+  std::vector<double> largest(3 + hierarchy_.Levels()); // the area of a level is known alike on its ranks
   PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     const ContactTotals &contact = hierarchy_.At(l).Contacts();
     largest[0] = std::max(largest[0], contact.last.half_width);
     largest[1] = std::max(largest[1], contact.penetration);
     largest[2] = std::max(largest[2], contact.last.peak_pressure);
+    largest[3 + l] = contact.last.area;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, comm_));
   row->half_width = largest[0];
   row->penetration = largest[1];
   row->peak_pressure = largest[2];
+  row->area = std::accumulate(largest.begin() + 3, largest.end(), 0.0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,7 +291,7 @@ PetscErrorCode Simulation::LargestContact(HistoryRow *row)
 PetscErrorCode Simulation::WarnOfPenetration(double penetration)
 {
   PetscFunctionBeginUser;
-  if (warned_ || !case_.model.indenter || case_.model.contact == "none") PetscFunctionReturn(PETSC_SUCCESS);
+  if (warned_ || !case_.model.indenter || case_.model.contact.method == "none") PetscFunctionReturn(PETSC_SUCCESS);
   const int level = case_.LevelAtTip();
   const double cell = case_.CellSize(level);
   if (penetration <= cell) PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,4 +1,4 @@
-"""Every solver that -contact_ksp_type and -contact_pc_type accept finds the same contact."""
+"""Every solver that -contact_ksp_type and -contact_pc_type accept finds the same contact, on one rank or on all; kernels of pressures."""
 import re
 
 import numpy
@@ -38,3 +38,22 @@ def test_preconditioners(expect):
 def test_methods(expect):
     """Those for symmetric matrices do not suit point_pressure, whose matrix is not."""
     expect_same_load(expect, "pressure", "contact_ksp_type", accepted("contact_ksp_type"))
+
+
+def test_solved_on_all_ranks(expect):
+    """Three ranks share the equations, or the first has them all; the same run twice is the same to the last digit."""
+    alone = harness.run(CASE).history
+    for unknowns in (1, 1000):
+        first, second = (harness.run({**CASE, "contact_serial_unknowns": unknowns}, ranks=3).history for _ in range(2))
+        expect(f"contact_serial_unknowns {unknowns}: load", numpy.max(numpy.abs(first["load"] - alone["load"])) / numpy.max(alone["load"]),
+               at_most=1e-9)
+        expect.that(f"contact_serial_unknowns {unknowns}: twice the same", all(numpy.array_equal(first[c], second[c]) for c in first))
+
+
+def test_narrow_kernels(expect):
+    """The mean gap of a column under a tip of slope tan b is alpha h tan(b)/3: where the load begins, to a step's way."""
+    for width in (1, 0.5):
+        history = harness.run({**CASE, "contact_width": width, "max_steps": 30, "indenter_velocities": 50}).history
+        depth = history["depth"][numpy.argmax(history["load"] > 0)] / 250e-9
+        expect(f"contact_width {width}: depth of the first load, cells", depth, near=width / numpy.tan(numpy.radians(70.3)) / 3, tolerance=0.006)
+        expect(f"contact_width {width}: largest load", numpy.max(history["load"]), at_least=1e-6)

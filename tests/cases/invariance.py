@@ -34,7 +34,7 @@ CASE = {
 # Exponents of length and time in the unit of each kind; masses stay as they are.
 UNITS = {"length": (1, 0), "place": (1, 0), "offset": (1, 0), "time": (0, 1), "velocity": (1, -1), "speed": (1, -1),
          "acceleration": (1, -2), "pressure": (-1, -2), "density": (-3, 0), "number": (0, 0)}
-COLUMNS = {"time": (0, 1), "depth|contact_half_width|penetration": (1, 0), "load": (1, -2), "peak_pressure": (-1, -2),
+COLUMNS = {"time": (0, 1), "depth|contact_half_width|penetration": (1, 0), "load": (1, -2), "peak_pressure": (-1, -2), "contact_area": (2, 0),
            ".*(energy|work)": (2, -2), ".*(momentum|impulse)_[xy]": (1, -1)}
 
 

@@ -25,7 +25,7 @@ def short(path):
 def test_layers(expect):
     upwards, layers_seen = [], set()
     for path in sources("include", "src"):
-        own = path.parent.name
+        own = path.relative_to(harness.ROOT).parts[1]
         layers_seen.add(own)
         for header in re.findall(r'^\s*#\s*include\s+"([^"]+)"', path.read_text(), re.M):
             layer = header.split("/")[0]

@@ -55,8 +55,8 @@ TEST(Faces, EncloseThePoint)
       Vec3 middle{};
       middle[AxisOf(side)] = SignOf(side) * a.half_size[AxisOf(side)];
       EXPECT_LE(Norm(face.center - x - Multiply(a.F, middle)), 1e-15);
-      EXPECT_NEAR(Dot(face.area_normal, face.half_edge), 0, 1e-15);
-      EXPECT_NEAR(Norm(face.area_normal), 2 * Norm(face.half_edge), 1e-15);
+      EXPECT_NEAR(Dot(face.area_normal, face.half_edge[0]), 0, 1e-15);
+      EXPECT_NEAR(Norm(face.area_normal), 2 * Norm(face.half_edge[0]), 1e-15);
       EXPECT_GT(Dot(face.area_normal, face.center - x), 0) << "outward";
       sum = sum + face.area_normal;
       area += 0.5 * Dot(face.area_normal, face.center - x); // the divergence theorem
@@ -134,7 +134,7 @@ TEST(Faces, ForcesAreMeansOfHats)
         constexpr int kParts = 2000;
         double mean = 0;
         for (int k = 0; k < kParts; ++k) {
-          const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge;
+          const Vec3 x = face.center + ((2 * k + 1.0) / kParts - 1) * face.half_edge[0];
           mean += std::max(0.0, 1 - std::abs(x[0] / kH - i)) * std::max(0.0, 1 - std::abs(x[1] / kH - j)) / kParts;
         }
         const double *node = grid.Sums()[grid.Place({i, j, 0})].force;

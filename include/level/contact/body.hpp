@@ -1,0 +1,42 @@
+// The body as contact sees it: its surface in pieces, and the nodes that it moves.
+#pragma once
+
+#include "base/index.hpp"
+#include "level/contact/contact.hpp"
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// A piece of a deformed face.
+struct SurfaceSegment {
+  Vec3 x, normal;    ///< place, m; outward normal
+  double area;       ///< of the body's surface: out of the plane times thickness or circumference at the face's centre, m2
+  double half_width; ///< half the piece's length in the plane, m
+};
+
+inline constexpr int kSegmentsPerEdge = 4;
+/// Appends the segments of all outer faces of a point: midpoints of kSegmentsPerEdge parts along each half edge.
+void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry, std::vector<SurfaceSegment> *segments);
+
+/// True where a segment faces the indenter, so that it can be pressed by it.
+inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
+{
+  return Dot(segment.normal, indenter_normal) < -kLeastFacing;
+}
+
+/// True where a point is far enough from the indenter to be left out without looking at its faces.
+bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p);
+
+// What contact asks of a node. The state must be final on owned nodes; of ghosts nothing is known.
+/// The rank in grid.Comm(), or -1 outside the grid.
+inline PetscMPIInt OwnerOf(const Grid &grid, Index node) { return grid.BlockOfNode(node); }
+double MassOf(const Grid &grid, Index node);   ///< kg
+Vec3 VelocityOf(const Grid &grid, Index node); ///< v, m/s
+/// Splits a change of velocity in what the node takes and what the sides hold.
+Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
+/// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, work, and both impulses.
+void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report);
+
+} // namespace mlgimp

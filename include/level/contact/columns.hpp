@@ -1,0 +1,78 @@
+// The columns of the grid under the surface: where it lies, what it weighs in each, and how pressures act on it.
+//
+// A column is a line of nodes along the last axis, named by its horizontal node. In the plane columns are in a row, in space in a
+// plane. Horizontal indices have zeros from the last axis on.
+#pragma once
+
+#include "level/contact/body.hpp"
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Where a place lies in the grid.
+struct CellPlace {
+  Index cell;   ///< the first corner of its cell
+  Index column; ///< its horizontal part
+  Vec3 part;    ///< from 0 to 1 along each axis
+};
+CellPlace Locate(const Grid &grid, Vec3 x, int dim);
+
+/// A segment that the indenter may press.
+struct PressedSegment {
+  CellPlace place;
+  Vec3 normal;        ///< of the indenter
+  double area;        ///< of the body's surface, m2
+  double gap;         ///< to the indenter at the end of the step, m
+  double left, right; ///< ends along the first axis, m
+};
+
+/// Corner c of a cell: bit a of c chooses the upper node along axis a.
+inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2 & 1)}; }
+/// Product over the first `axes` axes of hats about a corner, of half width `width` cells.
+double CornerHat(Vec3 part, int c, int axes, double width = 1);
+
+/// Sums over segments s, with H_j the hat of column j, K_j its kernel of half width alpha h, n the indenter's normal, up
+/// component z.
+struct ContactColumn {
+  double kernel_area = 0; ///< k_j = sum_s K_j w_s, m2
+  double gap = 0;         ///< sum_s K_j w_s g_s, m3
+  double area = 0;        ///< a_j = -sum_s H_j w_s n_z: projected on the plane normal to the axis, m2
+  double share[9] = {};   ///< -sum_s K_j H_i w_s n_z, i = j - 1 ... j + 1 along each axis: load on column i for lambda_j = 1, m2
+  double left = HUGE_VAL, right = -HUGE_VAL; ///< ends of the surface under H_j along the first axis, m
+};
+
+/// The columns under all segments within reach of the indenter, the same on all ranks of the grid.
+class ContactColumns
+{
+public:
+  ContactColumns() = default;
+  ContactColumns(const ContactColumns &) = delete;
+  ContactColumns &operator=(const ContactColumns &) = delete;
+  ~ContactColumns();
+
+  /// Sums up the columns of the segments of all ranks. width: alpha. Collective on the grid's ranks.
+  PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments);
+
+  const IndexBox &Box() const { return box_; } ///< of the columns; empty where nothing is near
+  int Place(Index column) const { return (column[1] - box_.lower[1]) * box_.Size(0) + column[0] - box_.lower[0]; }
+  const ContactColumn &At(Index column) const { return columns_[Place(column)]; }
+
+  /// Largest pressure p_i = (load on column i)/a_i, Pa. lambda [columns], Pa.
+  double PeakPressure(const std::vector<double> &lambda) const;
+
+private:
+  PetscErrorCode FindBox(const ContactView &view, const std::vector<PressedSegment> &segments);
+  void Add(const ContactView &view, double width, const PressedSegment &segment);
+
+  IndexBox box_;
+  std::vector<ContactColumn> columns_;
+  MPI_Datatype column_type_ = MPI_DATATYPE_NULL;
+  MPI_Op add_ = MPI_OP_NULL;
+};
+
+/// k_j of a column whose surface is level and complete: it ends at the sides of the domain, m2.
+double FullKernelArea(const ContactView &view, double width, Index column);
+
+} // namespace mlgimp

@@ -1,0 +1,67 @@
+// Contact of a level's points with the rigid indenter: three methods behind one interface.
+#pragma once
+
+#include "level/contact/settings.hpp"
+#include "level/nodes.hpp"
+#include "level/points.hpp"
+#include "pointwise/indenter.hpp"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+
+namespace mlgimp
+{
+
+/// What contact needs to see of a level in a step from `time` to `time + dt`, after sides were applied.
+struct ContactView {
+  const Grid &grid;
+  Points &points;
+  const BoundaryConditions &sides;
+  const Indenter &indenter;
+  Geometry geometry;
+  double mass_cutoff; ///< kg
+  double time, dt;    ///< s
+};
+
+/// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
+/// ranks.
+struct ContactReport {
+  Vec3 impulse{};           ///< on the body, N s
+  Vec3 side_impulse{};      ///< what sides take up of it at once, N s
+  double work = 0;          ///< of the contact forces on owned nodes, with their mean velocity of the step, J
+  double penetration = 0;   ///< deepest place of the surface inside the indenter at `time`, m
+  int local_points = 0;     ///< points under pressure
+  int set_updates = 0;      ///< of the active set; on the level's first rank alone
+  bool fallback = false;    ///< the active set did not settle: row-sum diagonal used; on the level's first rank alone
+  bool solved = true;       ///< false: the linear solver did not converge
+  double half_width = 0;    ///< of the contact, in space sqrt(area/pi), m
+  double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
+  double peak_pressure = 0; ///< largest pressure found, Pa
+};
+
+/// Pressures that were found, by the key of their unknown.
+using ContactPressures = std::map<std::int64_t, double>;
+
+class Contact
+{
+public:
+  virtual ~Contact() = default;
+  /// What a step leaves to the next, the same on every rank of the level.
+  virtual ContactPressures Pressures() const { return {}; }
+  virtual void SetPressures(const ContactPressures &) {}
+  /// Corrects the velocities (v, dv) of owned nodes. Collective on the grid's ranks.
+  virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
+};
+
+/// Reads the options of the solver under the prefix -contact_.
+PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact);
+
+/// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.
+inline constexpr double kContactRange = 2.5;
+/// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
+inline constexpr double kPointRange = kContactRange + 1.5;
+/// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
+inline constexpr double kLeastFacing = 0.1;
+
+} // namespace mlgimp

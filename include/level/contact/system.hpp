@@ -1,0 +1,76 @@
+// The contact equations of a step: assembled where the nodes are, solved on one rank or on all, and applied at the nodes.
+//
+// Unknown j is a pressure; it pushes node i by t_ij lambda_j (traction), and its condition reads, with c_ij (constraint),
+//   gap_j + dt sum_i c_ij . v_i >= 0,  v_i = v_i^0 + (dt/m_i) sum_k t_ik lambda_k,  lambda_j >= 0, complementary, or
+//   A lambda - r >= 0,  A_jk = dt^2 sum_i c_ij . t_ik/m_i,  r_j = -gap_j - dt sum_i c_ij . v_i^0.
+#pragma once
+
+#include "level/contact/active_set.hpp"
+#include "level/contact/body.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// One unknown; all ranks know all of them.
+struct ContactUnknown {
+  std::int64_t key; ///< its name from step to step
+  double gap;       ///< weighted gap
+};
+
+/// Coupling of an unknown and a node; the parts of all ranks add up.
+struct ContactCoupling {
+  Index node;
+  int unknown; ///< its place among the unknowns
+  Vec3 constraint, traction;
+};
+
+class ContactSystem
+{
+public:
+  /// `symmetric`: t is c; `diagonal_shift`: added to the diagonal, as a part of it.
+  PetscErrorCode Create(bool symmetric, double diagonal_shift, const ContactSettings &settings);
+
+  /// Solves and applies. unknowns: the same on all ranks, by rising keys; couplings: this rank's part, to any nodes. Adds to the
+  /// report what it did. Collective on the grid's ranks.
+  PetscErrorCode Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
+                       std::vector<ContactCoupling> couplings, ContactReport *report);
+
+  /// The pressures of the last solve, on every rank: in the order of its unknowns, and those above zero by their keys. The next
+  /// solve starts from them.
+  const std::vector<double> &Lambda() const { return lambda_; }
+  const ContactPressures &Pressures() const { return pressures_; }
+  void SetPressures(const ContactPressures &pressures) { pressures_ = pressures; }
+
+private:
+  /// A number of the system at (row, column), or of the right side where column is kRightSide.
+  struct Term {
+    int row, column;
+    double value;
+  };
+  static constexpr int kRightSide = -1;
+  /// Which rank holds the equation of which unknown: ranges of equal size on the first `ranks` ranks.
+  struct Layout {
+    int unknowns, ranks;
+    int First(int rank) const { return static_cast<int>(static_cast<std::int64_t>(unknowns) * std::min(rank, ranks) / ranks); }
+    int Owner(int row) const { return static_cast<int>(((row + std::int64_t(1)) * ranks - 1) / unknowns); }
+  };
+
+  void AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings);
+  PetscErrorCode MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
+                               const std::vector<ContactCoupling> &couplings, const Layout &layout);
+  PetscErrorCode FindPressures(const ContactView &view, const Layout &layout, ContactReport *report);
+
+  bool symmetric_ = true;
+  double diagonal_shift_ = 0;
+  ContactSettings settings_;
+  ActiveSetSolver serial_; ///< on this rank alone
+  std::vector<std::vector<Term>> rows_;
+  ComplementarityProblem problem_;
+  std::vector<double> lambda_;
+  ContactPressures pressures_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,178 @@
+// Active-set loop for contact pressures.
+#include "level/contact/active_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+static constexpr int kMaxSetUpdates = 20;
+
+PetscErrorCode ActiveSetSolver::Create(MPI_Comm comm, bool symmetric)
+{
+  PC pc;
+  PetscFunctionBeginUser;
+  comm_ = comm;
+  PetscCall(KSPCreate(comm, ksp_.Out()));
+  PetscCall(KSPSetOptionsPrefix(ksp_, "contact_"));
+  PetscCall(KSPSetType(ksp_, symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPGetPC(ksp_, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSetTolerances(ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
+  PetscCall(KSPSetFromOptions(ksp_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Makes matrices and vectors anew where the places of entries are not those of the last time.
+PetscErrorCode ActiveSetSolver::SetPattern(const ComplementarityProblem &problem)
+{
+  const PetscInt size = static_cast<PetscInt>(problem.r.size());
+  int changed = size != size_ || problem.rows != rows_ || problem.columns != columns_;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, comm_));
+  if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
+  size_ = size;
+  rows_ = problem.rows;
+  columns_ = problem.columns;
+  std::vector<PetscInt> rows = rows_, columns = columns_; // PETSc may change them
+  PetscCall(KSPReset(ksp_));
+  PetscCall(MatCreate(comm_, A_.Out()));
+  PetscCall(MatSetSizes(A_, size, size, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetType(A_, MATAIJ));
+  PetscCall(MatSetPreallocationCOO(A_, static_cast<PetscCount>(rows.size()), rows.data(), columns.data()));
+  PetscCall(MatSetValuesCOO(A_, problem.values.data(), INSERT_VALUES)); // only an assembled matrix has an assembled copy
+  PetscCall(MatDuplicate(A_, MAT_COPY_VALUES, active_part_.Out()));
+  PetscCall(MatCreateVecs(A_, lambda_.Out(), r_.Out()));
+  for (VecHandle *vector : {&diagonal_, &active_, &work_}) PetscCall(VecDuplicate(r_, vector->Out()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A and r times a power of two, which changes no digit, by which the largest entry on the diagonal is from 1 to 2. Entries have
+/// the size of dt^2/m, 1e-30 in small cases, and PETSc's direct solvers take pivots below 2e-14 and singular values below 1e-12
+/// for zero.
+PetscErrorCode ActiveSetSolver::SetValues(const ComplementarityProblem &problem, const std::vector<double> &lambda)
+{
+  PetscReal largest;
+  PetscScalar *values;
+  PetscFunctionBeginUser;
+  PetscCall(MatSetValuesCOO(A_, problem.values.data(), INSERT_VALUES));
+  PetscCall(VecGetArray(r_, &values));
+  std::copy(problem.r.begin(), problem.r.end(), values);
+  PetscCall(VecRestoreArray(r_, &values));
+  PetscCall(VecGetArray(lambda_, &values));
+  std::copy(lambda.begin(), lambda.end(), values);
+  PetscCall(VecRestoreArray(lambda_, &values));
+  PetscCall(MatGetDiagonal(A_, diagonal_));
+  PetscCall(VecMax(diagonal_, nullptr, &largest));
+  const PetscScalar scale = std::ldexp(1.0, -std::ilogb(largest));
+  PetscCall(MatScale(A_, scale));
+  PetscCall(VecScale(diagonal_, scale));
+  PetscCall(VecScale(r_, scale));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The set that the previous pressures leave; without any, the rows that would be violated.
+PetscErrorCode ActiveSetSolver::StartSet()
+{
+  PetscReal largest;
+  const PetscScalar *values;
+  PetscScalar *active;
+  PetscFunctionBeginUser;
+  PetscCall(VecMax(lambda_, nullptr, &largest));
+  const Vec source = largest > 0 ? lambda_ : r_;
+  PetscCall(VecGetArrayRead(source, &values));
+  PetscCall(VecGetArray(active_, &active));
+  for (PetscInt k = 0; k < size_; ++k) active[k] = values[k] > 0;
+  PetscCall(VecRestoreArray(active_, &active));
+  PetscCall(VecRestoreArrayRead(source, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves the equations of the active unknowns; the others stay in the system as zeros, so that its pattern is kept.
+PetscErrorCode ActiveSetSolver::SolveActive(ActiveSetReport *report)
+{
+  KSPConvergedReason reason;
+  PetscInt iterations;
+  PetscFunctionBeginUser;
+  PetscCall(MatCopy(A_, active_part_, SAME_NONZERO_PATTERN));
+  PetscCall(MatDiagonalScale(active_part_, active_, active_));
+  PetscCall(MatDiagonalSet(active_part_, diagonal_, INSERT_VALUES));
+  PetscCall(VecPointwiseMult(work_, active_, r_));
+  PetscCall(VecPointwiseMult(lambda_, active_, lambda_));
+  PetscCall(KSPSetOperators(ksp_, active_part_, active_part_));
+  PetscCall(KSPSolve(ksp_, work_, lambda_));
+  PetscCall(KSPGetConvergedReason(ksp_, &reason));
+  PetscCall(KSPGetIterationNumber(ksp_, &iterations));
+  report->linear_iterations += static_cast<int>(iterations);
+  report->solved = report->solved && reason > 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A row stays in the set with lambda > 0 and enters it with A lambda - r < 0.
+PetscErrorCode ActiveSetSolver::UpdateSet(int *changed)
+{
+  PetscScalar *active;
+  const PetscScalar *lambda, *slack;
+  PetscFunctionBeginUser;
+  PetscCall(MatMult(A_, lambda_, work_));
+  PetscCall(VecAXPY(work_, -1, r_));
+  PetscCall(VecGetArray(active_, &active));
+  PetscCall(VecGetArrayRead(lambda_, &lambda));
+  PetscCall(VecGetArrayRead(work_, &slack));
+  *changed = 0;
+  for (PetscInt k = 0; k < size_; ++k) {
+    const PetscScalar now = active[k] != 0 ? lambda[k] > 0 : slack[k] < 0;
+    *changed = *changed || now != active[k];
+    active[k] = now;
+  }
+  PetscCall(VecRestoreArray(active_, &active));
+  PetscCall(VecRestoreArrayRead(lambda_, &lambda));
+  PetscCall(VecRestoreArrayRead(work_, &slack));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, changed, 1, MPI_INT, MPI_MAX, comm_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// lambda_j = r_j / sum_k A_jk: each unknown by itself, for a set that does not settle. Columns on both sides of a sharp tip push
+/// against each other, so that the sum may vanish or be negative: it is at least A_jj.
+PetscErrorCode ActiveSetSolver::SolveByRowSums()
+{
+  PetscFunctionBeginUser;
+  PetscCall(MatGetRowSum(A_, work_));
+  PetscCall(VecPointwiseMax(work_, work_, diagonal_));
+  PetscCall(VecPointwiseDivide(lambda_, r_, work_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ActiveSetSolver::Solve(const ComplementarityProblem &problem, std::vector<double> *lambda, ActiveSetReport *report)
+{
+  const PetscScalar *values;
+  PetscFunctionBeginUser;
+  *report = {};
+  PetscCall(SetPattern(problem));
+  PetscCall(SetValues(problem, *lambda));
+  PetscCall(StartSet());
+  for (int changed = 1; changed && report->solved;) {
+    PetscScalar active;
+    if (report->set_updates++ == kMaxSetUpdates) {
+      report->fallback = true;
+      PetscCall(SolveByRowSums());
+      break;
+    }
+    PetscCall(VecSum(active_, &active));
+    if (active > 0)
+      PetscCall(SolveActive(report));
+    else
+      PetscCall(VecSet(lambda_, 0));
+    if (report->solved) PetscCall(UpdateSet(&changed));
+  }
+  PetscCall(VecGetArrayRead(lambda_, &values));
+  for (PetscInt k = 0; k < size_; ++k) (*lambda)[k] = std::max(values[k], 0.0);
+  PetscCall(VecRestoreArrayRead(lambda_, &values));
+  report->active = static_cast<int>(std::count_if(lambda->begin(), lambda->end(), [](double value) { return value > 0; }));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->active, 1, MPI_INT, MPI_SUM, comm_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

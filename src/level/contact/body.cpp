@@ -1,0 +1,67 @@
+// Pieces of faces, and impulses on nodes.
+#include "level/contact/body.hpp"
+
+#include "level/face.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry, std::vector<SurfaceSegment> *segments)
+{
+  const int dim = geometry.Dim();
+  for (int s = 0; s < 2 * dim; ++s) {
+    const Side side = static_cast<Side>(s);
+    if (!(points.faces[p] & OuterFaceBit(side))) continue;
+    const Face face = PointFace(points, p, side);
+    const double area = Norm(face.area_normal);
+    int count = 1;
+    for (int e = 1; e < dim; ++e) count *= kSegmentsPerEdge;
+    for (int k = 0; k < count; ++k) {
+      Vec3 x = face.center;
+      for (int e = 0, place = k; e < dim - 1; ++e, place /= kSegmentsPerEdge)
+        x = x + ((2 * (place % kSegmentsPerEdge) + 1.0) / kSegmentsPerEdge - 1) * face.half_edge[e];
+      segments->push_back({x, (1 / area) * face.area_normal, area * geometry.OutOfPlane(face.center[0]) / count,
+                           Norm(face.half_edge[0]) / kSegmentsPerEdge});
+    }
+  }
+}
+
+bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
+{
+  const double h = view.grid.Geometry().spacing;
+  return view.indenter.Gap(points.Position(p), view.time + view.dt).distance > kPointRange * h;
+}
+
+double MassOf(const Grid &grid, Index node) { return grid.Sums()[grid.Place(node)].mass; }
+
+Vec3 VelocityOf(const Grid &grid, Index node)
+{
+  Vec3 velocity{};
+  std::copy_n(grid.Velocity(grid.Place(node)).velocity, grid.Geometry().dim, velocity.begin());
+  return velocity;
+}
+
+Vec3 FreePart(const ContactView &view, Index node, Vec3 change)
+{
+  for (int d = 0; d < view.geometry.Dim(); ++d)
+    if (view.sides.Constrains(node, d)) change[d] = 0;
+  return change;
+}
+
+void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report)
+{
+  const double mass = MassOf(view.grid, node);
+  const Vec3 taken = FreePart(view, node, impulse), by = (1 / mass) * taken;
+  const auto [velocity, change] = view.grid.Velocity(view.grid.Place(node));
+  for (int d = 0; d < view.geometry.Dim(); ++d) {
+    velocity[d] += by[d];
+    change[d] += by[d];
+    report->work += mass * by[d] * (velocity[d] - 0.5 * change[d]);
+  }
+  report->impulse = report->impulse + impulse;
+  report->side_impulse = report->side_impulse + taken - impulse;
+}
+
+} // namespace mlgimp

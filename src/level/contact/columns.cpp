@@ -1,0 +1,140 @@
+// Sums over the surface of the body by columns of the grid.
+#include "level/contact/columns.hpp"
+
+#include <algorithm>
+#include <climits>
+
+namespace mlgimp
+{
+
+CellPlace Locate(const Grid &grid, Vec3 x, int dim)
+{
+  CellPlace place{};
+  for (int a = 0; a < dim; ++a) {
+    const double from_first = (x[a] - grid.Geometry().lower[a]) / grid.Geometry().spacing, cell = std::floor(from_first);
+    place.cell[a] = static_cast<int>(cell);
+    place.part[a] = from_first - cell;
+    if (a < dim - 1) place.column[a] = place.cell[a];
+  }
+  return place;
+}
+
+double CornerHat(Vec3 part, int c, int axes, double width)
+{
+  double hat = 1;
+  for (int a = 0; a < axes; ++a) hat *= std::max(0.0, 1 - (c >> a & 1 ? 1 - part[a] : part[a]) / width);
+  return hat;
+}
+
+/// Adds columns of one rank to those of another, as MPI asks for it.
+static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
+{
+  const auto *from = static_cast<const ContactColumn *>(other);
+  auto *to = static_cast<ContactColumn *>(sum);
+  for (int k = 0; k < *count; ++k) {
+    to[k].kernel_area += from[k].kernel_area;
+    to[k].gap += from[k].gap;
+    to[k].area += from[k].area;
+    for (int i = 0; i < 9; ++i) to[k].share[i] += from[k].share[i];
+    to[k].left = std::min(to[k].left, from[k].left);
+    to[k].right = std::max(to[k].right, from[k].right);
+  }
+}
+
+ContactColumns::~ContactColumns()
+{
+  if (column_type_ != MPI_DATATYPE_NULL) MPI_Type_free(&column_type_);
+  if (add_ != MPI_OP_NULL) MPI_Op_free(&add_);
+}
+
+PetscErrorCode ContactColumns::FindBox(const ContactView &view, const std::vector<PressedSegment> &segments)
+{
+  const int dim = view.geometry.Dim();
+  int bounds[4] = {INT_MIN, INT_MIN, INT_MIN, INT_MIN}; // minus the lower, then the upper ones
+  PetscFunctionBeginUser;
+  for (const PressedSegment &segment : segments)
+    for (int a = 0; a < dim - 1; ++a) {
+      bounds[a] = std::max(bounds[a], -segment.place.column[a]);
+      bounds[2 + a] = std::max(bounds[2 + a], segment.place.column[a] + 2);
+    }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 4, MPI_INT, MPI_MAX, view.grid.Comm()));
+  box_ = {};
+  if (bounds[0] > INT_MIN)
+    for (int a = 0; a < 3; ++a) {
+      box_.lower[a] = a < dim - 1 ? -bounds[a] : 0;
+      box_.upper[a] = a < dim - 1 ? bounds[2 + a] : 1;
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ContactColumns::Add(const ContactView &view, double width, const PressedSegment &segment)
+{
+  const int dim = view.geometry.Dim(), corners = 1 << (dim - 1);
+  const double h = view.grid.Geometry().spacing;
+  const CellPlace &place = segment.place;
+  for (int c = 0; c < corners; ++c) {
+    const Index at = Corner(place.column, c);
+    const double kernel = segment.area * CornerHat(place.part, c, dim - 1, width), x = view.grid.Coordinate(0, at[0]);
+    ContactColumn &column = columns_[Place(at)];
+    column.kernel_area += kernel;
+    column.gap += kernel * segment.gap;
+    column.area -= segment.area * CornerHat(place.part, c, dim - 1) * segment.normal[dim - 1];
+    for (int i = 0; i < corners; ++i) {
+      const int offset = 4 + (i & 1) - (c & 1) + 3 * ((i >> 1) - (c >> 1));
+      column.share[offset] -= kernel * CornerHat(place.part, i, dim - 1) * segment.normal[dim - 1];
+    }
+    column.left = std::min(column.left, std::max(segment.left, x - h));
+    column.right = std::max(column.right, std::min(segment.right, x + h));
+  }
+}
+
+PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments)
+{
+  PetscFunctionBeginUser;
+  if (add_ == MPI_OP_NULL) {
+    PetscCallMPI(MPI_Type_contiguous(sizeof(ContactColumn), MPI_BYTE, &column_type_));
+    PetscCallMPI(MPI_Type_commit(&column_type_));
+    PetscCallMPI(MPI_Op_create(AddColumns, 1, &add_));
+  }
+  PetscCall(FindBox(view, segments));
+  columns_.assign(box_.Count(), {});
+  for (const PressedSegment &segment : segments) Add(view, width, segment);
+  if (!columns_.empty())
+    PetscCallMPI(
+        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.grid.Comm()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double ContactColumns::PeakPressure(const std::vector<double> &lambda) const
+{
+  std::vector<double> load(columns_.size());
+  double peak = 0;
+  ForEach(box_, [&](Index j) {
+    if (lambda[Place(j)] == 0) return;
+    for (int offset = 0; offset < 9; ++offset) {
+      const Index i = j + Index{offset % 3 - 1, offset / 3 - 1, 0};
+      if (box_.Contains(i)) load[Place(i)] += At(j).share[offset] * lambda[Place(j)];
+    }
+  });
+  for (std::size_t i = 0; i < load.size(); ++i)
+    if (load[i] > 0) peak = std::max(peak, load[i] / columns_[i].area);
+  return peak;
+}
+
+double FullKernelArea(const ContactView &view, double width, Index column)
+{
+  const double half = 0.5 * width * view.grid.Geometry().spacing, x = view.grid.Coordinate(0, column[0]);
+  double area = 1;
+  for (int a = 0; a < view.geometry.Dim() - 1; ++a) {
+    double sum = 0; // over the halves of the kernel in the domain, each with its centroid
+    for (int upper = 0; upper < 2; ++upper) {
+      const Side side = static_cast<Side>(2 * a + upper);
+      if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) continue;
+      sum += half * (a == 0 ? view.geometry.OutOfPlane(x + (upper ? 2.0 : -2.0) / 3 * half) : 1);
+    }
+    area *= sum;
+  }
+  return area;
+}
+
+} // namespace mlgimp

@@ -1,0 +1,25 @@
+// The choice of a contact method.
+#include "level/contact/methods.hpp"
+
+namespace mlgimp
+{
+
+std::vector<std::string> ContactMethods(GeometryKind geometry)
+{
+  if (geometry != GeometryKind::kPlaneStrain) return {"pressure"};
+  return {"pressure", "point_pressure", "multimesh"};
+}
+
+PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
+{
+  PetscFunctionBeginUser;
+  if (settings.method == "pressure")
+    PetscCall(CreatePressureContact(settings, contact));
+  else if (settings.method == "point_pressure")
+    PetscCall(CreatePointPressureContact(settings, contact));
+  else
+    PetscCall(CreateMultimeshContact(contact));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,182 @@
+// Contact with one pressure per grid column: P(x) = sum_j K_j(x) lambda_j on the deformed surface.
+//
+//   B_ij = sum_s K_j(x_s) N_i(x_s) n_s w_s,   sum_s K_j w_s g_s + dt sum_i B_ij . v_i >= 0,   sum over segments s of outer faces,
+// with the same B in the force on the nodes and in the condition, so that the work of the indenter is what the body gets.
+#include "level/contact/columns.hpp"
+#include "level/contact/methods.hpp"
+#include "level/contact/system.hpp"
+#include "level/contact/width.hpp"
+
+#include <algorithm>
+#include <climits>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kSmallestArea = 0.05; ///< of a column's full kernel, with less of which it is left out
+constexpr double kCandidateGap = 0.5;  ///< cells; columns with a larger mean gap cannot touch in a step
+
+constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
+
+class PressureContact : public Contact
+{
+public:
+  PetscErrorCode Create(const ContactSettings &settings)
+  {
+    width_ = settings.width;
+    return system_.Create(true, 0, settings);
+  }
+
+  ContactPressures Pressures() const override { return system_.Pressures(); }
+  void SetPressures(const ContactPressures &pressures) override { system_.SetPressures(pressures); }
+
+  PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
+  {
+    PetscFunctionBeginUser;
+    *report = {};
+    PetscCall(CollectSegments(view, report));
+    PetscCall(columns_.Sum(view, width_, segments_));
+    NumberUnknowns(view);
+    MakeCouplings(view);
+    PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), report));
+    MeasureShape(view, report);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+private:
+  /// The couplings of the columns of a cell with its corners, [columns][corners].
+  struct CellCouplings {
+    CellPlace place = {kNoCell, {}, {}};
+    Vec3 B[4][8] = {};
+  };
+
+  PetscErrorCode CollectSegments(const ContactView &view, ContactReport *report)
+  {
+    const double range = kContactRange * view.grid.Geometry().spacing;
+    const std::vector<int> *surface = nullptr;
+    PointArrays points;
+    std::vector<SurfaceSegment> all;
+    PetscFunctionBeginUser;
+    segments_.clear();
+    point_ends_.clear();
+    PetscCall(view.points.Arrays(&points));
+    PetscCall(view.points.SurfacePoints(&surface));
+    for (int p : *surface) {
+      if (FarFromIndenter(view, points, p)) continue;
+      all.clear();
+      AddPointSegments(points, p, view.geometry, &all);
+      for (const SurfaceSegment &s : all) {
+        const SurfaceGap gap = view.indenter.Gap(s.x, view.time + view.dt);
+        if (gap.distance > range) continue;
+        report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.time).distance);
+        if (Faces(s, gap.normal))
+          segments_.push_back({Locate(view.grid, s.x, view.geometry.Dim()), gap.normal, s.area, gap.distance,
+                               s.x[0] - s.half_width, s.x[0] + s.half_width});
+      }
+      point_ends_.push_back(segments_.size());
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  void NumberUnknowns(const ContactView &view)
+  {
+    const double h = view.grid.Geometry().spacing;
+    unknowns_.clear();
+    number_.clear();
+    ForEach(columns_.Box(), [&](Index at) {
+      const ContactColumn &column = columns_.At(at);
+      const bool kept = column.kernel_area >= kSmallestArea * FullKernelArea(view, width_, at) &&
+                        column.gap <= kCandidateGap * h * column.kernel_area;
+      number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
+      if (kept) unknowns_.push_back({at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1], column.gap});
+    });
+  }
+
+  /// Adds up the couplings cell by cell: most segments lie in the cell of the one before.
+  void MakeCouplings(const ContactView &view)
+  {
+    const int dim = view.geometry.Dim(), columns = 1 << (dim - 1), corners = 1 << dim;
+    CellCouplings cell;
+    couplings_.clear();
+    for (const PressedSegment &segment : segments_) {
+      const CellPlace &place = segment.place;
+      if (place.cell != cell.place.cell) Flush(dim, cell), cell = {place, {}};
+      for (int c = 0; c < columns; ++c) {
+        if (NumberOf(place, c) < 0) continue;
+        const double weight = segment.area * CornerHat(place.part, c, dim - 1, width_);
+        for (int k = 0; k < corners; ++k) cell.B[c][k] = cell.B[c][k] + weight * CornerHat(place.part, k, dim) * segment.normal;
+      }
+    }
+    Flush(dim, cell);
+  }
+
+  int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }
+
+  void Flush(int dim, const CellCouplings &cell)
+  {
+    if (cell.place.cell == kNoCell) return;
+    for (int c = 0; c < 1 << (dim - 1); ++c) {
+      const int number = NumberOf(cell.place, c);
+      for (int k = 0; number >= 0 && k < 1 << dim; ++k)
+        couplings_.push_back({Corner(cell.place.cell, k), number, cell.B[c][k], cell.B[c][k]});
+    }
+  }
+
+  void MeasureShape(const ContactView &view, ContactReport *report)
+  {
+    const int dim = view.geometry.Dim();
+    std::vector<SurfaceRange> ranges;
+    std::vector<double> lambda;
+    ForEach(columns_.Box(), [&](Index at) {
+      const ContactColumn &column = columns_.At(at);
+      lambda.push_back(number_[lambda.size()] < 0 ? 0 : system_.Lambda()[number_[lambda.size()]]);
+      if (lambda.back() > 0) report->area += column.area;
+      ranges.push_back({view.grid.Coordinate(0, at[0]), column.left, column.right});
+    });
+    const double rounding = 1e-6 * view.grid.Geometry().spacing;
+    report->peak_pressure = columns_.PeakPressure(lambda);
+    report->half_width = dim == 3 ? std::sqrt(report->area / PETSC_PI)
+                                  : HalfWidth(ranges, lambda, true, view.indenter.Tip(view.time)[0], rounding);
+    report->local_points = CountLoadedPoints(dim, lambda);
+  }
+
+  /// Points with a segment under a loaded column.
+  int CountLoadedPoints(int dim, const std::vector<double> &lambda) const
+  {
+    int count = 0;
+    std::size_t s = 0;
+    for (std::size_t end : point_ends_) {
+      bool loaded = false;
+      for (; s < end; ++s)
+        for (int c = 0; c < 1 << (dim - 1); ++c)
+          loaded = loaded || lambda[columns_.Place(Corner(segments_[s].place.column, c))] > 0;
+      count += loaded;
+    }
+    return count;
+  }
+
+  double width_ = 1;
+  std::vector<PressedSegment> segments_;
+  std::vector<std::size_t> point_ends_; ///< in segments_, of each point near the indenter
+  ContactColumns columns_;
+  std::vector<int> number_; ///< of each column's unknown, or -1
+  std::vector<ContactUnknown> unknowns_;
+  std::vector<ContactCoupling> couplings_;
+  ContactSystem system_;
+};
+
+} // namespace
+
+PetscErrorCode CreatePressureContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
+{
+  PetscFunctionBeginUser;
+  auto created = std::make_unique<PressureContact>();
+  PetscCall(created->Create(settings));
+  *contact = std::move(created);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

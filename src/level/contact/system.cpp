@@ -1,0 +1,183 @@
+// Assembling, solving and applying the contact equations.
+#include "level/contact/system.hpp"
+
+#include "base/exchange.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Calls work(first, end) for the couplings of each node, which stand together.
+template <class Work> void ForEachNode(const std::vector<ContactCoupling> &couplings, Work work)
+{
+  for (auto first = couplings.begin(), end = first; first != couplings.end(); first = end) {
+    while (end != couplings.end() && end->node == first->node) ++end;
+    work(first, end);
+  }
+}
+
+/// Brings all couplings to the owners of their nodes and adds up those of the same unknown; nodes without mass are left out. On
+/// return they are ordered by nodes, the last axis slowest, and unknowns.
+PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings)
+{
+  const auto order = [](const ContactCoupling &c) { return std::tie(c.node[2], c.node[1], c.node[0], c.unknown); };
+  PetscFunctionBeginUser;
+  PetscCall(ExchangeRecords(view.grid.Comm(), couplings, [&](const ContactCoupling &c) { return OwnerOf(view.grid, c.node); }));
+  std::stable_sort(couplings->begin(), couplings->end(),
+                   [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
+  auto kept = couplings->begin();
+  for (auto next = couplings->begin(); next != couplings->end(); ++next) {
+    if (MassOf(view.grid, next->node) <= view.mass_cutoff) continue;
+    if (kept != couplings->begin() && order(kept[-1]) == order(*next)) {
+      kept[-1].constraint = kept[-1].constraint + next->constraint;
+      kept[-1].traction = kept[-1].traction + next->traction;
+    } else {
+      *kept++ = *next;
+    }
+  }
+  couplings->erase(kept, couplings->end());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Adds what the pressures do to the velocities of nodes.
+void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
+          ContactReport *report)
+{
+  ForEachNode(couplings, [&](auto first, auto end) {
+    Vec3 impulse{};
+    for (auto c = first; c != end; ++c) impulse = impulse + view.dt * lambda[c->unknown] * c->traction;
+    if (impulse != Vec3{}) PushNode(view, first->node, impulse, report);
+  });
+}
+
+} // namespace
+
+PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, const ContactSettings &settings)
+{
+  PetscFunctionBeginUser;
+  symmetric_ = symmetric;
+  diagonal_shift_ = diagonal_shift;
+  settings_ = settings;
+  PetscCall(serial_.Create(PETSC_COMM_SELF, symmetric));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The part of A and r that comes from the nodes of this rank, [unknowns][terms] in `rows_`.
+void ContactSystem::AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings)
+{
+  const auto add = [&](int row, int column, double value) {
+    std::vector<Term> &terms = rows_[row];
+    const auto same = std::find_if(terms.begin(), terms.end(), [&](const Term &term) { return term.column == column; });
+    if (same != terms.end())
+      same->value += value;
+    else
+      terms.push_back({row, column, value});
+  };
+  ForEachNode(couplings, [&](auto first, auto end) {
+    const double mass = MassOf(view.grid, first->node);
+    const Vec3 velocity = VelocityOf(view.grid, first->node);
+    for (auto a = first; a != end; ++a) {
+      const Vec3 mobile = view.dt * view.dt / mass * FreePart(view, a->node, a->constraint);
+      add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, velocity));
+      for (auto b = first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
+    }
+  });
+}
+
+/// This rank's equations from the products at the nodes of all ranks. An unknown that moves no mass stays without pressure.
+PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
+                                            const std::vector<ContactCoupling> &couplings, const Layout &layout)
+{
+  PetscMPIInt rank;
+  std::vector<Term> terms;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(view.grid.Comm(), &rank));
+  rows_.resize(unknowns.size());
+  for (std::vector<Term> &row : rows_) row.clear();
+  AddProducts(view, couplings);
+  for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
+  PetscCall(ExchangeRecords(view.grid.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
+
+  const int first = layout.First(rank), count = layout.First(rank + 1) - first;
+  std::vector<double> diagonal(count);
+  problem_ = {};
+  for (int row = 0; row < count; ++row) problem_.r.push_back(-unknowns[first + row].gap);
+  for (const Term &term : terms) {
+    const double value = term.row == term.column ? (1 + diagonal_shift_) * term.value : term.value;
+    if (term.row == term.column) diagonal[term.row - first] += value;
+    if (term.column == kRightSide) {
+      problem_.r[term.row - first] += value;
+    } else {
+      problem_.rows.push_back(term.row);
+      problem_.columns.push_back(term.column);
+      problem_.values.push_back(value);
+    }
+  }
+  const double largest = count ? *std::max_element(diagonal.begin(), diagonal.end()) : 0;
+  for (int row = 0; row < count; ++row) {
+    if (diagonal[row] > 0) continue;
+    problem_.rows.push_back(first + row);
+    problem_.columns.push_back(first + row);
+    problem_.values.push_back(largest > 0 ? largest : 1);
+    problem_.r[row] = -1;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves on the ranks that hold equations and tells all ranks the pressures.
+PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
+{
+  const MPI_Comm comm = view.grid.Comm();
+  PetscMPIInt rank, size;
+  ActiveSetSolver parallel, *const solver = layout.ranks > 1 ? &parallel : &serial_;
+  ActiveSetReport solved;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  if (layout.ranks > 1) PetscCall(parallel.Create(comm, symmetric_));
+  std::vector<double> own(lambda_.begin() + layout.First(rank), lambda_.begin() + layout.First(rank + 1));
+  std::vector<int> counts, starts;
+  if (rank < layout.ranks) PetscCall(solver->Solve(problem_, &own, &solved));
+  for (int k = 0; k < size; ++k) starts.push_back(layout.First(k)), counts.push_back(layout.First(k + 1) - starts.back());
+  PetscCallMPI(
+      MPI_Allgatherv(own.data(), counts[rank], MPI_DOUBLE, lambda_.data(), counts.data(), starts.data(), MPI_DOUBLE, comm));
+  report->solved = solved.solved;
+  if (rank > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  report->set_updates = solved.set_updates;
+  report->fallback = solved.fallback;
+  if (settings_.monitor && solved.active)
+    PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n", view.time,
+                          layout.unknowns, solved.active, solved.set_updates, solved.linear_iterations));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
+                                    std::vector<ContactCoupling> couplings, ContactReport *report)
+{
+  const int count = static_cast<int>(unknowns.size());
+  PetscMPIInt size;
+  PetscFunctionBeginUser;
+  lambda_.clear();
+  for (const ContactUnknown &unknown : unknowns) {
+    const auto previous = pressures_.find(unknown.key);
+    lambda_.push_back(previous == pressures_.end() ? 0 : previous->second);
+  }
+  pressures_.clear();
+  if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(view.grid.Comm(), &size));
+  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : std::min<int>(size, count)};
+  PetscCall(GatherAtNodes(view, &couplings));
+  PetscCall(MakeEquations(view, unknowns, couplings, layout));
+  PetscCall(FindPressures(view, layout, report));
+  for (int j = 0; j < count; ++j)
+    if (lambda_[j] > 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
+  Push(view, couplings, lambda_, report);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,25 @@
+// Faces of points from their deformation.
+#include "level/face.hpp"
+
+namespace mlgimp
+{
+
+static Vec3 Cross(Vec3 a, Vec3 b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+
+Face PointFace(const PointArrays &points, int p, Side side)
+{
+  const int dim = points.dim;
+  const double *F = points.F + PointArrays::At(p, dim * dim), *l0 = points.half_size + PointArrays::At(p, dim);
+  const int axis = AxisOf(side);
+  Vec3 edge[3] = {{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}; // half edges of the deformed point
+  Face face;
+  for (int b = 0; b < dim; ++b)
+    for (int a = 0; a < dim; ++a) edge[b][a] = F[dim * a + b] * l0[b];
+  face.center = points.Position(p) + SignOf(side) * edge[axis];
+  face.area_normal = 4.0 * SignOf(side) * Cross(edge[(axis + 1) % 3], edge[(axis + 2) % 3]);
+  for (int b = 0, k = 0; b < dim; ++b)
+    if (b != axis) face.half_edge[k++] = edge[b];
+  return face;
+}
+
+} // namespace mlgimp

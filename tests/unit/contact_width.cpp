@@ -38,7 +38,7 @@ double HalfWidth(const std::function<double(double)> &pressure, double start, do
   ContactReport report;
   std::vector<ContactRow> rows;
   std::vector<ContactEntry> entries;
-  const Indenter indenter = {CreateCylinder(1), {PiecewiseLinear({0}, {0})}, {kTip, 0}, 0};
+  const Indenter indenter = {CreateSphere(GeometryKind::kPlaneStrain, 1), {PiecewiseLinear({0}, {0})}, {kTip, 0}, 0};
   const BoundaryConditions sides;
   EXPECT_EQ(grid.Create(PETSC_COMM_SELF, geometry, {{{{geometry.Nodes(0)}, {geometry.Nodes(1)}, {1}}}, {0}}), PETSC_SUCCESS);
   EXPECT_EQ(system.Create(true, 0, false), PETSC_SUCCESS);

@@ -12,6 +12,12 @@ namespace mlgimp
 /// As -geometry names them: plane_strain, axisymmetric, 3d.
 enum class GeometryKind { kPlaneStrain, kAxisymmetric, kSpatial };
 
+/// The names.
+inline constexpr const char *kGeometryNames[] = {"plane_strain", "axisymmetric", "3d"};
+
+/// The last axis, along which the indenter comes down.
+inline int UpAxis(GeometryKind kind) { return kind == GeometryKind::kSpatial ? 2 : 1; }
+
 /// Components that a point stores: F by rows; stress as xx, yy, zz, xy and in space yz, xz; the strain rate and the
 /// short-wave stress of which the kernels keep what is not zero, in the order of the stress.
 struct PlaneStrain {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include "base/tensor.hpp"
+#include "pointwise/geometry.hpp"
+#include "pointwise/piecewise_linear.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -22,34 +25,29 @@ class IndenterSurface
 public:
   virtual ~IndenterSurface() = default;
   virtual SurfaceGap Gap(Vec3 x) const = 0;
-  /// Largest extent along x up to a height above the tip, which may be infinite, m.
+  /// Width of the part below a height above the tip, which may be infinite, m: the largest extent along x, of a pyramid the
+  /// diameter of the inscribed circle.
   virtual double Width(double height) const = 0;
 };
 
-/// y = tan(b) (sqrt(x^2 + r^2) - r), b = 90 degrees - half_angle, r = tip_radius tan(b), half_angle in degrees from
-/// the axis: a wedge whose tip has the radius of curvature tip_radius.
-std::unique_ptr<IndenterSurface> CreateWedge(double half_angle, double tip_radius);
-std::unique_ptr<IndenterSurface> CreateCylinder(double radius);
-std::unique_ptr<IndenterSurface> CreateFlatPunch(double width);
-/// Moved so that its lowest vertex (or the middle of its lowest edge) becomes the tip. Vertices either way round.
+// Profiles over the distance rho from the axis: prismatic in plane strain, of revolution otherwise.
+
+/// y = tan(b) (sqrt(rho^2 + r^2) - r), b = 90 degrees - half_angle, r = tip_radius tan(b), half_angle in degrees from
+/// the axis: a cone or wedge whose tip has the radius of curvature tip_radius.
+std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius);
+std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius);
+/// radius: half its width in plane strain.
+std::unique_ptr<IndenterSurface> CreateFlatPunch(GeometryKind geometry, double radius);
+
+// Intersections of half spaces.
+
+/// Of plane strain. Moved so that its lowest vertex (or the middle of its lowest edge) becomes the tip. Vertices either way
+/// round.
 std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices);
 bool IsConvex(const std::vector<Vec3> &vertices);
-
-/// Piecewise-linear history of a quantity, constant before the first and after the last time; zero without any.
-class PiecewiseLinear
-{
-public:
-  PiecewiseLinear() = default;
-  PiecewiseLinear(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
-  double Value(double t) const;
-  double Integral(double t) const; ///< from 0 to t
-  double LargestMagnitude(double from, double to) const;
-  /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
-  double TimeOfIntegral(double target, double end) const;
-
-private:
-  std::vector<double> times_, values_;
-};
+/// Of space, the tip down: faces at half_angle from the axis, the first with its normal at the angle `turn` from x about
+/// the axis, all in degrees. With a tip radius: all within that radius of such a pyramid, so that edges are round as well.
+std::unique_ptr<IndenterSurface> CreatePyramid(double half_angle, int faces, double turn, double tip_radius);
 
 /// The downward motion: a speed history, and from `turning_time` on a constant retraction.
 struct IndenterMotion {
@@ -76,10 +74,12 @@ struct Indenter {
   IndenterMotion motion;
   Vec3 tip{};                 ///< at t = 0, m
   double initial_surface = 0; ///< height of the undeformed body below the tip, m
+  int up = 1;                 ///< axis, the last of the geometry
 
-  Vec3 Tip(double t) const { return {tip[0], tip[1] - motion.Travel(t)}; }
-  Vec3 Velocity(double t) const { return {0, -motion.Speed(t)}; }
-  double Depth(double t) const { return initial_surface - Tip(t)[1]; }
+  Vec3 Up(double length) const { return {0, up == 1 ? length : 0, up == 2 ? length : 0}; }
+  Vec3 Tip(double t) const { return tip - Up(motion.Travel(t)); }
+  Vec3 Velocity(double t) const { return Up(-motion.Speed(t)); }
+  double Depth(double t) const { return initial_surface - Tip(t)[up]; }
   SurfaceGap Gap(Vec3 x, double t) const { return surface->Gap(x - Tip(t)); }
 };
 

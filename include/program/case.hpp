@@ -53,7 +53,9 @@ struct Case {
   /// The finest level at the surface that the indenter's tip meets.
   int LevelAtTip() const
   {
-    return LevelAt({model.indenter->tip[0], model.indenter->initial_surface - 1e-6 * CellSize(levels - 1)});
+    Vec3 x = model.indenter->tip;
+    x[model.indenter->up] = model.indenter->initial_surface - 1e-6 * CellSize(levels - 1);
+    return LevelAt(x);
   }
   int Dim() const { return model.geometry.Dim(); }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }

@@ -90,7 +90,7 @@ double Work(const PointMap &map, const IndexBox &block)
 /// Work of the busiest of the blocks that a layout makes of a box of nodes, along the axes from `axis` on but for `fixed`.
 double LargestWork(const PointMap &map, const GridLayout &layout, int fixed, IndexBox box, int axis = 0)
 {
-  if (axis == map.Dim()) return Work(map, box);
+  if (axis == map.Dim() || axis > 2) return Work(map, box);
   if (axis == fixed) return LargestWork(map, layout, fixed, box, axis + 1);
   double largest = 0;
   int start = 0;

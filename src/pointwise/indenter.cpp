@@ -1,4 +1,4 @@
-// Surfaces of indenters and the integrals of their motion.
+// Surfaces of indenters.
 #include "pointwise/indenter.hpp"
 
 #include <algorithm>
@@ -10,57 +10,100 @@ namespace mlgimp
 namespace
 {
 
-class Wedge : public IndenterSurface
+/// A surface of revolution, or one that is the same on both sides of the axis: a function of the distance rho from it.
+class Profile : public IndenterSurface
 {
 public:
-  Wedge(double half_angle, double tip_radius) : slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_) {}
-  SurfaceGap Gap(Vec3 x) const override
+  explicit Profile(GeometryKind geometry) : up_(UpAxis(geometry)) {}
+  SurfaceGap Gap(Vec3 x) const final
   {
-    const double root = std::hypot(x[0], rounding_);
-    const double slope = rounding_ > 0 ? slope_ * x[0] / root : std::copysign(slope_, x[0]);
-    const double scale = 1 / std::hypot(slope, 1.0);
-    return {scale * (slope_ * (root - rounding_) - x[1]), {scale * slope, -scale}};
+    Vec3 outward = x;
+    outward[up_] = 0;
+    const double rho = Norm(outward);
+    const ProfileGap gap = At(rho, x[up_]);
+    Vec3 normal = {rho > 0 ? 0 : gap.outward, 0, 0};
+    for (int axis = 0; axis < up_ && rho > 0; ++axis) normal[axis] = gap.outward * (outward[axis] / rho);
+    normal[up_] = gap.up;
+    return {gap.distance, normal};
   }
-  double Width(double height) const override
+  double Width(double height) const final { return 2 * Radius(height); }
+
+protected:
+  struct ProfileGap {
+    double distance, outward, up; ///< the distance and the parts of its gradient
+  };
+  virtual ProfileGap At(double rho, double height) const = 0;
+  virtual double Radius(double height) const = 0;
+
+private:
+  int up_;
+};
+
+class Cone : public Profile
+{
+public:
+  Cone(GeometryKind geometry, double half_angle, double tip_radius)
+      : Profile(geometry), slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_)
+  {
+  }
+
+protected:
+  ProfileGap At(double rho, double height) const override
+  {
+    const double root = std::hypot(rho, rounding_);
+    const double slope = rounding_ > 0 ? slope_ * rho / root : slope_;
+    const double scale = 1 / std::hypot(slope, 1.0);
+    return {scale * (slope_ * (root - rounding_) - height), scale * slope, -scale};
+  }
+  double Radius(double height) const override
   {
     const double root = height / slope_ + rounding_;
-    return 2 * std::sqrt((root - rounding_) * (root + rounding_));
+    return std::sqrt((root - rounding_) * (root + rounding_));
   }
 
 private:
   double slope_, rounding_;
 };
 
-class Cylinder : public IndenterSurface
+class Ball : public Profile
 {
 public:
-  explicit Cylinder(double radius) : radius_(radius) {}
-  SurfaceGap Gap(Vec3 x) const override
+  Ball(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
+
+protected:
+  ProfileGap At(double rho, double height) const override
   {
-    const Vec3 r = x - Vec3{0, radius_};
-    const double distance = Norm(r);
-    return {distance - radius_, distance > 0 ? (1 / distance) * r : Vec3{0, -1}};
+    const double up = height - radius_, distance = std::hypot(rho, up);
+    if (distance == 0) return {-radius_, 0, -1};
+    return {distance - radius_, (1 / distance) * rho, (1 / distance) * up};
   }
-  double Width(double height) const override
-  {
-    return height < radius_ ? 2 * std::sqrt(height * (2 * radius_ - height)) : 2 * radius_;
-  }
+  double Radius(double height) const override { return height < radius_ ? std::sqrt(height * (2 * radius_ - height)) : radius_; }
 
 private:
   double radius_;
 };
 
-/// An intersection of half planes; the distance is that to the plane farthest away.
-class ConvexPolygon : public IndenterSurface
+class FlatPunch : public Profile
 {
 public:
-  explicit ConvexPolygon(const std::vector<Vec3> &vertices)
+  FlatPunch(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
+
+protected:
+  ProfileGap At(double rho, double height) const override
   {
-    for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const Vec3 start = vertices[k], edge = vertices[(k + 1) % vertices.size()] - start;
-      planes_.push_back({start, (1 / Norm(edge)) * TurnRight(edge)});
-    }
+    if (rho - radius_ > -height) return {rho - radius_, 1, 0};
+    return {-height, 0, -1};
   }
+  double Radius(double) const override { return radius_; }
+
+private:
+  double radius_;
+};
+
+/// An intersection of half spaces; the distance is that to the plane farthest away.
+class HalfSpaces : public IndenterSurface
+{
+public:
   SurfaceGap Gap(Vec3 x) const override
   {
     SurfaceGap gap{-HUGE_VAL, {}};
@@ -71,6 +114,23 @@ public:
     return gap;
   }
 
+protected:
+  struct Plane {
+    Vec3 point, normal;
+  };
+  std::vector<Plane> planes_;
+};
+
+class ConvexPolygon : public HalfSpaces
+{
+public:
+  explicit ConvexPolygon(const std::vector<Vec3> &vertices)
+  {
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      const Vec3 start = vertices[k], edge = vertices[(k + 1) % vertices.size()] - start;
+      planes_.push_back({start, (1 / Norm(edge)) * TurnRight(edge)});
+    }
+  }
   double Width(double height) const override
   {
     double left = HUGE_VAL, right = -HUGE_VAL;
@@ -83,12 +143,57 @@ public:
     }
     return right - left;
   }
+};
+
+/// A pyramid widened by a radius. Its apex is that radius above the tip.
+class Pyramid : public HalfSpaces
+{
+public:
+  Pyramid(double half_angle, int faces, double turn, double radius) : tangent_(std::tan(half_angle)), radius_(radius)
+  {
+    for (int k = 0; k < faces; ++k) {
+      const double angle = turn + 2 * M_PI * k / faces, horizontal = std::cos(half_angle);
+      planes_.push_back({{0, 0, radius}, {horizontal * std::cos(angle), horizontal * std::sin(angle), -std::sin(half_angle)}});
+      const double corner = angle + M_PI / faces, reach = tangent_ / std::cos(M_PI / faces);
+      const Vec3 edge = {reach * std::cos(corner), reach * std::sin(corner), 1};
+      edges_.push_back((1 / Norm(edge)) * edge);
+    }
+  }
+  SurfaceGap Gap(Vec3 x) const override
+  {
+    const SurfaceGap sharp = HalfSpaces::Gap(x);
+    if (sharp.distance <= 1e-9 * radius_ || radius_ == 0) return {sharp.distance - radius_, sharp.normal};
+    const Vec3 from = FromNearest(x - planes_[0].point);
+    const double distance = Norm(from);
+    return {distance - radius_, (1 / distance) * from};
+  }
+  double Width(double height) const override
+  {
+    const double sine = std::sin(std::atan(tangent_)), touch = radius_ * (1 - sine); // height where the ball meets the faces
+    if (height < touch) return 2 * std::sqrt(height * (2 * radius_ - height));
+    return 2 * tangent_ * (height - radius_ + (radius_ > 0 ? radius_ / sine : 0));
+  }
 
 private:
-  struct Plane {
-    Vec3 point, normal;
-  };
-  std::vector<Plane> planes_;
+  /// The vector to x, outside, from the nearest place of the pyramid: its apex, or on an edge or a face. x from the apex.
+  Vec3 FromNearest(Vec3 x) const
+  {
+    Vec3 nearest = x;
+    const auto consider = [&](Vec3 from) {
+      if (Dot(from, from) < Dot(nearest, nearest)) nearest = from;
+    };
+    for (const Vec3 &edge : edges_) consider(x - std::max(Dot(edge, x), 0.0) * edge);
+    for (const Plane &plane : planes_) {
+      const Vec3 from = Dot(plane.normal, x) * plane.normal, foot = x - from;
+      bool on_face = true;
+      for (const Plane &other : planes_) on_face = on_face && (&other == &plane || Dot(other.normal, foot) <= 0);
+      if (on_face) consider(from);
+    }
+    return nearest;
+  }
+
+  double tangent_, radius_;
+  std::vector<Vec3> edges_; ///< directions, from the apex
 };
 
 double TwiceArea(const std::vector<Vec3> &v)
@@ -103,17 +208,24 @@ double TwiceArea(const std::vector<Vec3> &v)
 
 } // namespace
 
-std::unique_ptr<IndenterSurface> CreateWedge(double half_angle, double tip_radius)
+std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius)
 {
-  return std::make_unique<Wedge>(half_angle, tip_radius);
+  return std::make_unique<Cone>(geometry, half_angle, tip_radius);
 }
 
-std::unique_ptr<IndenterSurface> CreateCylinder(double radius) { return std::make_unique<Cylinder>(radius); }
-
-std::unique_ptr<IndenterSurface> CreateFlatPunch(double width)
+std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius)
 {
-  const double half = 0.5 * width, height = 1e3 * width;
-  return std::make_unique<ConvexPolygon>(std::vector<Vec3>{{-half, 0}, {half, 0}, {half, height}, {-half, height}});
+  return std::make_unique<Ball>(geometry, radius);
+}
+
+std::unique_ptr<IndenterSurface> CreateFlatPunch(GeometryKind geometry, double radius)
+{
+  return std::make_unique<FlatPunch>(geometry, radius);
+}
+
+std::unique_ptr<IndenterSurface> CreatePyramid(double half_angle, int faces, double turn, double tip_radius)
+{
+  return std::make_unique<Pyramid>(half_angle * M_PI / 180, faces, turn * M_PI / 180, tip_radius);
 }
 
 std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices)
@@ -141,54 +253,6 @@ bool IsConvex(const std::vector<Vec3> &v)
     turning += std::atan2(cross, Dot(a, b));
   }
   return std::abs(std::abs(turning) - 2 * M_PI) < 1e-6; // once round, not a star
-}
-
-double PiecewiseLinear::Value(double t) const
-{
-  if (times_.empty()) return 0;
-  if (t <= times_.front()) return values_.front();
-  for (std::size_t k = 1; k < times_.size(); ++k)
-    if (t < times_[k]) return values_[k - 1] + (values_[k] - values_[k - 1]) * (t - times_[k - 1]) / (times_[k] - times_[k - 1]);
-  return values_.back();
-}
-
-double PiecewiseLinear::Integral(double t) const
-{
-  double sum = 0, from = 0;
-  for (double knot : times_)
-    if (knot > from && knot < t) {
-      sum += 0.5 * (Value(from) + Value(knot)) * (knot - from);
-      from = knot;
-    }
-  return sum + 0.5 * (Value(from) + Value(t)) * (t - from);
-}
-
-double PiecewiseLinear::LargestMagnitude(double from, double to) const
-{
-  double largest = std::max(std::abs(Value(from)), std::abs(Value(to)));
-  for (std::size_t k = 0; k < times_.size(); ++k)
-    if (times_[k] > from && times_[k] < to) largest = std::max(largest, std::abs(values_[k]));
-  return largest;
-}
-
-double PiecewiseLinear::TimeOfIntegral(double target, double end) const
-{
-  std::vector<double> knots;
-  for (double knot : times_)
-    if (knot > 0 && knot < end) knots.push_back(knot);
-  knots.push_back(end);
-  double from = 0;
-  for (double to : knots) {
-    // Within a piece the integral is I + v0 s + (v1 - v0) s^2/(2 T).
-    const double v0 = Value(from), v1 = Value(to), T = to - from, need = target - Integral(from);
-    const double a = 0.5 * (v1 - v0) / T, root2 = v0 * v0 + 4 * a * need;
-    if (root2 >= 0) {
-      const double s = 2 * need / (v0 + std::sqrt(root2)); // the smaller positive root, also where a = 0
-      if (s >= 0 && s <= T * (1 + 1e-12)) return from + s;
-    }
-    from = to;
-  }
-  return HUGE_VAL;
 }
 
 } // namespace mlgimp

@@ -1,6 +1,7 @@
 // Options of the indenter, its motion and the contact solver.
 #include "program/case_groups.hpp"
 
+#include "base/index.hpp"
 #include "level/contact/contact.hpp"
 
 #include <algorithm>
@@ -12,65 +13,141 @@ namespace mlgimp
 namespace
 {
 
-PetscErrorCode ReadSurface(OptionReader &reader, const std::string &kind, std::unique_ptr<IndenterSurface> *surface)
+/// The indenters of -indenter, and the geometries that have them.
+struct IndenterName {
+  const char *name;
+  bool in_geometry[3]; ///< by GeometryKind
+};
+constexpr IndenterName kIndenters[] = {
+    {"none", {true, true, true}},       {"wedge", {true, false, false}},       {"cylinder", {true, false, false}},
+    {"flat_punch", {true, true, true}}, {"polygon", {true, false, false}},     {"cone", {false, true, true}},
+    {"sphere", {false, true, true}},    {"pyramid", {false, false, true}},     {"berkovich", {false, false, true}},
+    {"vickers", {false, false, true}},  {"cube_corner", {false, false, true}},
+};
+
+/// Pyramids that have a name: angle of a face from the axis, degrees.
+struct NamedPyramid {
+  const char *name;
+  int faces;
+  double half_angle;
+};
+constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
+
+PetscErrorCode ReadKind(OptionReader &reader, GeometryKind geometry, std::string *kind)
 {
-  double half_angle = NAN, radius = NAN, width = NAN, tip_radius = 0;
+  std::vector<std::string> all, here;
+  const int place = static_cast<int>(geometry);
   PetscFunctionBeginUser;
-  if (kind == "wedge" || reader.Help()) {
-    PetscCall(reader.Number({"-indenter_half_angle", "angle of a wedge's face from its axis", "degrees"}, Open(0, 90), true,
-                            &half_angle));
-    PetscCall(reader.Number({"-indenter_tip_radius", "radius of a wedge's rounded tip", "m"}, kNotNegative, false, &tip_radius));
-    if (!reader.Help() && std::sin(half_angle * M_PI / 180) <= kLeastFacing)
-      PetscCall(reader.Refuse("-indenter_half_angle", FormatNumber(half_angle),
-                              "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones"));
-    if (!reader.Help()) *surface = CreateWedge(half_angle, tip_radius);
+  for (const IndenterName &indenter : kIndenters) {
+    all.emplace_back(indenter.name);
+    if (indenter.in_geometry[place]) here.emplace_back(indenter.name);
   }
-  if (kind == "cylinder" || reader.Help()) {
-    PetscCall(reader.Number({"-indenter_radius", "radius of a cylinder", "m"}, kPositive, true, &radius));
-    if (!reader.Help()) *surface = CreateCylinder(radius);
-  }
-  if (kind == "flat_punch" || reader.Help()) {
-    PetscCall(reader.Number({"-indenter_width", "width of a flat punch", "m"}, kPositive, true, &width));
-    if (!reader.Help()) *surface = CreateFlatPunch(width);
-  }
-  if (kind == "polygon" || reader.Help()) {
-    std::vector<double> numbers;
-    std::vector<Vec3> vertices;
-    PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"},
-                             kAnyNumber, 6, 0, true, &numbers));
-    for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
-    if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-    if (numbers.size() % 2 || !IsConvex(vertices))
-      PetscCall(
-          reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon"));
-    *surface = CreatePolygonIndenter(vertices);
-  }
+  PetscCall(reader.Choice({"-indenter", "rigid indenter", ""}, all, kind));
+  if (std::find(here.begin(), here.end(), *kind) == here.end())
+    PetscCall(reader.Refuse("-indenter", *kind, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Height of the highest body under a place; false where there is none.
-bool SurfaceBelow(const Case &c, double x, double *height)
+PetscErrorCode ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
+{
+  std::vector<double> numbers;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"},
+                           kAnyNumber, 6, 0, true, &numbers));
+  for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
+  if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
+    PetscCall(reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Sizes of a wedge, a cone or a pyramid, angles in degrees.
+struct PointedShape {
+  double half_angle = NAN, tip_radius = 0, turn = 0;
+  int faces = 4;
+};
+
+PetscErrorCode ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyramid, PointedShape *shape)
+{
+  PetscFunctionBeginUser;
+  for (const NamedPyramid &known : kPyramids)
+    if (kind == known.name) shape->half_angle = known.half_angle, shape->faces = known.faces;
+  if (std::isnan(shape->half_angle)) {
+    PetscCall(reader.Number({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees"},
+                            Open(0, 90), true, &shape->half_angle));
+    if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kLeastFacing)
+      PetscCall(reader.Refuse("-indenter_half_angle", FormatNumber(shape->half_angle),
+                              "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones"));
+  }
+  PetscCall(reader.Number({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m"},
+                          kNotNegative, false, &shape->tip_radius));
+  if (kind == "pyramid" || reader.Help())
+    PetscCall(reader.Integer({"-indenter_faces", "number of a pyramid's faces", ""}, Closed(3, 360), &shape->faces));
+  if (pyramid || reader.Help())
+    PetscCall(reader.Number({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
+                            kAnyNumber, false, &shape->turn));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string &kind,
+                           std::unique_ptr<IndenterSurface> *surface)
+{
+  const bool plane = geometry == GeometryKind::kPlaneStrain, punch = kind == "flat_punch";
+  const bool cone = kind == "wedge" || kind == "cone", sphere = kind == "cylinder" || kind == "sphere";
+  const bool pyramid = !cone && !sphere && !punch && kind != "polygon";
+  double radius = NAN, width = NAN;
+  PointedShape shape;
+  std::vector<Vec3> vertices;
+  PetscFunctionBeginUser;
+  if (cone || pyramid || reader.Help()) PetscCall(ReadPointedShape(reader, kind, pyramid, &shape));
+  if (sphere || (punch && !plane) || reader.Help())
+    PetscCall(reader.Number({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m"}, kPositive, true,
+                            &radius));
+  if ((punch && plane) || reader.Help())
+    PetscCall(reader.Number({"-indenter_width", "width of a flat punch in plane strain", "m"}, kPositive, true, &width));
+  if (kind == "polygon" || reader.Help()) PetscCall(ReadPolygon(reader, &vertices));
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (cone) *surface = CreateCone(geometry, shape.half_angle, shape.tip_radius);
+  if (sphere) *surface = CreateSphere(geometry, radius);
+  if (punch) *surface = CreateFlatPunch(geometry, plane ? 0.5 * width : radius);
+  if (pyramid) *surface = CreatePyramid(shape.half_angle, shape.faces, shape.turn, shape.tip_radius);
+  if (kind == "polygon") *surface = CreatePolygonIndenter(vertices);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Height of a body under or above x along an axis; false where there is none.
+bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height)
 {
   constexpr int kLattice = 4096;
-  bool found = false;
+  const double lower = region.Bounds().lower[up], upper = region.Bounds().upper[up], step = (upper - lower) / kLattice;
+  for (int k = 0; k < kLattice; ++k) {
+    double inside = upper - (k + 0.5) * step, outside = inside + step;
+    x[up] = inside;
+    if (!region.Contains(x)) continue;
+    for (int halving = 0; halving < 40; ++halving) {
+      x[up] = 0.5 * (inside + outside);
+      (region.Contains(x) ? inside : outside) = x[up];
+    }
+    *height = std::abs(inside - upper) < 1e-9 * (upper - lower) ? upper : inside;
+    return true;
+  }
+  return false;
+}
+
+/// Height of the highest body at the tip, also where that is on a body's side; of the highest of all where there is none.
+double InitialSurface(const Case &c, const Indenter &indenter)
+{
+  double highest = -HUGE_VAL, found = -HUGE_VAL;
   for (const Body &body : c.model.bodies) {
     const Box bounds = body.region->Bounds();
-    const double step = (bounds.upper[1] - bounds.lower[1]) / kLattice, width = bounds.upper[0] - bounds.lower[0];
-    for (double shift : {0.0, 1e-6 * width, -1e-6 * width})
-      for (int k = 0; k < kLattice; ++k) {
-        double inside = bounds.upper[1] - (k + 0.5) * step, outside = inside + step;
-        if (!body.region->Contains({x + shift, inside})) continue;
-        for (int halving = 0; halving < 40; ++halving) {
-          const double middle = 0.5 * (inside + outside);
-          (body.region->Contains({x + shift, middle}) ? inside : outside) = middle;
-        }
-        if (std::abs(inside - bounds.upper[1]) < 1e-9 * (bounds.upper[1] - bounds.lower[1])) inside = bounds.upper[1];
-        *height = found ? std::max(*height, inside) : inside;
-        found = true;
-        break;
-      }
+    highest = std::max(highest, bounds.upper[indenter.up]);
+    ForEach({{-1, indenter.up == 2 ? -1 : 0, 0}, {2, indenter.up == 2 ? 2 : 1, 1}}, [&](Index shift) {
+      Vec3 x = indenter.tip;
+      double height;
+      for (int axis = 0; axis < indenter.up; ++axis) x[axis] += shift[axis] * 1e-6 * (bounds.upper[axis] - bounds.lower[axis]);
+      if (SurfaceAbove(*body.region, x, indenter.up, &height)) found = std::max(found, height);
+    });
   }
-  return found;
+  return std::isfinite(found) ? found : highest;
 }
 
 /// The turn at the largest depth, and the end of the run that follows from the motion.
@@ -89,7 +166,7 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
         false, &unload, &has_unload));
   if (has_unload && unload == 0) PetscCall(reader.Refuse("-indenter_unload_velocity", "0", "not zero"));
   if (!has_depth || reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-  const double travel = depth + indenter.tip[1] - indenter.initial_surface;
+  const double travel = depth + indenter.tip[indenter.up] - indenter.initial_surface;
   if (travel <= 0)
     PetscCall(reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above the depth that -indenter_max_depth gives"));
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
@@ -149,8 +226,8 @@ double LowestTip(const Indenter &indenter, double end_time)
 {
   constexpr int kSamples = 1000;
   if (!std::isfinite(end_time)) return -HUGE_VAL;
-  double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[1];
-  for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[1]);
+  double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[indenter.up];
+  for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[indenter.up]);
   return lowest;
 }
 
@@ -179,25 +256,30 @@ PetscErrorCode CheckIndenterSize(OptionReader &reader, const Case &c, const std:
 PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
-  const double x = indenter.tip[0], lowest = LowestTip(indenter, c.time.end_time);
+  const int up = indenter.up;
+  const double lowest = LowestTip(indenter, c.time.end_time);
   PetscFunctionBeginUser;
   for (int k = 1; k < c.levels; ++k) {
     const Box &box = c.boxes[k];
     const double margin = c.least_blend_width * c.CellSize(k - 1) + kBorderCells * c.CellSize(k);
     const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
-    if (just_below < box.lower[1] || just_below >= box.upper[1] || x < box.lower[0] - margin || x > box.upper[0] + margin)
-      continue;
-    const std::string needed = " from the indenter's tip at x = " + FormatNumber(x) + ", or the level away from it";
-    if (c.IsBorder(k, kXLower) && x < box.lower[0] + margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_lower", reader.Text(box.lower),
-                              "at least " + FormatRounded(margin) + needed));
-    if (c.IsBorder(k, kXUpper) && x > box.upper[0] - margin)
-      PetscCall(reader.Refuse("-level_" + std::to_string(k) + "_upper", reader.Text(box.upper),
-                              "at least " + FormatRounded(margin) + needed));
-    if (c.IsBorder(k, kYLower) && std::isfinite(lowest) && lowest < box.lower[1] + margin)
-      PetscCall(
-          reader.Refuse("-level_" + std::to_string(k) + "_lower", reader.Text(box.lower),
-                        "at least " + FormatRounded(margin) + " below the indenter's lowest place, " + FormatRounded(lowest)));
+    bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
+    for (int axis = 0; axis < up; ++axis)
+      meets = meets && indenter.tip[axis] >= box.lower[axis] - margin && indenter.tip[axis] <= box.upper[axis] + margin;
+    if (!meets) continue;
+    const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
+    for (int axis = 0; axis < up; ++axis) {
+      const double x = indenter.tip[axis];
+      const std::string from =
+          needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
+      if (c.IsBorder(k, static_cast<Side>(2 * axis)) && x < box.lower[axis] + margin)
+        PetscCall(reader.Refuse(option + "_lower", reader.Text(box.lower), from));
+      if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && x > box.upper[axis] - margin)
+        PetscCall(reader.Refuse(option + "_upper", reader.Text(box.upper), from));
+    }
+    if (c.IsBorder(k, static_cast<Side>(2 * up)) && std::isfinite(lowest) && lowest < box.lower[up] + margin)
+      PetscCall(reader.Refuse(option + "_lower", reader.Text(box.lower),
+                              needed + " below the indenter's lowest place, " + FormatRounded(lowest)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -206,11 +288,12 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
 
 PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
 {
+  const GeometryKind geometry = c->model.geometry.kind;
   std::string kind = "none";
-  std::vector<std::string> methods = ContactMethods(GeometryKind::kPlaneStrain);
+  std::vector<std::string> methods = ContactMethods(geometry);
   PetscFunctionBeginUser;
   methods.push_back("none");
-  PetscCall(reader.Choice({"-indenter", "rigid indenter", ""}, {"none", "wedge", "cylinder", "flat_punch", "polygon"}, &kind));
+  PetscCall(ReadKind(reader, geometry, &kind));
   PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact.method));
   if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const std::string &method = c->model.contact.method;
@@ -220,16 +303,15 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
                             {0, 1, true, false}, false, &c->model.contact.width));
   if (has_solver && !reader.Help()) PetscCall(CheckContactSolver(reader));
   Indenter &indenter = c->model.indenter.emplace();
-  PetscCall(ReadSurface(reader, kind, &indenter.surface));
+  indenter.up = UpAxis(geometry);
+  PetscCall(ReadSurface(reader, geometry, kind, &indenter.surface));
   PetscCall(reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip));
   PetscCall(ReadHistory(reader, "-indenter_times",
                         {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
                         &indenter.motion.speed));
-  if (!reader.Help() && !SurfaceBelow(*c, indenter.tip[0], &indenter.initial_surface)) {
-    indenter.initial_surface = -HUGE_VAL;
-    for (const Body &body : c->model.bodies)
-      indenter.initial_surface = std::max(indenter.initial_surface, body.region->Bounds().upper[1]);
-  }
+  if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
+    PetscCall(reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric"));
+  if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
   PetscCall(ReadTurningPoint(reader, c));
   if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckIndenterPath(reader, *c));

@@ -129,7 +129,8 @@ CASES = [
     ("load twice", {**LOAD, "loads": "press,press"}, ["-loads press,press:", "different names"]),
     ("gravity with one component", {"gravity": "-9.81"}, ["-gravity -9.81:", "2 numbers"]),
     # Indenter and contact
-    ("indenter unknown", {**WEDGE, "indenter": "cone"}, ["-indenter cone:", "wedge"]),
+    ("indenter of another geometry", {**WEDGE, "indenter": "cone"}, ["-indenter cone:", "wedge", "plane_strain"]),
+    ("indenter of no geometry", {**WEDGE, "indenter": "ball"}, ["-indenter ball:", "cube_corner"]),
     ("half-angle 90", {**WEDGE, "indenter_half_angle": "90"}, ["-indenter_half_angle 90:", "(0, 90)"]),
     ("indenter inside the body", {**WEDGE, "indenter_tip": "4,7.5"}, ["-indenter_tip 4,7.5:", "outside"]),
     ("indenter's times not increasing", {**WEDGE, "indenter_times": "0,0", "indenter_velocities": "1,2"},

@@ -1,5 +1,6 @@
 // The option reader: values, defaults, and the one line that refuses what is not allowed.
 #include "program/options.hpp"
+#include "program/case_groups.hpp"
 #include "program/command_line.hpp"
 
 #include <gtest/gtest.h>
@@ -87,6 +88,59 @@ std::string CheckFile(const std::string &text)
   std::remove(path.c_str());
   const std::size_t at = found.find(path);
   return at == std::string::npos ? found : found.substr(0, at) + "FILE" + found.substr(at + path.size());
+}
+
+/// Reads an indenter that comes down on nothing with a tip at the origin; returns the message of a refusal.
+std::string ReadOneIndenter(GeometryKind geometry, const std::string &options, std::unique_ptr<IndenterSurface> *surface = nullptr)
+{
+  const bool space = geometry == GeometryKind::kSpatial;
+  Case c;
+  c.model.geometry.kind = geometry;
+  c.cell_size = 1e-3;
+  c.time.max_steps = 1;
+  const std::string motion = std::string(" -indenter_tip 0,0") + (space ? ",0" : "") + " -indenter_times 0 -indenter_velocities 1";
+  return Refusal("-indenter " + options + motion, [&](OptionReader &reader) {
+    PetscFunctionBeginUser;
+    reader.SetDim(c.Dim());
+    PetscCall(ReadIndenter(reader, &c));
+    PetscCall(reader.RefuseUnused());
+    if (surface) *surface = std::move(c.model.indenter->surface);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  });
+}
+
+TEST(Options, IndentersOfGeometries)
+{
+  constexpr GeometryKind kPlane = GeometryKind::kPlaneStrain, kRound = GeometryKind::kAxisymmetric,
+                         kSpace = GeometryKind::kSpatial;
+  EXPECT_EQ(ReadOneIndenter(kPlane, "wedge -indenter_half_angle 70 -indenter_tip_radius 1"), "");
+  EXPECT_EQ(ReadOneIndenter(kPlane, "flat_punch -indenter_width 1"), "");
+  EXPECT_EQ(ReadOneIndenter(kRound, "cone -indenter_half_angle 70"), "");
+  EXPECT_EQ(ReadOneIndenter(kRound, "flat_punch -indenter_radius 1"), "");
+  EXPECT_EQ(ReadOneIndenter(kSpace, "sphere -indenter_radius 1"), "");
+  EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 5 -indenter_turn -20"), "");
+  EXPECT_EQ(ReadOneIndenter(kPlane, "cone"),
+            "-indenter cone: must be one of none, wedge, cylinder, flat_punch, polygon in -geometry plane_strain");
+  EXPECT_EQ(ReadOneIndenter(kRound, "wedge"), "-indenter wedge: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
+  EXPECT_EQ(ReadOneIndenter(kRound, "vickers"),
+            "-indenter vickers: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
+  EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 2"),
+            "-indenter_faces 2: must be a whole number in [3, 360]");
+  EXPECT_EQ(ReadOneIndenter(kSpace, "cone -indenter_half_angle -60"), "-indenter_half_angle -60: must be in (0, 90)");
+  EXPECT_NE(ReadOneIndenter(kSpace, "flat_punch -indenter_width 1").find("-indenter_radius"), std::string::npos);
+  EXPECT_NE(ReadOneIndenter(kSpace, "vickers -indenter_half_angle 60").find("-indenter_half_angle"), std::string::npos);
+  EXPECT_NE(ReadOneIndenter(kSpace, "cone -indenter_half_angle 60 -indenter_turn 3").find("-indenter_turn"), std::string::npos);
+}
+
+/// Named pyramids have the angles from the axis that their standards give.
+TEST(Options, NamedPyramids)
+{
+  const std::pair<const char *, double> names[] = {{"berkovich", 65.27}, {"vickers", 68}, {"cube_corner", 35.26}};
+  for (const auto &[name, angle] : names) {
+    std::unique_ptr<IndenterSurface> surface;
+    ASSERT_EQ(ReadOneIndenter(GeometryKind::kSpatial, name, &surface), "");
+    EXPECT_NEAR(std::asin(-surface->Gap({1, 0, 0}).normal[2]) * 180 / M_PI, angle, 0.005) << name;
+  }
 }
 
 } // namespace

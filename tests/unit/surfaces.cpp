@@ -1,4 +1,5 @@
 // Indenters, histories and tilings by their properties.
+#include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
 #include "pointwise/region.hpp"
 
@@ -16,64 +17,158 @@ namespace
 std::mt19937 generator(20240607);
 double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
 
-/// Height of a surface at x, by bisection of the gap along the vertical.
-double Height(const IndenterSurface &surface, double x, double upper)
+/// Height of a surface above a place, by bisection of the gap along the vertical axis.
+double Height(const IndenterSurface &surface, Vec3 x, int up, double upper)
 {
   double below = -1e-3, above = upper;
   for (int n = 0; n < 200; ++n) {
-    const double middle = 0.5 * (below + above);
-    (surface.Gap({x, middle}).distance > 0 ? below : above) = middle;
+    x[up] = 0.5 * (below + above);
+    (surface.Gap(x).distance > 0 ? below : above) = x[up];
   }
-  return 0.5 * (below + above);
+  return x[up];
+}
+double Height(const IndenterSurface &surface, double x, double upper) { return Height(surface, {x, 0, 0}, 1, upper); }
+
+/// Slope of the gap along an axis.
+double Slope(const IndenterSurface &surface, Vec3 x, int axis)
+{
+  constexpr double kStep = 1e-6;
+  Vec3 above = x, below = x;
+  above[axis] += kStep, below[axis] -= kStep;
+  return (surface.Gap(above).distance - surface.Gap(below).distance) / (2 * kStep);
 }
 
-/// width: of the part of the surface that is looked at, whose height is below `height`.
-void CheckSurface(const std::string &name, const IndenterSurface &surface, double width, double height)
+/// width: of the part of the surface that is looked at, whose height is below `height`. edges: of planes, where the gap has
+/// a kink; few places lie at one.
+void CheckSurface(const std::string &name, const IndenterSurface &surface, double width, double height, int up = 1,
+                  bool edges = false)
 {
   double unit = 0, gradient = 0, lowest = HUGE_VAL;
+  int kinks = 0;
   bool signs = true;
   for (int n = 0; n < 200; ++n) {
-    constexpr double kStep = 1e-6;
-    const double x = Random(-width, width), y = Height(surface, x, height);
-    const Vec3 normal = surface.Gap({x, y}).normal;
+    Vec3 x = {Random(-width, width), up == 2 ? Random(-width, width) : 0, 0};
+    x[up] = Height(surface, x, up, height);
+    const Vec3 normal = surface.Gap(x).normal;
     unit = std::max(unit, std::abs(Norm(normal) - 1));
-    for (int a = 0; a < 2 && std::abs(x) > 1e-4; ++a) {
-      Vec3 above = {x, y}, below = {x, y};
-      above[a] += kStep, below[a] -= kStep;
-      const double slope = (surface.Gap(above).distance - surface.Gap(below).distance) / (2 * kStep);
-      gradient = std::max(gradient, std::abs(slope - normal[a]));
-    }
-    signs &= surface.Gap(Vec3{x, y} + 1e-3 * normal).distance > 0 && surface.Gap(Vec3{x, y} + -1e-3 * normal).distance < 0;
-    lowest = std::min(lowest, y);
+    double off = 0;
+    for (int axis = 0; axis <= up && std::abs(x[0]) > 1e-4; ++axis)
+      off = std::max(off, std::abs(Slope(surface, x, axis) - normal[axis]));
+    if (edges && off > 1e-6)
+      ++kinks;
+    else
+      gradient = std::max(gradient, off);
+    signs &= surface.Gap(x + 1e-3 * normal).distance > 0 && surface.Gap(x + -1e-3 * normal).distance < 0;
+    lowest = std::min(lowest, x[up]);
   }
+  const Vec3 below = {0, up == 1 ? -0.01 : 0, up == 2 ? -0.01 : 0};
   EXPECT_LE(unit, 1e-14) << name + ": length of the normal less one";
   EXPECT_LE(gradient, 1e-6) << name + ": normal less gradient of the gap, on the surface";
+  EXPECT_LE(kinks, 2) << name + ": places where the gap has no gradient";
   EXPECT_TRUE(signs) << name + ": gap is positive outside and negative inside";
   EXPECT_GT(lowest, -1e-12) << name + ": nothing lies below the tip";
   EXPECT_LE(std::abs(surface.Gap({0, 0}).distance), 1e-15) << name + ": gap at the tip";
-  EXPECT_LE(std::abs(surface.Gap({0, -0.01}).distance - 0.01), 0.01 * 0.07) << name + ": gap below the tip"; // 1 - cos 19.7
+  EXPECT_LE(surface.Gap(below).distance, 0.01 + 1e-15) << name + ": gap below the tip";
+  EXPECT_GE(surface.Gap(below).distance, 0.01 * 0.57) << name + ": gap below the tip"; // the sine of the steepest face
 }
+
+/// Area of the section at a height above the tip: the area within the curve of zero gap, which is a graph over the angle.
+double SectionArea(const IndenterSurface &surface, double height)
+{
+  constexpr int kAngles = 7200;
+  double area = 0;
+  for (int n = 0; n < kAngles; ++n) {
+    const double angle = 2 * M_PI * (n + 0.5) / kAngles;
+    double inside = 0, outside = 100 * height;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double r = 0.5 * (inside + outside);
+      (surface.Gap({r * std::cos(angle), r * std::sin(angle), height}).distance > 0 ? outside : inside) = r;
+    }
+    area += M_PI / kAngles * inside * inside;
+  }
+  return area;
+}
+
+constexpr GeometryKind kPlane = GeometryKind::kPlaneStrain, kSpace = GeometryKind::kSpatial;
 
 TEST(Surfaces, Indenters)
 {
   constexpr double kHalfAngle = 70.3, kTipRadius = 0.2;
   const double slope = 1 / std::tan(kHalfAngle * M_PI / 180);
-  CheckSurface("wedge", *CreateWedge(kHalfAngle, 0), 1, 1);
-  const auto rounded = CreateWedge(kHalfAngle, kTipRadius);
-  CheckSurface("rounded wedge", *rounded, 1, 1);
-  CheckSurface("cylinder", *CreateCylinder(2), 1.5, 2);
-  CheckSurface("flat punch", *CreateFlatPunch(2), 0.99, 1);
+  for (const GeometryKind geometry : {kPlane, GeometryKind::kAxisymmetric, kSpace}) {
+    const int up = UpAxis(geometry);
+    const std::string where = std::string(" in ") + kGeometryNames[static_cast<int>(geometry)];
+    CheckSurface("cone" + where, *CreateCone(geometry, kHalfAngle, 0), 1, 1, up);
+    CheckSurface("rounded cone" + where, *CreateCone(geometry, kHalfAngle, kTipRadius), 1, 1, up);
+    CheckSurface("sphere" + where, *CreateSphere(geometry, 2), 1.4, 2, up);
+    CheckSurface("flat punch" + where, *CreateFlatPunch(geometry, 1), 0.7, 1, up);
+  }
   CheckSurface("polygon", *CreatePolygonIndenter({{3, 7}, {5, 7.6}, {5, 10}, {1, 10}, {1, 7.5}}), 1.9, 1);
+  const auto rounded = CreateCone(kPlane, kHalfAngle, kTipRadius);
   const double x = 1e-3 * kTipRadius, height = Height(*rounded, x, 1);
   EXPECT_LE(std::abs(x * x / (2 * height) / kTipRadius - 1), 1e-5) << "rounded wedge: radius of curvature at the tip";
   EXPECT_LE(std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6)
       << "rounded wedge: slope far from the tip";
-  EXPECT_LE(std::abs(Height(*CreateWedge(kHalfAngle, 0), 1, 1) / slope - 1), 1e-12) << "wedge: slope";
-  EXPECT_LE(std::abs(Height(*CreateCylinder(2), 1, 2) - (2 - std::sqrt(3))), 1e-12) << "cylinder: height";
-  EXPECT_LE(std::abs(CreateCylinder(2)->Gap({3, -2}).distance - 3), 1e-14) << "cylinder: gap at a distance";
+  EXPECT_LE(std::abs(Height(*CreateCone(kPlane, kHalfAngle, 0), 1, 1) / slope - 1), 1e-12) << "wedge: slope";
+  EXPECT_LE(std::abs(Height(*CreateSphere(kPlane, 2), 1, 2) - (2 - std::sqrt(3))), 1e-12) << "cylinder: height";
+  EXPECT_LE(std::abs(CreateSphere(kPlane, 2)->Gap({3, -2}).distance - 3), 1e-14) << "cylinder: gap at a distance";
+  EXPECT_LE(std::abs(CreateSphere(kSpace, 2)->Gap({2, 2, 1}).distance - 1), 1e-14) << "sphere: gap at a distance";
+  EXPECT_EQ(CreateFlatPunch(kPlane, 1)->Width(HUGE_VAL), 2);
   EXPECT_TRUE(IsConvex({{0, 0}, {1, 0}, {0, 1}}));
   EXPECT_TRUE(IsConvex({{0, 1}, {1, 0}, {0, 0}}));
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
+}
+
+/// Sections of sharp tips: Berkovich and Vickers are made to have nearly the same.
+TEST(Surfaces, SectionAreas)
+{
+  constexpr double kDepth = 0.7;
+  const auto per_square = [](const IndenterSurface &surface) { return SectionArea(surface, kDepth) / (kDepth * kDepth); };
+  EXPECT_NEAR(per_square(*CreatePyramid(65.27, 3, 0, 0)), 24.49, 0.01) << "Berkovich";
+  EXPECT_NEAR(per_square(*CreatePyramid(68, 4, 0, 0)), 24.50, 0.01) << "Vickers";
+  EXPECT_NEAR(per_square(*CreatePyramid(35.2644, 3, 0, 0)), 2.598, 0.001) << "cube corner";
+  const double tangent = std::tan(70.3 * M_PI / 180);
+  EXPECT_NEAR(per_square(*CreateCone(kSpace, 70.3, 0)) / (M_PI * tangent * tangent), 1, 1e-9) << "cone";
+  EXPECT_NEAR(SectionArea(*CreateSphere(kSpace, 2), kDepth) / (M_PI * kDepth * (4 - kDepth)), 1, 1e-9) << "sphere";
+}
+
+TEST(Surfaces, Pyramids)
+{
+  constexpr double kHalfAngle = 65.27, kTurn = 25, kTipRadius = 0.3;
+  for (int faces : {3, 4, 7})
+    for (double radius : {0.0, kTipRadius}) {
+      const std::string name = std::to_string(faces) + " faces, tip radius " + std::to_string(radius);
+      const auto pyramid = CreatePyramid(kHalfAngle, faces, kTurn, radius),
+                 unturned = CreatePyramid(kHalfAngle, faces, 0, radius);
+      CheckSurface(name, *pyramid, 1, 2, 2, radius == 0);
+      double turned = 0, repeated = 0, length = 0, gradient = 0;
+      for (int n = 0; n < 500; ++n) { // also far from the surface
+        const double r = Random(0, 2), z = Random(-0.5, 2), angle = Random(0, 2 * M_PI);
+        const auto at = [&](double turn) { return Vec3{r * std::cos(angle + turn), r * std::sin(angle + turn), z}; };
+        const SurfaceGap gap = unturned->Gap(at(0));
+        turned = std::max(turned, std::abs(pyramid->Gap(at(kTurn * M_PI / 180)).distance - gap.distance));
+        repeated = std::max(repeated, std::abs(unturned->Gap(at(2 * M_PI / faces)).distance - gap.distance));
+        length = std::max(length, std::abs(Norm(gap.normal) - 1));
+        const bool smooth = radius > 0 && gap.distance > -0.9 * radius; // no kinks: the normal is the gradient, of length one
+        for (int axis = 0; axis < 3 && smooth; ++axis)
+          gradient = std::max(gradient, std::abs(Slope(*unturned, at(0), axis) - gap.normal[axis]));
+      }
+      EXPECT_LE(turned, 1e-14) << name + ": turned with -indenter_turn";
+      EXPECT_LE(repeated, 1e-14) << name + ": the same from every face";
+      EXPECT_LE(length, 1e-14) << name + ": length of the normal less one";
+      EXPECT_LE(gradient, 1e-5) << name + ": normal less gradient of the gap";
+      EXPECT_NEAR(pyramid->Gap({0.5 * std::cos(M_PI / 180 * kTurn), 0.5 * std::sin(M_PI / 180 * kTurn), 0}).normal[2],
+                  -std::sin(M_PI / 180 * kHalfAngle), 1e-12)
+          << name + ": the first face is at the angle of the turn";
+    }
+  const auto rounded = CreatePyramid(kHalfAngle, 3, 0, kTipRadius);
+  EXPECT_NEAR(rounded->Gap({0.02, 0.03, kTipRadius}).distance, -kTipRadius, 0.02) << "the ball at the tip";
+  EXPECT_NEAR(rounded->Gap({0.03, 0.04, -0.1}).distance, std::hypot(0.05, kTipRadius + 0.1) - kTipRadius, 1e-14);
+  for (const double radius : {0.0, kTipRadius}) // the circle of a section that Width gives touches its sides
+    for (const double height : {0.01, 0.02, 0.5}) {
+      const auto pyramid = CreatePyramid(kHalfAngle, 3, 0, radius);
+      EXPECT_NEAR(pyramid->Gap({0.5 * pyramid->Width(height), 0, height}).distance, 0, 1e-12) << radius << " " << height;
+    }
 }
 
 TEST(Surfaces, Histories)
@@ -105,13 +200,17 @@ TEST(Surfaces, Histories)
   EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(5.17, 10))) << "never reached";
   EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(2, 1.5))) << "not reached in time";
 
-  const Indenter indenter = {CreateCylinder(1), {speed, 2, 0.5}, {3, 7}, 6};
+  const Indenter indenter = {CreateSphere(kPlane, 1), {speed, 2, 0.5}, {3, 7}, 6};
   EXPECT_LE(std::abs(indenter.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: depth before turning";
   EXPECT_LE(std::abs(indenter.Depth(3) - (2.5 - 0.5 - 1)), 1e-14) << "motion: depth after turning";
   EXPECT_EQ(indenter.Velocity(1.5)[1], -2);
   EXPECT_EQ(indenter.Velocity(3)[1], 0.5);
   EXPECT_EQ(indenter.Velocity(3)[0], 0);
   EXPECT_LE(std::abs(indenter.Gap(indenter.Tip(1.7), 1.7).distance), 1e-14) << "motion: gap moves with the tip";
+  const Indenter deep = {CreateSphere(kSpace, 1), {speed, 2, 0.5}, {3, 7, 5}, 4, 2};
+  EXPECT_LE(std::abs(deep.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: along z in space";
+  EXPECT_LE(Norm(deep.Velocity(1.5) - Vec3{0, 0, -2}), 1e-14);
+  EXPECT_LE(Norm(deep.Tip(1.5) - Vec3{3, 7, 3.5}), 1e-14);
 }
 
 TEST(Surfaces, Tilings)

@@ -1,0 +1,25 @@
+// Histories in time.
+#pragma once
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Piecewise-linear history of a quantity, constant before the first and after the last time; zero without any.
+class PiecewiseLinear
+{
+public:
+  PiecewiseLinear() = default;
+  PiecewiseLinear(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
+  double Value(double t) const;
+  double Integral(double t) const; ///< from 0 to t
+  double LargestMagnitude(double from, double to) const;
+  /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
+  double TimeOfIntegral(double target, double end) const;
+
+private:
+  std::vector<double> times_, values_;
+};
+
+} // namespace mlgimp

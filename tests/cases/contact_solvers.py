@@ -53,7 +53,7 @@ def test_solved_on_all_ranks(expect):
 def test_narrow_kernels(expect):
     """The mean gap of a column under a tip of slope tan b is alpha h tan(b)/3: where the load begins, to a step's way."""
     for width in (1, 0.5):
-        history = harness.run({**CASE, "contact_width": width, "max_steps": 30, "indenter_velocities": 50}).history
+        history = harness.run({**CASE, "contact_width": width, "max_steps": 45, "indenter_velocities": 50}).history
         depth = history["depth"][numpy.argmax(history["load"] > 0)] / 250e-9
         expect(f"contact_width {width}: depth of the first load, cells", depth, near=width / numpy.tan(numpy.radians(70.3)) / 3, tolerance=0.006)
         expect(f"contact_width {width}: largest load", numpy.max(history["load"]), at_least=1e-6)

@@ -252,6 +252,24 @@ Vec3 VelocityOf(Index node) { return {0.2 * std::cos(3.0 * node[0]), 1 + std::si
 
 } // namespace
 
+/// One unknown is on one of three ranks, and none on the others.
+TEST(ContactSystemOnRanks, FewerUnknownsThanRanks)
+{
+  Body body;
+  ContactReport report;
+  ContactSettings settings;
+  ContactSystem system;
+  settings.serial_unknowns = 1;
+  ASSERT_EQ(body.Create(PETSC_COMM_WORLD), PETSC_SUCCESS);
+  std::fill_n(body.grid.Arrays().sums, NodeArrays::kSums * body.grid.GhostedNodes(), 1.0);
+  ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
+  const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -1}, {0, -1}}}; // each rank's
+  PetscMPIInt ranks;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  ASSERT_EQ(system.Solve(body.View(), {{0, -1e-6 * ranks}}, couplings, &report), PETSC_SUCCESS);
+  EXPECT_NEAR(system.Lambda()[0], 1.0 / ranks, 1e-12) << "A = (dt ranks)^2, r = dt^2 ranks";
+}
+
 /// Couplings of one node on several ranks, solved on one rank and on all: the solution of the whole problem.
 TEST(ContactSystemOnRanks, SolvesTheWholeProblem)
 {

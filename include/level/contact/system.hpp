@@ -51,7 +51,8 @@ private:
     double value;
   };
   static constexpr int kRightSide = -1;
-  /// Which rank holds the equation of which unknown: ranges of equal size on the first `ranks` ranks.
+  /// Which rank holds the equation of which unknown: ranges of equal size, which may be empty, on the first or on all
+  /// ranks.
   struct Layout {
     int unknowns, ranks;
     int First(int rank) const { return static_cast<int>(static_cast<std::int64_t>(unknowns) * std::min(rank, ranks) / ranks); }

@@ -170,7 +170,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   pressures_.clear();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(view.grid.Comm(), &size));
-  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : std::min<int>(size, count)};
+  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : size};
   PetscCall(GatherAtNodes(view, &couplings));
   PetscCall(MakeEquations(view, unknowns, couplings, layout));
   PetscCall(FindPressures(view, layout, report));

@@ -1,0 +1,109 @@
+"""Axisymmetry: a cylinder under pressure, Hertz's sphere, budgets, ranks and restart with levels and contact, refusals."""
+import functools
+import math
+
+import numpy
+import pytest
+
+import harness
+from ranks import expect_same
+
+CYLINDER = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "20,4", "cell_size": 1, "boundary_y_lower": "symmetry",
+    "boundary_y_upper": "symmetry", "bodies": "rod", "rod_lower": "0,0", "rod_upper": "16,4", "materials": "m",
+    "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "loads": "p", "p_side": "x_upper", "p_times": "0,60,61",
+    "p_pressures": "0,1e-3,1e-3", "damping": 0.15, "end_time": 300, "frames": 1}
+
+# A sphere of 100 cells on a block of 40 x 32; lengths in cells, E* = 1.
+SPHERE = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "40,36", "cell_size": 1, "boundary_y_lower": "symmetry",
+    "boundary_x_upper": "symmetry", "bodies": "block", "block_lower": "0,0", "block_upper": "40,32", "materials": "m",
+    "m_youngs_modulus": 0.91, "m_poissons_ratio": 0.3, "m_density": 1, "indenter": "sphere", "indenter_radius": 100,
+    "indenter_tip": "0,32", "indenter_times": "0,20,180,200", "indenter_velocities": "0,0.0022222,0.0022222,0", "damping": 0.06,
+    "end_time": 260, "frames": 1}
+
+# A cone on three levels, of which the finest holds the contact.
+CONE = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "9e-6,9e-6", "cell_size": "500e-9", "levels": 3,
+    "level_1_lower": "0,3e-6", "level_1_upper": "6e-6,9e-6", "level_2_lower": "0,6e-6", "level_2_upper": "3e-6,9e-6",
+    "boundary_y_lower": "symmetry", "materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700,
+    "bodies": "block", "block_lower": "0,0", "block_upper": "8e-6,8e-6", "indenter": "cone", "indenter_half_angle": 70.3,
+    "indenter_tip": "0,8e-6", "indenter_times": "0", "indenter_velocities": "400", "end_time": "1.6e-9", "frames": 4,
+    "points_per_rank": 1, "rebalance_threshold": 1.02}
+
+
+def momentum_left(history, axis):
+    """Momentum less all impulses, of the largest impulse."""
+    parts = [history[f"{name}_impulse_{axis}"] for name in ("support", "contact", "load", "gravity", "damping", "stagger")]
+    parts += [history["hoop_impulse_x"]] if axis == "x" else []
+    left = history[f"momentum_{axis}"] - sum(parts)
+    return numpy.max(numpy.abs(left - left[0])) / max(numpy.max(numpy.abs(part)) for part in parts)
+
+
+def test_cylinder_under_pressure(expect):
+    """Lame's solid cylinder: -p everywhere, u = -p r (1 + nu)(1 - 2 nu)/E; the outermost cell has GIMP's own error."""
+    result = harness.run(CYLINDER)
+    frame, pressure, strain = result.frame(), 1e-3, -1e-3 * 1.3 * 0.4
+    inside = frame["position"][:, 0] < 14
+    for component, name in ((0, "radial"), (2, "hoop")):
+        error = numpy.abs(frame["stress"][:, component] + pressure) / pressure
+        expect(f"{name} stress, of the pressure", numpy.max(error[inside]), at_most=2e-4)
+    expect("radial strain", numpy.max(numpy.abs(frame["deformation_gradient"][:, 0] - 1 - strain)) / -strain, at_most=2e-3)
+    expect("mass, of the full circle", abs(frame["mass"].sum() / (math.pi * 16**2 * 4) - 1), at_most=1e-12)
+    for axis in "xy":
+        expect(f"momentum along {axis} less impulses", momentum_left(result.history, axis), at_most=1e-12)
+
+
+def test_sphere(expect):
+    """Hertz from the load: width, largest pressure; what the block adds to the depth is left out."""
+    history = harness.run(SPHERE).history
+    radius = (3 * history["load"][-1] * 100 / 4) ** (1 / 3)
+    expect("contact radius of 6.7 cells", history["contact_half_width"][-1] / radius, near=1, tolerance=0.03)
+    expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 100), near=1, tolerance=0.04)
+    expect("load at this depth in a block of this size", (history["depth"][-1] - radius**2 / 100) * 40 / history["load"][-1],
+           near=-0.545, tolerance=0.03)
+    energy = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    expect("energy, of the work", energy / history["indenter_work"][-1], near=1, tolerance=0.01)
+    expect("penetration, cells", history["penetration"][-1], at_most=0.01)
+    for axis in "xy":
+        expect(f"momentum along {axis} less impulses", momentum_left(history, axis), at_most=1e-11)
+
+
+@functools.lru_cache(None)
+def cone():
+    return harness.run(CONE)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_ranks(expect, ranks):
+    expect_same(expect, f"{ranks} ranks", harness.run(CONE, ranks=ranks), cone())
+
+
+@pytest.mark.mpi
+def test_restart(expect):
+    whole = harness.run({**CONE, "checkpoint_interval": 15})
+    result = harness.run({**CONE, "checkpoint_interval": 15, "restart": whole.folder / "checkpoint_000015.h5"}, ranks=2)
+    steps = numpy.isin(whole.history["step"], result.history["step"])
+    for name, values in result.history.items():
+        scale = numpy.max(numpy.abs(whole.history[name])) or 1
+        if scale > 1e-20:
+            expect(name, numpy.max(numpy.abs(values - whole.history[name][steps])) / scale, at_most=1e-6 if "impulse" in name else 1e-9)
+
+
+def test_budgets_on_levels(expect):
+    for axis in "xy":
+        expect(f"momentum along {axis} less impulses", momentum_left(cone().history, axis), at_most=1e-10)
+    expect("mass", abs(cone().summary["mass_error"]), at_most=1e-13)
+    expect("points lost", cone().summary["points_lost"], at_most=0)
+
+
+@pytest.mark.parametrize("change, word", [
+    ({"thickness": 1}, "-thickness"), ({"domain_lower": "-4,0"}, "-domain_lower"), ({"domain_lower": "1,0", "rod_lower": "1,0"}, "-domain_lower"),
+    ({"boundary_x_lower": "fixed"}, "-boundary_x_lower"), ({"geometry": "spherical"}, "-geometry"),
+    ({"indenter": "wedge"}, "-indenter"), ({"rod_velocity": "0,0,1"}, "-rod_velocity")])
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_refused(change, word, ranks):
+    result = harness.run({**CYLINDER, **change}, ranks=ranks, must_succeed=False)
+    lines = [line for line in result.stderr.splitlines() if line.startswith("mlgimp: error:")]
+    assert result.status != 0 and len(lines) == 1 and word in lines[0], result.stderr

@@ -3,6 +3,7 @@
 
 #include "base/index.hpp"
 #include "base/tensor.hpp"
+#include "pointwise/geometry.hpp"
 #include "pointwise/point_fields.hpp"
 
 #include <functional>
@@ -41,8 +42,11 @@ public:
 };
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box);
-std::unique_ptr<Region> CreateDiskRegion(Vec3 center, double radius);
-/// Vertices in order, either way round; may be concave.
+/// A disk in two dimensions; in axisymmetry the half at x > 0 of one whose center is on the axis.
+std::unique_ptr<Region> CreateBallRegion(GeometryKind geometry, Vec3 center, double radius);
+/// Of space, with its axis along z.
+std::unique_ptr<Region> CreateCylinderRegion(Vec3 bottom_center, double radius, double height);
+/// Of the plane. Vertices in order, either way round; may be concave.
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices);
 
 /// A piece of a body that one material point stands for.
@@ -59,7 +63,7 @@ inline constexpr double kRounding = 1e-6;
 inline constexpr double kSliver = 0.1 + kRounding;
 
 /// Cuts the bounding box of a region along the cells of a grid and each piece into equal tiles, about
-/// `per_cell` x `per_cell` in a whole cell, so that a box is filled exactly wherever its sides lie. How many tiles there
+/// `per_cell` along each axis of a whole cell, so that a box is filled exactly wherever its sides lie. How many tiles there
 /// are and where does not depend on rounding.
 class Tiling
 {
@@ -67,10 +71,11 @@ public:
   /// cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
   /// cells there decide if that is a sliver.
   Tiling(const Box &bounds, Vec3 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
-      : bounds_(bounds), origin_(origin), cell_size_(cell_size), per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
+      : bounds_(bounds), dim_(bounds.upper[2] > bounds.lower[2] ? 3 : 2), origin_(origin), cell_size_(cell_size),
+        per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
-  Vec3 CellCenter(Index at) const { return origin_ + cell_size_ * Vec3{at[0] + 0.5, at[1] + 0.5}; }
+  Vec3 CellCenter(Index at) const { return origin_ + cell_size_ * Vec3{at[0] + 0.5, at[1] + 0.5, dim_ == 3 ? at[2] + 0.5 : 0}; }
   /// Tiles in the cell with this index; empty where the cell does not meet the box.
   std::vector<Tile> InCell(Index at) const;
   /// The tile that contains x; false outside the box.
@@ -88,6 +93,7 @@ private:
   Cut CutAxis(int axis, int cell, Vec3 cell_center) const;
 
   Box bounds_;
+  int dim_;
   Vec3 origin_;
   double cell_size_;
   int per_cell_;

@@ -16,6 +16,16 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
 PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 PetscErrorCode ReadIndenter(OptionReader &reader, Case *c);
 
+/// A value of an option and the geometries that have it.
+struct NamedInGeometry {
+  const char *name;
+  bool has[3]; ///< by GeometryKind
+};
+
+/// Chooses one of the values that the geometry has; -help lists all.
+PetscErrorCode ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
+                                const std::vector<NamedInGeometry> &values, std::string *value);
+
 /// Times and values of a piecewise-linear history.
 PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text,
                            PiecewiseLinear *history);

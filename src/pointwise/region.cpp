@@ -1,4 +1,4 @@
-// Boxes, disks and polygons, and their tiling.
+// Boxes, balls, cylinders and polygons, and their tiling.
 #include "pointwise/region.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ public:
   explicit BoxRegion(const Box &box) : box_(box) {}
   bool Contains(Vec3 x, double tolerance) const override
   {
-    const Vec3 margin = {tolerance, tolerance};
+    const Vec3 margin = {tolerance, tolerance, box_.upper[2] > box_.lower[2] ? tolerance : 0};
     return Box{box_.lower - margin, box_.upper + margin}.Contains(x);
   }
   Box Bounds() const override { return box_; }
@@ -26,18 +26,40 @@ private:
   Box box_;
 };
 
-class DiskRegion : public Region
+class BallRegion : public Region
 {
 public:
-  DiskRegion(Vec3 center, double radius) : center_(center), radius_(radius) {}
-  bool Contains(Vec3 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
-  Box Bounds() const override
+  BallRegion(GeometryKind geometry, Vec3 center, double radius) : bounds_{center, center}, center_(center), radius_(radius)
   {
-    const Vec3 r = {radius_, radius_};
-    return {center_ - r, center_ + r};
+    for (int axis = 0; axis <= UpAxis(geometry); ++axis) bounds_.lower[axis] -= radius, bounds_.upper[axis] += radius;
+    if (geometry == GeometryKind::kAxisymmetric && center[0] == 0) bounds_.lower[0] = 0;
   }
+  bool Contains(Vec3 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
+  Box Bounds() const override { return bounds_; }
 
 private:
+  Box bounds_;
+  Vec3 center_;
+  double radius_;
+};
+
+class CylinderRegion : public Region
+{
+public:
+  CylinderRegion(Vec3 bottom_center, double radius, double height)
+      : bounds_{bottom_center - Vec3{radius, radius, 0}, bottom_center + Vec3{radius, radius, height}}, center_(bottom_center),
+        radius_(radius)
+  {
+  }
+  bool Contains(Vec3 x, double tolerance) const override
+  {
+    return std::hypot(x[0] - center_[0], x[1] - center_[1]) < radius_ + tolerance && x[2] >= bounds_.lower[2] - tolerance &&
+           x[2] < bounds_.upper[2] + tolerance;
+  }
+  Box Bounds() const override { return bounds_; }
+
+private:
+  Box bounds_;
   Vec3 center_;
   double radius_;
 };
@@ -83,7 +105,14 @@ private:
 } // namespace
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box) { return std::make_unique<BoxRegion>(box); }
-std::unique_ptr<Region> CreateDiskRegion(Vec3 center, double radius) { return std::make_unique<DiskRegion>(center, radius); }
+std::unique_ptr<Region> CreateBallRegion(GeometryKind geometry, Vec3 center, double radius)
+{
+  return std::make_unique<BallRegion>(geometry, center, radius);
+}
+std::unique_ptr<Region> CreateCylinderRegion(Vec3 bottom_center, double radius, double height)
+{
+  return std::make_unique<CylinderRegion>(bottom_center, radius, height);
+}
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
 {
   return std::make_unique<PolygonRegion>(std::move(vertices));
@@ -116,23 +145,30 @@ Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec3 cell_center) const
 
 std::vector<Tile> Tiling::InCell(Index at) const
 {
-  std::vector<Tile> tiles;
   const Vec3 center = CellCenter(at);
-  const Cut x = CutAxis(0, at[0], center);
-  if (x.count == 0) return tiles;
-  const Cut y = CutAxis(1, at[1], center);
-  for (int b = 0; b < y.count; ++b)
-    for (int a = 0; a < x.count; ++a)
-      tiles.push_back({{x.start + (a + 0.5) * x.width, y.start + (b + 0.5) * y.width}, {0.5 * x.width, 0.5 * y.width}});
+  Cut cuts[3];
+  IndexBox all{{0, 0, 0}, {1, 1, 1}}; // in two dimensions one layer without thickness
+  std::vector<Tile> tiles;
+  for (int axis = 0; axis < dim_; ++axis) {
+    cuts[axis] = CutAxis(axis, at[axis], center);
+    if (cuts[axis].count == 0) return tiles;
+    all.upper[axis] = cuts[axis].count;
+  }
+  ForEach(all, [&](Index k) {
+    Tile tile;
+    for (int axis = 0; axis < dim_; ++axis) tile.center[axis] = cuts[axis].start + (k[axis] + 0.5) * cuts[axis].width;
+    for (int axis = 0; axis < dim_; ++axis) tile.half_size[axis] = 0.5 * cuts[axis].width;
+    tiles.push_back(tile);
+  });
   return tiles;
 }
 
 bool Tiling::At(Vec3 x, Tile &tile) const
 {
-  const Index cell = {static_cast<int>(std::floor((x[0] - origin_[0]) / cell_size_)),
-                      static_cast<int>(std::floor((x[1] - origin_[1]) / cell_size_)), 0};
+  Index cell{};
+  for (int axis = 0; axis < dim_; ++axis) cell[axis] = static_cast<int>(std::floor((x[axis] - origin_[axis]) / cell_size_));
   const Vec3 center = CellCenter(cell);
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < dim_; ++axis) {
     bool found = false;
     for (int neighbour : {0, -1, 1}) { // a sliver is a neighbour's
       const Cut cut = CutAxis(axis, cell[axis] + neighbour, center);

@@ -2,6 +2,8 @@
 #include "program/case_groups.hpp"
 #include "program/polygon.hpp"
 
+#include "base/index.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,72 +26,91 @@ PetscErrorCode FindName(OptionReader &reader, const std::string &option, const s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadRegion(OptionReader &reader, const std::string &name, std::string *chosen, std::unique_ptr<Region> *region)
+const std::vector<NamedInGeometry> kShapes = {
+    {"box", {true, true, true}},    {"disk", {true, true, false}},      {"polygon", {true, true, false}},
+    {"ball", {false, false, true}}, {"cylinder", {false, false, true}},
+};
+
+PetscErrorCode ReadBox(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
+{
+  Box box;
+  PetscFunctionBeginUser;
+  PetscCall(reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower));
+  PetscCall(reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper));
+  for (int axis = 0; axis < reader.Dim() && !reader.Help(); ++axis)
+    if (!(box.upper[axis] > box.lower[axis]))
+      PetscCall(reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower)));
+  *region = CreateBoxRegion(box);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadPolygon(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
+{
+  std::vector<double> numbers;
+  std::vector<Vec3> vertices;
+  PetscFunctionBeginUser;
+  PetscCall(
+      reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
+  if (numbers.size() % 2) PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
+  for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
+  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
+    PetscCall(reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong));
+  *region = CreatePolygonRegion(vertices);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ReadRegion(OptionReader &reader, GeometryKind geometry, const std::string &name, std::string *shape,
+                          std::unique_ptr<Region> *region)
 {
   const std::string prefix = "-" + name + "_";
-  std::string &shape = *chosen = "box";
   PetscFunctionBeginUser;
-  PetscCall(reader.Choice({prefix + "shape", "shape of the body", ""}, {"box", "disk", "polygon"}, &shape));
-  if (shape == "box" || reader.Help()) {
-    Box box;
-    PetscCall(reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower));
-    PetscCall(reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper));
-    if (!(box.upper[0] > box.lower[0] && box.upper[1] > box.lower[1]) && !reader.Help())
-      PetscCall(reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower)));
-    *region = CreateBoxRegion(box);
-  }
-  if (shape == "disk" || reader.Help()) {
+  *shape = "box";
+  PetscCall(ChooseInGeometry(reader, {prefix + "shape", "shape of the body", ""}, geometry, kShapes, shape));
+  const bool cylinder = *shape == "cylinder", round = cylinder || *shape == "disk" || *shape == "ball";
+  if (*shape == "box" || reader.Help()) PetscCall(ReadBox(reader, prefix, region));
+  if (round || reader.Help()) {
     Vec3 center{};
-    double radius = 0;
-    PetscCall(reader.Vector({prefix + "center", "centre (disk)", "m"}, true, &center));
-    PetscCall(reader.Number({prefix + "radius", "radius (disk)", "m"}, kPositive, true, &radius));
-    *region = CreateDiskRegion(center, radius);
+    double radius = 0, height = 0;
+    PetscCall(reader.Vector({prefix + "center", "centre (disk, ball) or centre of the bottom (cylinder)", "m"}, true, &center));
+    PetscCall(reader.Number({prefix + "radius", "radius (disk, ball, cylinder)", "m"}, kPositive, true, &radius));
+    if (cylinder || reader.Help())
+      PetscCall(reader.Number({prefix + "height", "height along z (cylinder)", "m"}, kPositive, true, &height));
+    *region = cylinder ? CreateCylinderRegion(center, radius, height) : CreateBallRegion(geometry, center, radius);
   }
-  if (shape == "polygon" || reader.Help()) {
-    std::vector<double> numbers;
-    std::vector<Vec3> vertices;
-    PetscCall(
-        reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
-    if (numbers.size() % 2)
-      PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
-    for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
-    if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-    if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
-      PetscCall(reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong));
-    *region = CreatePolygonRegion(vertices);
-  }
+  if (*shape == "polygon" || reader.Help()) PetscCall(ReadPolygon(reader, prefix, region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
 /// with places a tenth of a cell apart where that is not too many.
-bool Overlap(const Region &a, const Region &b, bool boxes, double cell)
+bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
 {
-  constexpr double kPlaces = 10, kLeast = 64, kMost = 500; // in a cell; along an axis
+  const double kPlaces = 10, kLeast = dim == 3 ? 32 : 64, kMost = dim == 3 ? 100 : 500; // in a cell; along an axis
   const Box A = a.Bounds(), B = b.Bounds();
-  Vec3 lower, size;
-  int count[2];
-  for (int d = 0; d < 2; ++d) {
+  Vec3 lower{}, size{};
+  IndexBox places{{0, 0, 0}, {1, 1, 1}};
+  for (int d = 0; d < dim; ++d) {
     lower[d] = std::max(A.lower[d], B.lower[d]);
     size[d] = std::min(A.upper[d], B.upper[d]) - lower[d];
     if (size[d] <= 1e-9 * (A.upper[d] - A.lower[d])) return false;
-    count[d] = static_cast<int>(std::clamp(std::ceil(kPlaces * size[d] / cell), kLeast, kMost));
+    places.upper[d] = static_cast<int>(std::clamp(std::ceil(kPlaces * size[d] / cell), kLeast, kMost));
   }
-  if (boxes) return true;
-  for (int j = 0; j < count[1]; ++j)
-    for (int i = 0; i < count[0]; ++i) {
-      const Vec3 x = {lower[0] + (i + 0.5) / count[0] * size[0], lower[1] + (j + 0.5) / count[1] * size[1]};
-      if (a.Contains(x, -kRounding * cell) && b.Contains(x, -kRounding * cell)) return true; // outlines may meet
-    }
-  return false;
+  bool overlap = boxes;
+  ForEach(places, [&](Index place) {
+    Vec3 x{};
+    for (int d = 0; d < dim; ++d) x[d] = lower[d] + (place[d] + 0.5) / places.upper[d] * size[d];
+    overlap = overlap || (a.Contains(x, -kRounding * cell) && b.Contains(x, -kRounding * cell)); // outlines may meet
+  });
+  return overlap;
 }
 
 /// The option that places the side of a body that lies outside the domain; a region knows its bounds alone.
 std::string PlaceOption(const std::string &shape, bool upper)
 {
   if (shape == "polygon") return "vertices";
-  if (shape == "disk") return "center";
-  return upper ? "upper" : "lower";
+  if (shape == "box") return upper ? "upper" : "lower";
+  return "center";
 }
 
 /// A body must lie inside the domain and clear of those before it.
@@ -111,13 +132,29 @@ PetscErrorCode CheckPlace(OptionReader &reader, const Case &c, const Body &body,
     }
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
-    if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1)))
+    if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1), c.Dim()))
       PetscCall(reader.Refuse("-bodies", body.name, "clear of body " + other.name + ": they overlap"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
+
+PetscErrorCode ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
+                                const std::vector<NamedInGeometry> &values, std::string *value)
+{
+  std::vector<std::string> all, here;
+  const int place = static_cast<int>(geometry);
+  PetscFunctionBeginUser;
+  for (const NamedInGeometry &one : values) {
+    all.emplace_back(one.name);
+    if (one.has[place]) here.emplace_back(one.name);
+  }
+  PetscCall(reader.Choice(option, all, value));
+  if (std::find(here.begin(), here.end(), *value) == here.end())
+    PetscCall(reader.Refuse(option.name, *value, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
 {
@@ -151,7 +188,7 @@ PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &
     const std::string prefix = "-" + name + "_";
     Body body{name, nullptr, 0, {}, 2};
     std::string shape, material = materials.size() == 1 ? materials[0] : "";
-    PetscCall(ReadRegion(reader, name, &shape, &body.region));
+    PetscCall(ReadRegion(reader, c->model.geometry.kind, name, &shape, &body.region));
     PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""},
                           materials.size() > 1, &material));
     PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));

@@ -13,12 +13,7 @@ namespace mlgimp
 namespace
 {
 
-/// The indenters of -indenter, and the geometries that have them.
-struct IndenterName {
-  const char *name;
-  bool in_geometry[3]; ///< by GeometryKind
-};
-constexpr IndenterName kIndenters[] = {
+const std::vector<NamedInGeometry> kIndenters = {
     {"none", {true, true, true}},       {"wedge", {true, false, false}},       {"cylinder", {true, false, false}},
     {"flat_punch", {true, true, true}}, {"polygon", {true, false, false}},     {"cone", {false, true, true}},
     {"sphere", {false, true, true}},    {"pyramid", {false, false, true}},     {"berkovich", {false, false, true}},
@@ -32,21 +27,6 @@ struct NamedPyramid {
   double half_angle;
 };
 constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
-
-PetscErrorCode ReadKind(OptionReader &reader, GeometryKind geometry, std::string *kind)
-{
-  std::vector<std::string> all, here;
-  const int place = static_cast<int>(geometry);
-  PetscFunctionBeginUser;
-  for (const IndenterName &indenter : kIndenters) {
-    all.emplace_back(indenter.name);
-    if (indenter.in_geometry[place]) here.emplace_back(indenter.name);
-  }
-  PetscCall(reader.Choice({"-indenter", "rigid indenter", ""}, all, kind));
-  if (std::find(here.begin(), here.end(), *kind) == here.end())
-    PetscCall(reader.Refuse("-indenter", *kind, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
 {
@@ -293,7 +273,7 @@ PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
   std::vector<std::string> methods = ContactMethods(geometry);
   PetscFunctionBeginUser;
   methods.push_back("none");
-  PetscCall(ReadKind(reader, geometry, &kind));
+  PetscCall(ChooseInGeometry(reader, {"-indenter", "rigid indenter", ""}, geometry, kIndenters, &kind));
   PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact.method));
   if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
   const std::string &method = c->model.contact.method;

@@ -62,8 +62,9 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   model.short_wave = variant.viscosity;
   model.nodal.xpic_fraction = variant.xpic;
   const Vec3 lower = {2.13 * kH, 2.71 * kH}, upper = {6.6 * kH, 7.1 * kH};
-  AddBody(model, disk ? CreateDiskRegion(0.5 * (lower + upper), 2.2 * kH) : CreateBoxRegion({lower, upper}), law, kMaterial,
-          kVelocity);
+  AddBody(model,
+          disk ? CreateBallRegion(GeometryKind::kPlaneStrain, 0.5 * (lower + upper), 2.2 * kH) : CreateBoxRegion({lower, upper}),
+          law, kMaterial, kVelocity);
   const double dt = 0.4 * kH / model.materials[0]->SpeedOfSound();
   PetscCall(RegisterLogEvents(&events));
   PetscCall(

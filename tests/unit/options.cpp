@@ -91,14 +91,16 @@ std::string CheckFile(const std::string &text)
 }
 
 /// Reads an indenter that comes down on nothing with a tip at the origin; returns the message of a refusal.
-std::string ReadOneIndenter(GeometryKind geometry, const std::string &options, std::unique_ptr<IndenterSurface> *surface = nullptr)
+std::string ReadOneIndenter(GeometryKind geometry, const std::string &options,
+                            std::unique_ptr<IndenterSurface> *surface = nullptr)
 {
   const bool space = geometry == GeometryKind::kSpatial;
   Case c;
   c.model.geometry.kind = geometry;
   c.cell_size = 1e-3;
   c.time.max_steps = 1;
-  const std::string motion = std::string(" -indenter_tip 0,0") + (space ? ",0" : "") + " -indenter_times 0 -indenter_velocities 1";
+  const std::string motion =
+      std::string(" -indenter_tip 0,0") + (space ? ",0" : "") + " -indenter_times 0 -indenter_velocities 1";
   return Refusal("-indenter " + options + motion, [&](OptionReader &reader) {
     PetscFunctionBeginUser;
     reader.SetDim(c.Dim());
@@ -121,7 +123,8 @@ TEST(Options, IndentersOfGeometries)
   EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 5 -indenter_turn -20"), "");
   EXPECT_EQ(ReadOneIndenter(kPlane, "cone"),
             "-indenter cone: must be one of none, wedge, cylinder, flat_punch, polygon in -geometry plane_strain");
-  EXPECT_EQ(ReadOneIndenter(kRound, "wedge"), "-indenter wedge: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
+  EXPECT_EQ(ReadOneIndenter(kRound, "wedge"),
+            "-indenter wedge: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
   EXPECT_EQ(ReadOneIndenter(kRound, "vickers"),
             "-indenter vickers: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
   EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 2"),

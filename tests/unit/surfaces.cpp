@@ -1,7 +1,6 @@
-// Indenters, histories and tilings by their properties.
+// Indenters and histories by their properties.
 #include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
-#include "pointwise/region.hpp"
 
 #include <gtest/gtest.h>
 
@@ -211,44 +210,6 @@ TEST(Surfaces, Histories)
   EXPECT_LE(std::abs(deep.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: along z in space";
   EXPECT_LE(Norm(deep.Velocity(1.5) - Vec3{0, 0, -2}), 1e-14);
   EXPECT_LE(Norm(deep.Tip(1.5) - Vec3{3, 7, 3.5}), 1e-14);
-}
-
-TEST(Surfaces, Tilings)
-{
-  double area = 0, outside = 0, other = 0, miss = 0;
-  for (int n = 0; n < 200; ++n) {
-    const double h = Random(0.1, 2);
-    const Vec3 origin = {Random(-3, 3), Random(-3, 3)};
-    Box box = {{origin[0] + Random(0, 3), origin[1] + Random(0, 3)}, {}};
-    box.upper = {box.lower[0] + Random(0.05, 6), box.lower[1] + Random(0.05, 6)};
-    if (n % 4 == 0)
-      box.lower[0] = origin[0] + h, box.upper[0] = origin[0] + h + (0.1 + 0.2) / 0.1 * h; // sides on nodes but for round-off
-    const Tiling tiling(box, origin, h, 1 + n % 4);
-    double sum = 0;
-    const int last[2] = {static_cast<int>((box.upper[0] - origin[0]) / h) + 1,
-                         static_cast<int>((box.upper[1] - origin[1]) / h) + 1};
-    for (int j = -1; j <= last[1]; ++j)
-      for (int i = -1; i <= last[0]; ++i)
-        for (const Tile &tile : tiling.InCell({i, j, 0})) {
-          Tile found;
-          other = std::max(other, tiling.At(tile.center, found) ? Norm(found.center - tile.center) : HUGE_VAL);
-          for (int a = 0; a < 2; ++a)
-            outside = std::max(
-                {outside, box.lower[a] - tile.center[a] + tile.half_size[a], tile.center[a] + tile.half_size[a] - box.upper[a]});
-          sum += 4 * tile.half_size[0] * tile.half_size[1];
-        }
-    area = std::max(area, std::abs(sum / ((box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1])) - 1));
-    for (int k = 0; k < 20; ++k) {
-      const Vec3 x = {Random(box.lower[0], box.upper[0]), Random(box.lower[1], box.upper[1])};
-      Tile tile;
-      const bool found = tiling.At(x, tile);
-      for (int a = 0; a < 2; ++a) miss = std::max(miss, found ? std::abs(x[a] - tile.center[a]) - tile.half_size[a] : HUGE_VAL);
-    }
-  }
-  EXPECT_LE(area, 1e-12) << "tiling: area less the box's, relative";
-  EXPECT_LE(outside, 1e-12) << "tiling: tiles beyond the box by";
-  EXPECT_LE(other, 1e-12) << "tiling: the tile at a tile's centre is another by";
-  EXPECT_LE(miss, 1e-12) << "tiling: places outside the tile found for them by";
 }
 
 } // namespace

@@ -230,11 +230,12 @@ def read_panel(directory, number=None, title=None):
     """Returns (title, points, boxes) of a frame, by default of the last one, for plot_fields."""
     path = results.find_frame(directory, number)
     frame = results.read_frame(path)
-    points = results.all_points(frame.levels)
+    levels, boxes = results.slice_of(frame.levels, results.level_boxes(results.read_summary(directory)))
+    points = results.all_points(levels)
     if not len(points["position"]):
         raise results.ResultError(path, "holds no points")
     title = f"{title or case_name(directory)}, t = {in_si_unit(frame.time, 's')}"
-    return title, points, results.level_boxes(results.read_summary(directory))
+    return title, points, boxes
 
 
 def save(figure, path):

@@ -15,7 +15,7 @@ level that maps each dataset's name to its array [points of the level][component
 
 HISTORY_COLUMNS = ("time", "depth", "load", "kinetic_energy", "strain_energy", "dissipated_energy", "external_work",
                    "indenter_work")  # that the scripts look at
-POINT_DATASETS = {"position": 2, "half_size": 2, "stress": 4}  # components
+POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4}, 3: {"position": 3, "half_size": 3, "stress": 6}}  # components by dimension
 
 
 class ResultError(SystemExit):
@@ -69,9 +69,9 @@ def read_summary(directory):
 
 
 def level_boxes(summary):
-    """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y] in m, coarsest first."""
+    """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y, in space z] in m, coarsest first."""
     boxes = [(level["lower"], level["upper"]) for level in summary.get("levels", [])]
-    return np.array(boxes, float).reshape(-1, 2, 2)
+    return np.array(boxes, float).reshape(len(boxes), 2, len(boxes[0][0]) if boxes else 2)
 
 
 def frames(directory):
@@ -108,11 +108,31 @@ def read_frame(path):
 
 def check_points(group, level):
     """Raises a ValueError where a level lacks a dataset that the scripts need, or has it in another shape."""
-    for name, components in POINT_DATASETS.items():
+    dim = level["position"].shape[1] if "position" in level and level["position"].ndim == 2 else 2
+    for name, components in POINT_DATASETS.get(dim, POINT_DATASETS[2]).items():
         if name not in level:
             raise ValueError(f"{group} has no {name}")
         if level[name].shape != (len(level["position"]), components):
             raise ValueError(f"{name} of {group} has not {components} components a point")
+
+
+def slice_of(levels, boxes):
+    """Returns levels and boxes in the plane. Of a run in space those in the plane normal to y through the middle of the finest level, or
+    through its side y_lower where that is the domain's; the axes are then x and z, and stresses xx, zz, yy, xz."""
+    if len(boxes) == 0 or boxes.shape[2] == 2:
+        return levels, boxes
+    lower, upper = boxes[-1, 0, 1], boxes[-1, 1, 1]
+    y = lower if lower <= boxes[0, 0, 1] else 0.5 * (lower + upper)
+    cut = []
+    for level in levels:
+        offset = y - level["position"][:, 1]
+        inside = (offset >= -1.001 * level["half_size"][:, 1]) & (offset < 0.999 * level["half_size"][:, 1])
+        points = {name: values[inside] for name, values in level.items()}
+        points["stress"] = points["stress"][:, [0, 2, 1, 5]]
+        for name in ("position", "half_size", "velocity"):
+            points[name] = points[name][:, [0, 2]]
+        cut.append(points)
+    return cut, boxes[:, :, [0, 2]]
 
 
 def all_points(levels):

@@ -2,6 +2,7 @@
 #include "level/kernels.hpp"
 
 #include "base/pack.hpp"
+#include "level/point_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,124 +13,6 @@ namespace mlgimp
 
 namespace
 {
-
-constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays positive below it
-
-/// Consecutive points of one material, as arrays of their own.
-struct Block : PointArrays {
-  int start;
-  const Material &material;
-};
-
-/// Calls `work(block)` for all points, block by block of at most kBlock.
-template <class Work> void ForEachBlock(const SweepView &view, Work work)
-{
-  for (int start = 0, end; start < view.points.count; start = end) {
-    end = view.bodies.BlockEnd(view.points, start);
-    work(Block{Slice(view.points, start, end), start, view.bodies.Of(view.points, start)});
-  }
-}
-
-/// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
-template <class Geometry> void Volumes(const Block &b, double *volume)
-{
-  constexpr int dim = Geometry::kDim;
-  const double inverse_density = 1 / b.material.Density();
-  const double *const F = b.F, *const mass = b.mass, *const x = b.position, *const radius = b.initial_radius;
-#pragma omp simd
-  for (int p = 0; p < b.count; ++p) {
-    volume[p] = Determinant(F + dim * dim * p, dim) * mass[p] * inverse_density;
-    if constexpr (Geometry::kHoop) volume[p] *= x[dim * p] / radius[p];
-  }
-}
-
-void Record(PointFailure &failure, PointFailure::Kind kind, const PointArrays &b, int p)
-{
-  if (failure.kind == PointFailure::kNone) failure = {kind, b.id[p], b.Position(p)};
-}
-
-/// Finds the point that deforms too fast or is no number.
-template <class Geometry>
-void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradient], PointFailure &failure)
-{
-  constexpr int dim = Geometry::kDim;
-  for (int p = 0; p < b.count; ++p) {
-    double sum = 0, largest_row = 0;
-    for (int k = 0; k < dim * dim; ++k) sum += b.F[PointArrays::At(p, dim * dim) + k];
-    for (int i = 0; i < dim; ++i) {
-      double row = 0;
-      for (int j = 0; j < dim; ++j) row += std::abs(L[p][dim * i + j]);
-      largest_row = std::max(largest_row, row);
-    }
-    if (!std::isfinite(sum))
-      Record(failure, PointFailure::kNotFinite, b, p);
-    else if (dt * largest_row > kLargestStrainIncrement)
-      Record(failure, PointFailure::kDeformedTooFast, b, p);
-  }
-}
-
-/// Advances F, stress and internal variables of a block. L [kBlock][dim*dim] in 1/s; grid_velocity [count][dim], which points
-/// move with in the step: it gives F_zz = r/R at its end.
-template <class Geometry>
-void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity,
-                   SweepTotals &totals, PointFailure &failure)
-{
-  constexpr int size = Geometry::kGradient, dim = Geometry::kDim;
-  alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock] = {};
-  const double largest = AdvanceDeformation<Geometry>(b.count, dt, L[0], increment[0], b.F);
-  const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
-  double sum = 0; // finite only if all of F is
-#pragma omp simd reduction(+ : sum)
-  for (int k = 0; k < size * b.count; ++k) sum += F[k];
-  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, failure);
-  if constexpr (Geometry::kHoop) {
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p) {
-      const double r = x[dim * p] + dt * grid_velocity[dim * p];
-      hoop[p] = r / radius[p];
-      hoop_ratio[p] = r / x[dim * p];
-    }
-  }
-  const MaterialBatch batch = {b.count,
-                               dt,
-                               L[0],
-                               increment[0],
-                               b.F,
-                               Geometry::kHoop ? hoop : nullptr,
-                               Geometry::kHoop ? hoop_ratio : nullptr,
-                               b.stress,
-                               b.history,
-                               b.history_components};
-  b.material.UpdateStress(batch, plastic);
-  if (b.material.HistorySize())
-    for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
-}
-
-/// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.
-template <class Geometry>
-void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_velocity, PointFailure &failure)
-{
-  constexpr int dim = Geometry::kDim;
-  const double h = grid.Geometry().spacing;
-  double lower[dim * kBlock], upper[dim * kBlock];
-  for (int axis = 0; axis < dim; ++axis) {
-    const double first = grid.Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
-    const double last = first + (grid.Ghosted().Size(axis) - 2) * h;
-    for (int p = 0; p < b.count; ++p) lower[dim * p + axis] = first, upper[dim * p + axis] = last;
-  }
-  const auto inside = [&](double x, int k) { return x >= lower[k] && x < upper[k]; }; // false for a NaN
-  double *const position = b.position, target[dim * kBlock], lost = 0;
-#pragma omp simd reduction(+ : lost)
-  for (int k = 0; k < dim * b.count; ++k) {
-    target[k] = position[k] + dt * grid_velocity[k];
-    const bool stays = inside(target[k], k);
-    lost += stays ? 0.0 : 1.0;
-    position[k] = stays ? target[k] : position[k];
-  }
-  for (int k = 0; lost > 0 && k < dim * b.count; ++k)
-    if (!inside(target[k], k))
-      Record(failure, std::isfinite(target[k]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, k / dim);
-}
 
 /// The vectors of doubles that the nodes of a geometry hold, and the places in them.
 template <class Geometry> struct Lanes;

@@ -41,7 +41,7 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
     PetscCall(hierarchy_.ReduceBudgets(&budgets_));
     state_.initial_mass = budgets_.mass;
     state_.initial_points = budgets_.points;
-    state_.initial_created = budgets_.points_split * (std::pow(case_.hierarchy.ratio, 2) - 1);
+    state_.initial_created = budgets_.points_split * (std::pow(case_.hierarchy.ratio, case_.Dim()) - 1);
   }
   PetscCall(folder_.Check(comm, &problem));
   if (!problem.empty()) PetscCall(Refuse(comm, problem));

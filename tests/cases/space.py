@@ -1,0 +1,90 @@
+"""Three dimensions: Hertz's sphere on one level, a Berkovich tip on two levels on any number of ranks, restart, budgets, refusals."""
+import functools
+import math
+
+import numpy
+import pytest
+
+import harness
+from ranks import expect_same
+
+# A quarter of a sphere of 40 cells on a block of 16 x 16 x 14; lengths in cells, E* = 1.
+SPHERE = {
+    "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "16,16,17", "cell_size": 1, "boundary_x_lower": "symmetry",
+    "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "boundary_x_upper": "symmetry", "boundary_y_upper": "symmetry",
+    "bodies": "block", "block_lower": "0,0,0", "block_upper": "16,16,14", "materials": "m", "m_youngs_modulus": 0.91,
+    "m_poissons_ratio": 0.3, "m_density": 1, "indenter": "sphere", "indenter_radius": 40, "indenter_tip": "0,0,14",
+    "indenter_times": "0,10,50,60", "indenter_velocities": "0,0.007,0.007,0", "damping": 0.15, "end_time": 90, "frames": 1}
+
+# Half of a Berkovich tip on two levels; the symmetry side y = 0 holds the normal of one face. The domain is shifted.
+BERKOVICH = {
+    "geometry": "3d", "domain_lower": "-8,0,0", "domain_upper": "8,8,9", "cell_size": 1, "levels": 2, "level_1_lower": "-4,0,4",
+    "level_1_upper": "4,4,9", "blend_width": 2, "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "bodies": "block",
+    "block_lower": "-7,0,0", "block_upper": "7,7,8", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3,
+    "m_density": 1, "indenter": "berkovich", "indenter_tip": "0,0,8", "indenter_times": "0", "indenter_velocities": "0.05",
+    "end_time": 9, "frames": 2, "points_per_rank": 1, "rebalance_threshold": 1.02}
+
+
+def expect_budgets(expect, result, energy):
+    history = result.history
+    largest = max(numpy.max(numpy.abs(values)) for name, values in history.items() if "impulse" in name)
+    for axis in "xyz":
+        parts = [history[f"{name}_impulse_{axis}"] for name in ("support", "contact", "load", "gravity", "damping", "stagger")]
+        left = history[f"momentum_{axis}"] - sum(parts)
+        expect(f"momentum along {axis} less impulses, of the largest", numpy.max(numpy.abs(left - left[0])) / largest, at_most=1e-11)
+    kept = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    expect("energy, of the work", kept / history["indenter_work"][-1], near=1, tolerance=energy)
+    expect("mass", abs(result.summary["mass_error"]), at_most=1e-13)
+    expect("points lost", result.summary["points_lost"], at_most=0)
+
+
+def test_sphere(expect):
+    """Hertz from the load: contact radius and largest pressure."""
+    result = harness.run(SPHERE)
+    history = result.history
+    load = 4 * history["load"][-1]
+    radius = (3 * load * 40 / 4) ** (1 / 3)
+    expect("contact radius, cells", radius, at_least=3)
+    expect("contact radius from the area", math.sqrt(4 * history["contact_area"][-1] / math.pi) / radius, near=1, tolerance=0.12)
+    expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 40), near=1, tolerance=0.05)
+    expect_budgets(expect, result, 0.02)
+
+
+@functools.lru_cache(None)
+def berkovich():
+    return harness.run(BERKOVICH)
+
+
+def test_budgets_on_levels(expect):
+    expect("load at the end", berkovich().history["load"][-1], at_least=0.1)
+    expect_budgets(expect, berkovich(), 0.05)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_ranks(expect, ranks):
+    expect_same(expect, f"{ranks} ranks", harness.run(BERKOVICH, ranks=ranks), berkovich())
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_restart(expect, ranks):
+    whole = harness.run({**BERKOVICH, "checkpoint_interval": 15})
+    history = harness.run({**BERKOVICH, "checkpoint_interval": 15, "restart": whole.folder / "checkpoint_000015.h5"}, ranks=ranks).history
+    rows = numpy.isin(whole.history["step"], history["step"])
+    for name in ("load", "kinetic_energy", "strain_energy", "momentum_z", "contact_impulse_z", "contact_area"):
+        difference = numpy.max(numpy.abs(history[name] - whole.history[name][rows]))
+        expect(f"{name} on {ranks}", difference / numpy.max(numpy.abs(whole.history[name])), at_most=0 if ranks == 1 else 1e-9)
+
+
+@pytest.mark.parametrize("change, word", [
+    ({"indenter": "pyramid", "indenter_half_angle": 68, "indenter_faces": 2, "indenter_radius": None}, "-indenter_faces"),
+    ({"indenter": "wedge"}, "-indenter"), ({"domain_lower": "0,0"}, "-domain_lower"), ({"thickness": 1}, "-thickness"),
+    ({"levels": 2, "level_1_lower": "0,0,8", "level_1_upper": "8,8,17", "level_coupling": "points"}, "-level_coupling"),
+    ({"contact": "multimesh"}, "-contact"), ({"block_shape": "disk"}, "-block_shape")])
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_refused(change, word, ranks):
+    case = {name: value for name, value in {**SPHERE, **change}.items() if value is not None}
+    result = harness.run(case, ranks=ranks, must_succeed=False)
+    lines = [line for line in result.stderr.splitlines() if line.startswith("mlgimp: error:")]
+    assert result.status != 0 and len(lines) == 1 and word in lines[0], result.stderr

@@ -235,6 +235,8 @@ def read_panel(directory, number=None, title=None):
     if not len(points["position"]):
         raise results.ResultError(path, "holds no points")
     title = f"{title or case_name(directory)}, t = {in_si_unit(frame.time, 's')}"
+    if frame.levels[0]["position"].shape[1] == 3:
+        title += ", slice; y stands for z"
     return title, points, boxes
 
 

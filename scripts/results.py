@@ -15,7 +15,8 @@ level that maps each dataset's name to its array [points of the level][component
 
 HISTORY_COLUMNS = ("time", "depth", "load", "kinetic_energy", "strain_energy", "dissipated_energy", "external_work",
                    "indenter_work")  # that the scripts look at
-POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4}, 3: {"position": 3, "half_size": 3, "stress": 6}}  # components by dimension
+POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4},  # components by dimension
+                  3: {"position": 3, "half_size": 3, "stress": 6}}
 
 
 class ResultError(SystemExit):
@@ -117,8 +118,11 @@ def check_points(group, level):
 
 
 def slice_of(levels, boxes):
-    """Returns levels and boxes in the plane. Of a run in space those in the plane normal to y through the middle of the finest level, or
-    through its side y_lower where that is the domain's; the axes are then x and z, and stresses xx, zz, yy, xz."""
+    """Returns levels and boxes in the plane.
+
+    Of a run in space those in the plane normal to y through the middle of the finest level, or through its side y_lower where
+    that is the domain's, from which the points may have moved a little; the axes are then x and z, and stresses xx, zz, yy, xz.
+    """
     if len(boxes) == 0 or boxes.shape[2] == 2:
         return levels, boxes
     lower, upper = boxes[-1, 0, 1], boxes[-1, 1, 1]
@@ -126,7 +130,7 @@ def slice_of(levels, boxes):
     cut = []
     for level in levels:
         offset = y - level["position"][:, 1]
-        inside = (offset >= -1.001 * level["half_size"][:, 1]) & (offset < 0.999 * level["half_size"][:, 1])
+        inside = (offset >= -1.5 * level["half_size"][:, 1]) & (offset < 0.5 * level["half_size"][:, 1])
         points = {name: values[inside] for name, values in level.items()}
         points["stress"] = points["stress"][:, [0, 2, 1, 5]]
         for name in ("position", "half_size", "velocity"):

@@ -46,6 +46,7 @@ def test_sphere(expect):
     radius = (3 * load * 40 / 4) ** (1 / 3)
     expect("contact radius, cells", radius, at_least=3)
     expect("contact radius from the area", math.sqrt(4 * history["contact_area"][-1] / math.pi) / radius, near=1, tolerance=0.12)
+    expect("half width, of the whole tip", history["contact_half_width"][-1] / math.sqrt(4 * history["contact_area"][-1] / math.pi), near=1, tolerance=1e-9)
     expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 40), near=1, tolerance=0.05)
     expect_budgets(expect, result, 0.02)
 

@@ -138,9 +138,21 @@ private:
     });
     const double rounding = 1e-6 * view.grid.Geometry().spacing;
     report->peak_pressure = columns_.PeakPressure(lambda);
-    report->half_width = dim == 3 ? std::sqrt(report->area / PETSC_PI)
+    report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)
                                   : HalfWidth(ranges, lambda, true, view.indenter.Tip(view.time)[0], rounding);
     report->local_points = CountLoadedPoints(dim, lambda);
+  }
+
+  /// How many models of this kind make the whole tip: 2 for each side of symmetry that it is on.
+  static int PartsOfTip(const ContactView &view)
+  {
+    const GridGeometry &grid = view.grid.Geometry();
+    int parts = 1;
+    for (int s = 0; s < 2 * (view.geometry.Dim() - 1); ++s) {
+      const double from_side = view.indenter.Tip(view.time)[s / 2] - view.grid.Coordinate(s / 2, view.sides.node[s]);
+      if (view.sides.kind[s] == BoundaryKind::kSymmetry && std::abs(from_side) < 1e-6 * grid.spacing) parts *= 2;
+    }
+    return parts;
   }
 
   /// Points with a segment under a loaded column.

@@ -35,6 +35,7 @@ private:
   PetscErrorCode WriteState();
   PetscErrorCode LargestContact(HistoryRow *row);
   PetscErrorCode WarnOfPenetration(double penetration);
+  PetscErrorCode WarnOfViscosity();
   PetscErrorCode WriteSummary(const std::string &status, std::string *problem);
   PetscErrorCode Fail(const std::string &message);
   PetscErrorCode CheckWritten(const std::string &problem);
@@ -63,7 +64,7 @@ private:
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0;
-  bool warned_ = false; ///< of a surface deep inside the indenter
+  bool warned_ = false, warned_of_viscosity_ = false; ///< of a surface deep inside the indenter
 };
 
 } // namespace mlgimp

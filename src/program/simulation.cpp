@@ -304,6 +304,23 @@ PetscErrorCode Simulation::WarnOfPenetration(double penetration)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
+PetscErrorCode Simulation::WarnOfViscosity()
+{
+  constexpr double kGiven = 0.01; // of the energy there is
+  PetscFunctionBeginUser;
+  if (warned_of_viscosity_ || budgets_.short_wave_dissipation >= -kGiven * (budgets_.kinetic_energy + budgets_.strain_energy))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  warned_of_viscosity_ = true;
+  PetscCall(PetscFPrintf(
+      comm_, PETSC_STDERR,
+      "mlgimp: warning: -short_wave_viscosity %s,%s: has given %s J by time %s s where it should take energy: the results are "
+      "wrong from here; try a smaller second number (0 where strains are plastic) or a smaller -cfl\n",
+      FormatNumber(case_.model.short_wave.a).c_str(), FormatNumber(case_.model.short_wave.b).c_str(),
+      FormatRounded(-budgets_.short_wave_dissipation).c_str(), FormatRounded(state_.time).c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Simulation::WriteState()
 {
   HistoryRow row{};
@@ -335,6 +352,7 @@ PetscErrorCode Simulation::WriteHistoryRow()
   row.budgets = budgets_;
   PetscCall(LargestContact(&row));
   PetscCall(WarnOfPenetration(row.penetration));
+  PetscCall(WarnOfViscosity());
   PetscCall(history_.Write(row, &problem));
   PetscCall(CheckWritten(problem));
   PetscFunctionReturn(PETSC_SUCCESS);

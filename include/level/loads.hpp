@@ -40,7 +40,8 @@ struct LoadTotals {
   double work = 0; ///< with the mean velocity of the steps, J
 };
 
-/// Adds up impulse and work of the forces in a step, after sides and contact.
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double dt, LoadTotals &totals);
+/// Adds up impulse and work of the forces in a step, after sides and contact. Forces on nodes with no more than a mass are lost.
+/// Masses and velocities must be known on ghosts.
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, LoadTotals &totals);
 
 } // namespace mlgimp

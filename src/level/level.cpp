@@ -105,6 +105,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   nodal_totals_.hoop_impulse += dt * sweep_totals_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceSums());
+  if (!model_.loads.empty()) PetscCall(grid_->BroadcastSums()); // the budgets of loads ask ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,7 +132,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, nodal_totals_);
-  AddLoadWork(*grid_, applied_, dt, load_totals_);
+  AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, load_totals_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

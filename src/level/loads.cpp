@@ -70,16 +70,18 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double dt, LoadTotals &totals)
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, LoadTotals &totals)
 {
-  for (const FaceForce &face : applied) {
-    totals.impulse = totals.impulse + dt * face.force;
+  for (const FaceForce &face : applied)
     ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
       const auto [velocity, change] = grid.Velocity(place);
-      for (int axis = 0; axis < grid.Geometry().dim; ++axis)
-        totals.work += dt * weight * face.force[axis] * (velocity[axis] - 0.5 * change[axis]);
+      if (grid.Sums()[place].mass <= mass_cutoff) return;
+      for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
+        const double impulse = dt * weight * face.force[axis];
+        totals.impulse[axis] += impulse;
+        totals.work += impulse * (velocity[axis] - 0.5 * change[axis]);
+      }
     });
-  }
 }
 
 } // namespace mlgimp

@@ -46,7 +46,7 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
   for (int d = 0; d < a.dim; ++d)
     if (!(size[d] > 0 && std::isfinite(size[d]))) return "a size that is not above zero";
   if (a.body[p] < 0 || a.body[p] >= bodies) return "a body that is not there";
-  if (a.faces[p] < 0 || a.faces[p] >= 1 << kSides) return "faces that are not there";
+  if (a.faces[p] < 0 || a.faces[p] >= 1 << (2 * a.dim)) return "faces that are not there";
   for (int k = 0; k < a.loads; ++k)
     if (const double share = a.load_share[p * a.loads + k]; !(share >= 0 && share <= 1))
       return "a share of a load that is not in [0, 1]";

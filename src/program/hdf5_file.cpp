@@ -199,6 +199,15 @@ PetscErrorCode H5Writer::Finish(std::string *problem)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+bool H5Reader::Lists(const std::string &group) const
+{
+  H5G_info_t info{};
+  bool listed = H5Gget_info_by_name(file_, group.c_str(), &info, H5P_DEFAULT) >= 0;
+  for (hsize_t k = 0; listed && k < info.nlinks; ++k)
+    listed = H5Lget_name_by_idx(file_, group.c_str(), H5_INDEX_NAME, H5_ITER_INC, k, nullptr, 0, H5P_DEFAULT) >= 0;
+  return listed;
+}
+
 bool H5Reader::Open(const std::string &path)
 {
   std::error_code error;

@@ -416,12 +416,12 @@ def handmade():
         for value in (math.nan, math.inf):
             yield scalar("totals", place, value)
     for value in (-1, 0.5, 1e300):
-        yield scalar("totals", 20, value)  # a count
+        yield scalar("totals", 29, value)  # a count
     yield reshaped("totals", lambda v: v[:, :-1])
     yield reshaped("totals", lambda v: v[:0])
     yield reshaped("totals", lambda v: numpy.concatenate([v, v]))
-    yield hollow("totals", (2**57, 26))
-    yield hollow("totals", (2**40, 26))
+    yield hollow("totals", (2**57, 33))
+    yield hollow("totals", (2**40, 33))
     yield gone("totals")
     for name in ("pressures", "pressure_keys"):
         yield reshaped(f"level_0/{name}", lambda v: numpy.ones(3))

@@ -114,8 +114,8 @@ class H5Reader
 public:
   bool Open(const std::string &path);
   bool Has(const std::string &name) const { return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0; }
-  /// Whether all names of a group can be listed: its index may be damaged where names are found without it.
-  bool Lists(const std::string &group) const;
+  /// Whether all blocks of a group's index can be read, also those that no name needs.
+  bool IsWholeGroup(const std::string &group) const;
   /// As many numbers as `values` has.
   bool Attribute(const std::string &object, const std::string &name, std::vector<double> *values) const;
   /// Rows of a dataset of values of this type; what is not all in the file is not there.

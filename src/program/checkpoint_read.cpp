@@ -77,16 +77,16 @@ PetscErrorCode CheckpointReader::Open()
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  const auto listed = [this] {
-    bool all = file_.Lists("/");
-    for (int l = 0; l < hierarchy_.Levels(); ++l) all = all && file_.Lists(LevelName(l));
+  const auto groups_are_whole = [this] {
+    bool all = file_.IsWholeGroup("/");
+    for (int l = 0; l < hierarchy_.Levels(); ++l) all = all && file_.IsWholeGroup(LevelName(l));
     return all;
   };
   const std::string unknown = " of this version of mlgimp; it is missing, cut short, damaged or something else";
   if (rank == 0 && (!file_.Open(path) || !file_.Attribute("/", "format_version", &version) || !std::isfinite(version[0])))
     wrong_ = unknown;
   else if (rank == 0 && version[0] == kFormatVersion)
-    Found(listed(), "names of its groups");
+    Found(groups_are_whole(), "an index of names");
   PetscCall(Settle("checkpoint_format"));
   PetscCallMPI(MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_));
   if (version[0] != kFormatVersion)

@@ -199,13 +199,15 @@ PetscErrorCode H5Writer::Finish(std::string *problem)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-bool H5Reader::Lists(const std::string &group) const
+bool H5Reader::IsWholeGroup(const std::string &group) const
 {
-  H5G_info_t info{};
-  bool listed = H5Gget_info_by_name(file_, group.c_str(), &info, H5P_DEFAULT) >= 0;
-  for (hsize_t k = 0; listed && k < info.nlinks; ++k)
-    listed = H5Lget_name_by_idx(file_, group.c_str(), H5_INDEX_NAME, H5_ITER_INC, k, nullptr, 0, H5P_DEFAULT) >= 0;
-  return listed;
+#if H5_VERSION_GE(1, 12, 0)
+  H5O_native_info_t sizes;
+  return H5Oget_native_info_by_name(file_, group.c_str(), &sizes, H5O_NATIVE_INFO_ALL, H5P_DEFAULT) >= 0;
+#else
+  H5O_info_t sizes;
+  return H5Oget_info_by_name(file_, group.c_str(), &sizes, H5P_DEFAULT) >= 0;
+#endif
 }
 
 bool H5Reader::Open(const std::string &path)

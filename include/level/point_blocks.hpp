@@ -111,7 +111,7 @@ void Move(const PointArrays &b, const Grid &grid, double dt, const double *grid_
   for (int axis = 0; axis < dim; ++axis) {
     const double first = grid.Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
     const double last = first + (grid.Ghosted().Size(axis) - 2) * h;
-    for (int p = 0; p < b.count; ++p) lower[dim * p + axis] = first, upper[dim * p + axis] = last;
+    for (int p = 0; p < kBlock; ++p) lower[dim * p + axis] = first, upper[dim * p + axis] = last;
   }
   const auto inside = [&](double x, int k) { return x >= lower[k] && x < upper[k]; }; // false for a NaN
   double *const position = b.position, target[dim * kBlock], lost = 0;

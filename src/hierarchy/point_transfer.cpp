@@ -207,8 +207,8 @@ void PointTransfer::MakeChild(const PointArrays &a, int target, int child, const
 {
   const int dim = a.dim, place[3] = {child % ratio_, child / ratio_ % ratio_, child / (ratio_ * ratio_)};
   const Vec3 half = a.HalfSize(target);
-  Vec3 offset{}, mean{};
-  for (int d = 0; d < dim; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * half[d];
+  Vec3 offset, mean{};
+  for (int d = 0; d < 3; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * half[d];
   const Vec3 dx = a.Deform(target, offset);
   if (a.initial_radius) {
     const double r = a.position[PointArrays::At(target, dim)];

@@ -46,7 +46,7 @@ bool Inside(const Patch &patch, Vec3 node, Vec3 shift)
 void AddPressures(Model &model, const Patch &patch)
 {
   const auto add = [&](int body, Side side) {
-    model.loads.push_back({body, side, {-HUGE_VAL, HUGE_VAL}, PiecewiseLinear({0}, {-patch.stress[AxisOf(side)]})});
+    model.loads.push_back({body, side, {{-HUGE_VAL, HUGE_VAL}}, PiecewiseLinear({0}, {-patch.stress[AxisOf(side)]})});
   };
   add(0, kXLower);
   add(1, kXUpper);

@@ -55,6 +55,11 @@ struct NodeVelocity {
   double *velocity, *change; ///< [dim] each
 };
 
+/// What a cell holds of the points of a material in it.
+struct CellSums {
+  double mass, growth; ///< kg; mass times the growth of volume in the step, kg
+};
+
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
 /// velocity of the second extrapolation, momentum or velocity of the projection for XPIC, strain rate (xx, yy, xy, zz in two
 /// dimensions, xx, yy, zz, xy, yz, xz in three).
@@ -79,8 +84,9 @@ public:
   Grid &operator=(const Grid &) = delete;
   ~Grid();
 
-  /// Collective on `world`. On ranks without a block the grid knows where it lies, but has no nodes.
-  PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout);
+  /// Collective on `world`. On ranks without a block the grid knows where it lies, but has no nodes. volume_averages: number of
+  /// materials that keep sums at the cells.
+  PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages = 0);
 
   const GridGeometry &Geometry() const { return geometry_; }
   const GridLayout &Layout() const { return layout_; }
@@ -129,12 +135,16 @@ public:
     return {first, first + velocity_size_ / 2};
   }
   double *Rates(std::ptrdiff_t place) const { return rates_ + rates_size_ * place; }
+  /// Sums of a material over the points of the cell above a node along every axis.
+  CellSums &Cell(std::ptrdiff_t place, int average) const { return cells_[cell_size_ * place + average]; }
   void ClearSums() const;
+  /// Rates and sums at cells.
   void ClearRates() const;
 
-  /// Adds the ghosts' values to their owners.
+  /// Adds the ghosts' values to their owners; cells have their sums on all ranks then.
   PetscErrorCode ReduceSums() { return Reduce(sums_unit_, sums_); }
   PetscErrorCode ReduceRates() { return Reduce(rates_unit_, rates_); }
+  PetscErrorCode SumCells();
   /// Copies the owners' values to the ghosts.
   PetscErrorCode BroadcastSums() { return Broadcast(sums_unit_, sums_); }
   PetscErrorCode BroadcastVelocity() { return Broadcast(velocity_unit_, velocity_); }
@@ -160,8 +170,11 @@ private:
   NodeSums *sums_ = nullptr;
   double *velocity_ = nullptr, *rates_ = nullptr;
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
+  mutable std::vector<CellSums> cells_;
+  std::ptrdiff_t cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
-  MPI_Datatype sums_unit_ = MPI_DATATYPE_NULL, velocity_unit_ = MPI_DATATYPE_NULL, rates_unit_ = MPI_DATATYPE_NULL;
+  MPI_Datatype sums_unit_ = MPI_DATATYPE_NULL, velocity_unit_ = MPI_DATATYPE_NULL, rates_unit_ = MPI_DATATYPE_NULL,
+               cells_unit_ = MPI_DATATYPE_NULL;
   std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };
 

@@ -17,9 +17,10 @@
 namespace mlgimp
 {
 
-/// Bodies as the sweeps see them: the material of each.
+/// Bodies as the sweeps see them: the material of each, and which of the materials that average their volume it is, or -1.
 struct BodyTable {
   std::vector<const Material *> material;
+  std::vector<int> average;
   const Material *only = nullptr; ///< where all bodies have the same
 
   const Material &Of(const PointArrays &points, int p) const { return only ? *only : *material[points.body[p]]; }
@@ -64,7 +65,7 @@ struct GridToPointsPlan {
   double dt;
   bool strain;      ///< advance F and stress here, with the new nodal velocity (USL without rates)
   bool strain_rate; ///< keep the strain rate of the points for the short-wave viscosity
-  bool scatter;     ///< add momentum, projected momentum and strain rate to `rates`
+  bool scatter;     ///< add momentum, projected momentum and strain rate to `rates`, growths of volume to the cells
   bool move;        ///< move the points: nothing of the step comes after
 };
 
@@ -82,6 +83,7 @@ struct SweepView {
   const Grid &grid;
   PointArrays points;
   double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s
+  double *gradient;      ///< [count][dim*dim] its gradient, likewise, of points whose material averages its volume, 1/s
   const BodyTable &bodies;
   bool owned = true; ///< false for copies of another level's points: they act, but do not count
 };

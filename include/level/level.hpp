@@ -165,6 +165,7 @@ private:
   std::vector<CoupledNode> coupled_nodes_;
   bool is_coupled_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
+  std::vector<double> gradient_[3];      ///< [points][dim*dim] likewise, where a material averages its volume
   std::vector<FaceForce> applied_;       ///< by loads in the step
   LoadTotals load_totals_;
   NodalTotals nodal_totals_;

@@ -43,18 +43,33 @@ struct Model {
   NodalSettings nodal;           ///< mass_cutoff is set by each level
   BodyAcceleration acceleration; ///< beside gravity; empty for none
 
-  /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes.
-  bool UsesRates() const { return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0; }
+  /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes, or sums at cells.
+  bool UsesRates() const
+  {
+    return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0 || VolumeAverages() > 0;
+  }
   int HistoryComponents() const
   {
     int largest = 0;
     for (const auto &material : materials) largest = std::max(largest, material->HistorySize());
     return largest;
   }
+  /// Number of materials that average the growth of volume over cells.
+  int VolumeAverages() const
+  {
+    return static_cast<int>(
+        std::count_if(materials.begin(), materials.end(), [](const auto &material) { return material->AveragesVolume(); }));
+  }
   BodyTable Table() const
   {
     BodyTable table;
-    for (const Body &body : bodies) table.material.push_back(materials[body.material].get());
+    std::vector<int> average;
+    int averages = 0;
+    for (const auto &material : materials) average.push_back(material->AveragesVolume() ? averages++ : -1);
+    for (const Body &body : bodies) {
+      table.material.push_back(materials[body.material].get());
+      table.average.push_back(average[body.material]);
+    }
     const auto &all = table.material;
     if (std::all_of(all.begin(), all.end(), [&](auto *one) { return one == all[0]; })) table.only = all[0];
     return table;

@@ -1,6 +1,7 @@
 // What the sweeps do with a block of points by itself: volumes, strain and stress, motion.
 #pragma once
 
+#include "base/log.hpp"
 #include "level/kernels.hpp"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ inline constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F s
 struct Block : PointArrays {
   int start;
   const Material &material;
+  int average; ///< place of the material among those that average their volume, or -1
 };
 
 /// Calls `work(block)` for all points, block by block of at most kBlock.
@@ -22,7 +24,8 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
 {
   for (int start = 0, end; start < view.points.count; start = end) {
     end = view.bodies.BlockEnd(view.points, start);
-    work(Block{Slice(view.points, start, end), start, view.bodies.Of(view.points, start)});
+    work(Block{Slice(view.points, start, end), start, view.bodies.Of(view.points, start),
+               view.bodies.average[view.points.body[start]]});
   }
 }
 
@@ -61,6 +64,70 @@ void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradie
       Record(failure, PointFailure::kNotFinite, b, p);
     else if (dt * largest_row > kLargestStrainIncrement)
       Record(failure, PointFailure::kDeformedTooFast, b, p);
+  }
+}
+
+/// Growth of volume of the points of a block in a step, det(I + dt L) - 1, in axisymmetry with that along the hoop.
+template <class Geometry>
+void VolumeGrowth(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity, double *growth)
+{
+  constexpr int dim = Geometry::kDim;
+  const double *const x = b.position;
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p) {
+    const double *const l = L[p], first = dt * (l[0] + l[dim + 1] + (dim == 3 ? l[8] : 0));
+    double second = l[0] * l[dim + 1] - l[1] * l[dim], third = 0;
+    if constexpr (dim == 3) {
+      second += l[0] * l[8] - l[2] * l[6] + l[4] * l[8] - l[5] * l[7];
+      third = dt * dt * dt * Determinant(l, dim);
+    }
+    growth[p] = first + dt * dt * second + third;
+    if constexpr (Geometry::kHoop) growth[p] += (1 + growth[p]) * dt * grid_velocity[dim * p] / x[dim * p];
+  }
+}
+
+/// Place of the cell that the centre of a point lies in.
+template <int dim> std::ptrdiff_t CellOf(const Lattice &grid, const double *x)
+{
+  std::ptrdiff_t cell = 0;
+  for (int axis = 0; axis < dim; ++axis)
+    cell += (static_cast<int>(std::floor((x[axis] - grid.origin[axis]) * grid.inverse_spacing)) - grid.first[axis]) *
+            static_cast<std::ptrdiff_t>(grid.stride[axis]);
+  return cell;
+}
+
+/// Adds mass and growth of volume of a block to its cells.
+template <class Geometry>
+void AddGrowth(const Block &b, const Grid &grid, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity)
+{
+  double growth[kBlock];
+  VolumeGrowth<Geometry>(b, dt, L, grid_velocity, growth);
+  for (int p = 0; p < b.count; ++p) {
+    CellSums &cell = grid.Cell(CellOf<Geometry::kDim>(grid.IndexSpace(), b.position + Geometry::kDim * p), b.average);
+    cell.mass += b.mass[p];
+    cell.growth += b.mass[p] * growth[p];
+  }
+}
+
+/// Against locking: replaces gradients by those whose growth of volume is the mean over the points of the cell,
+/// j = (1 + g_cell)^(1 - w) (1 + g)^w with the share w of the own growth g; I + dt L keeps its form in the plane, or in space.
+template <class Geometry>
+void AverageGrowth(const Block &b, const Grid &grid, double dt, const double *grid_velocity, double (*L)[Geometry::kGradient])
+{
+  constexpr int dim = Geometry::kDim;
+  double growth[kBlock], mean[kBlock];
+  const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
+  VolumeGrowth<Geometry>(b, dt, L, grid_velocity, growth);
+  for (int p = 0; p < b.count; ++p) {
+    const CellSums &cell = grid.Cell(CellOf<dim>(grid.IndexSpace(), b.position + dim * p), b.average);
+    mean[p] = cell.growth / cell.mass;
+  }
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p) {
+    const double stretch = exponent * Log((1 + mean[p]) / (1 + growth[p])); // of a step: small
+    const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
+#pragma GCC unroll 9
+    for (int k = 0; k < dim * dim; ++k) L[p][k] += excess * (L[p][k] + (k % (dim + 1) == 0 ? rate : 0));
   }
 }
 

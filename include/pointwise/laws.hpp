@@ -1,4 +1,4 @@
-// The constitutive laws: equations between full tensors, the same in all geometries.
+// The elastic laws: equations between full tensors, the same in all geometries. Metals are in metals.cpp.
 //
 // A law has Stress (Cauchy, Pa), Energy (recoverable, per initial volume, J/m3) and WaveSpeedSquared (an upper bound over
 // directions, (m/s)^2, from F and the square of the largest stretch). The loops over points are in materials.cpp;
@@ -6,23 +6,14 @@
 #pragma once
 
 #include "base/log.hpp"
-#include "base/spectral.hpp"
 #include "base/tensor.hpp"
+#include "pointwise/hardening.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace mlgimp
 {
-
-/// What a user gives for a material; NaN where nothing was given.
-struct MaterialConstants {
-  double youngs_modulus;    ///< Pa
-  double poissons_ratio;    ///< -
-  double density;           ///< initial, kg/m3
-  double yield_stress;      ///< Pa
-  double hardening_modulus; ///< d(yield stress)/d(equivalent plastic strain), Pa
-};
 
 /// Hooke's constants, which all laws have at small strain.
 struct Elasticity {
@@ -42,16 +33,12 @@ struct Elasticity {
 
 /// A point at the end of a step, as far as laws look at it.
 struct LawPoint {
-  Mat3 F, strain, increment; ///< new deformation gradient; dt L; I + dt L
-  Sym3 stress;               ///< of before the step in Law::Stress, else that of now, Pa
-  Sym3 elastic;              ///< elastic left Cauchy-Green tensor, kept up to date by the law that has it
-  double plastic_strain;     ///< equivalent, likewise
-  double dissipated;         ///< plastic work of the step per initial volume, J/m3
+  Mat3 F, strain; ///< new deformation gradient; dt L
+  Sym3 stress;    ///< of before the step in Law::Stress, else that of now, Pa
 };
 
 /// sigma = (mu/J)(B - I) + (lambda ln J/J) I.
 struct NeoHookean : Elasticity {
-  static constexpr bool kPlastic = false;
   using Elasticity::Elasticity;
 
   Sym3 Stress(LawPoint &p) const
@@ -72,7 +59,6 @@ struct NeoHookean : Elasticity {
 
 /// S = lambda tr(E) I + 2 mu E, sigma = F S F^T/J: the large-strain elastic law of many finite-element codes.
 struct StVenantKirchhoff : Elasticity {
-  static constexpr bool kPlastic = false;
   using Elasticity::Elasticity;
 
   static Sym3 GreenStrain(const Mat3 &F) { return 0.5 * (SymmetricProduct(Transposed(F), Transposed(F)) - Sphere(1)); }
@@ -86,7 +72,6 @@ struct StVenantKirchhoff : Elasticity {
 
 /// Small strain: sigma = lambda tr(e) I + 2 mu e, e = sym(F) - I. For verification at small deformation.
 struct LinearElastic : Elasticity {
-  static constexpr bool kPlastic = false;
   using Elasticity::Elasticity;
 
   static Sym3 Strain(const Mat3 &F) { return SymmetricPart(F) - Sphere(1); }
@@ -98,7 +83,6 @@ struct LinearElastic : Elasticity {
 /// Jaumann rate of the Cauchy stress: sigma <- Q sigma Q^T + lambda tr(d) I + 2 mu d with d = sym(dt L), and
 /// Q = (I - w/2)^-1 (I + w/2), w = dt L - d, the rotation of Hughes & Winget (1980).
 struct Hypoelastic : Elasticity {
-  static constexpr bool kPlastic = false;
   using Elasticity::Elasticity;
 
   /// Q = I + 2/(1 + a.a) (A + A^2), where A = w/2 and A v = a x v.
@@ -117,46 +101,6 @@ struct Hypoelastic : Elasticity {
     return Determinant(p.F) * (0.5 * mean * mean / bulk + Contract(deviator, deviator) / (4 * mu));
   }
   double WaveSpeedSquared(const Mat3 &F, double) const { return (lambda + 2 * mu) * Determinant(F) / density; }
-};
-
-/// Von Mises plasticity with linear isotropic hardening: multiplicative, logarithmic elastic strain, radial return of the
-/// Kirchhoff stress (Simo 1992).
-struct VonMises : Elasticity {
-  static constexpr bool kPlastic = true;
-
-  explicit VonMises(const MaterialConstants &c)
-      : Elasticity(c), yield_stress(c.yield_stress), hardening_modulus(c.hardening_modulus)
-  {
-  }
-
-  static Vec3 HalfLog(const Vec3 &v) { return {0.5 * Log(v[0]), 0.5 * Log(v[1]), 0.5 * Log(v[2])}; }
-  Sym3 Stress(LawPoint &p) const
-  {
-    p.elastic = Push(p.increment, p.elastic);
-    const Spectrum trial = Decompose(p.elastic);
-    const Vec3 strain = HalfLog(trial.value);
-    const double mean = (strain[0] + strain[1] + strain[2]) / 3, pressure = (3 * lambda + 2 * mu) * mean;
-    Vec3 deviator = strain - Vec3{mean, mean, mean};
-    const double equivalent = 2 * mu * std::sqrt(1.5 * Dot(deviator, deviator));
-    const double yield = yield_stress + hardening_modulus * p.plastic_strain;
-    if (equivalent > yield) {
-      const double plastic = (equivalent - yield) / (3 * mu + hardening_modulus);
-      deviator = (1 - 3 * mu * plastic / equivalent) * deviator;
-      p.plastic_strain += plastic;
-      p.dissipated = plastic * (yield + 0.5 * hardening_modulus * plastic);
-      p.elastic = trial.Compose(
-          {std::exp(2 * (mean + deviator[0])), std::exp(2 * (mean + deviator[1])), std::exp(2 * (mean + deviator[2]))});
-    }
-    return (1 / Determinant(p.F)) * trial.Compose((2 * mu) * deviator + Vec3{pressure, pressure, pressure});
-  }
-  double Energy(const LawPoint &p) const
-  {
-    const Vec3 strain = HalfLog(Decompose(p.elastic).value);
-    return HookeEnergy({strain[0], strain[1], strain[2], 0, 0, 0});
-  }
-  double WaveSpeedSquared(const Mat3 &, double) const { return (lambda + 2 * mu) / density; }
-
-  double yield_stress, hardening_modulus; ///< Pa
 };
 
 } // namespace mlgimp

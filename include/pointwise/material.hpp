@@ -6,6 +6,7 @@
 
 #include "pointwise/geometry.hpp"
 #include "pointwise/laws.hpp"
+#include "pointwise/shape.hpp"
 
 #include <memory>
 #include <string>
@@ -16,7 +17,7 @@ namespace mlgimp
 
 /// The points of one material in a block, after F was advanced by `increment`.
 struct MaterialBatch {
-  int count;                ///< number of points
+  int count;                ///< number of points, at most kBlock
   double dt;                ///< s
   const double *L;          ///< [count][kGradient] velocity gradient, 1/s
   const double *increment;  ///< [count][kGradient] I + dt L
@@ -27,6 +28,10 @@ struct MaterialBatch {
   double *history;          ///< [count][history_stride] internal variables, updated in place
   int history_stride;       ///< >= HistorySize(): the most that any material of the run has
 };
+
+/// Internal variables that frames show.
+enum InternalVariable : int { kPlasticStrain, kTemperature, kInternalVariables };
+inline constexpr const char *kInternalVariableNames[kInternalVariables] = {"equivalent_plastic_strain", "temperature"};
 
 class Material
 {
@@ -39,6 +44,11 @@ public:
   double Mu() const { return elasticity_.mu; }           ///< shear modulus, Pa
   double SpeedOfSound() const;                           ///< sqrt((lambda + 2 mu)/rho0), m/s
 
+  /// Against locking, the growth of volume of points is the mean over those of a cell, but for the share of their own.
+  bool AveragesVolume() const { return own_growth_ < 1; }
+  double OwnGrowth() const { return own_growth_; }
+  void AverageVolume(double own_growth) { own_growth_ = own_growth; }
+
   /// Stress at the end of a step. Returns nothing; adds the plastic work per initial volume (J/m3) to dissipated[p].
   virtual void UpdateStress(const MaterialBatch &batch, double *dissipated) const = 0;
 
@@ -49,21 +59,47 @@ public:
   /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
   virtual void WaveSpeedSquared(int count, const double *F, const double *hoop, double *speed2) const = 0;
 
-  /// Number of internal variables per point, and their values in the undeformed body.
-  virtual int HistorySize() const = 0;
-  virtual void InitialHistory(double *history) const = 0;
+  /// Number of internal variables per point, and their values in the undeformed body. Metals begin with the elastic left
+  /// Cauchy-Green tensor, stored as a stress.
+  virtual int HistorySize() const { return 0; }
+  virtual void InitialHistory(double *) const {}
+  bool IsMetal() const { return HistorySize() > 0; }
+  /// Place of an internal variable with a name of its own, or -1.
+  virtual int PlaceOf(InternalVariable) const { return -1; }
 
 private:
   Elasticity elasticity_;
+  double own_growth_ = 1;
 };
 
 /// Names that -NAME_model accepts.
 std::vector<std::string> MaterialModels();
 
-/// True where the model reads the constants of plasticity.
-bool ModelHasYield(const std::string &model);
-
+/// model: one of them; see HardeningLaws for what a metal needs.
 std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants, GeometryKind geometry);
+
+/// A constant of a hardening law: the option, what it means, and the interval it must lie in (open at 0).
+struct HardeningConstant {
+  const char *name, *help, *unit;
+  double MaterialConstants::*value;
+  double least, most;
+  bool may_be_least, required;
+};
+struct HardeningLaw {
+  const char *name;
+  std::vector<HardeningConstant> constants;
+};
+/// What -NAME_hardening accepts, each with its constants; the table has its lists beside.
+const std::vector<HardeningLaw> &HardeningLaws();
+
+/// The law j2: von Mises plasticity with the hardening that the constants name.
+std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry);
+
+/// The deformation gradient of a point in an array [count][kGradient], with F_zz = hoop[p] in axisymmetry.
+template <class Geometry> inline Mat3 GradientOf(const double *F, const double *hoop, int p)
+{
+  return LoadGradient<Geometry>(F + Geometry::kGradient * p, Geometry::kHoop ? hoop[p] : 1);
+}
 
 /// Advances F <- (I + dt L) F and leaves I + dt L in increment; returns the largest |dt L| met (row sums).
 /// L, increment, F [count][kGradient]. As L is taken where the points are before they move, this is the exact gradient of

@@ -180,8 +180,9 @@ template <class Vector, int axes> struct Gathered {
 };
 
 /// Sums the doubles of a Vector at the nodes around `node`: rows along x first, then over the rows, so that products of
-/// weights are never formed.
-template <class Vector, int axes, int dim> inline Gathered<Vector, axes> Gather(const PointStencil<dim> &at, const double *node)
+/// weights are never formed. Without `with_slope`, slopes stay zero.
+template <class Vector, int axes, bool with_slope = true, int dim>
+inline Gathered<Vector, axes> Gather(const PointStencil<dim> &at, const double *node)
 {
   constexpr int axis = axes - 1;
   Gathered<Vector, axes> sum;
@@ -192,13 +193,13 @@ template <class Vector, int axes, int dim> inline Gathered<Vector, axes> Gather(
     if constexpr (axis == 0) {
       value = LoadVector<Vector>(row);
     } else {
-      const Gathered<Vector, axis> inner = Gather<Vector, axis>(at, row);
+      const Gathered<Vector, axis> inner = Gather<Vector, axis, with_slope>(at, row);
       value = inner.value;
 #pragma GCC unroll 3
-      for (int a = 0; a < axis; ++a) sum.slope[a] += at.w[axis][k] * inner.slope[a];
+      for (int a = 0; with_slope && a < axis; ++a) sum.slope[a] += at.w[axis][k] * inner.slope[a];
     }
     sum.value += at.w[axis][k] * value;
-    sum.slope[axis] += at.g[axis][k] * value;
+    if constexpr (with_slope) sum.slope[axis] += at.g[axis][k] * value;
   }
   return sum;
 }

@@ -14,7 +14,7 @@ static PetscErrorCode CreateUnit(int components, MPI_Datatype *unit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout)
+PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages)
 {
   PetscMPIInt rank;
   PetscFunctionBeginUser;
@@ -22,6 +22,7 @@ PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const 
   layout_ = layout;
   velocity_size_ = NodeLayout::Velocity(geometry.dim);
   rates_size_ = NodeLayout::Rates(geometry.dim);
+  cell_size_ = volume_averages;
   for (int axis = 0; axis < 3; ++axis) {
     starts_[axis] = {-geometry.Padding(axis)};
     for (PetscInt width : layout.widths[axis]) starts_[axis].push_back(starts_[axis].back() + width);
@@ -33,6 +34,7 @@ PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const 
   PetscCall(CreateUnit(NodeLayout::kSums, &sums_unit_));
   PetscCall(CreateUnit(static_cast<int>(velocity_size_), &velocity_unit_));
   PetscCall(CreateUnit(static_cast<int>(rates_size_), &rates_unit_));
+  if (cell_size_ > 0) PetscCall(CreateUnit(static_cast<int>(cell_size_ * sizeof(CellSums) / sizeof(double)), &cells_unit_));
   if (!participates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateNodes());
   PetscCall(CreateHalo());
@@ -77,13 +79,14 @@ PetscErrorCode Grid::CreateNodes()
   sums_ = reinterpret_cast<NodeSums *>(memory_[0].data());
   velocity_ = memory_[1].data()->values;
   rates_ = memory_[2].data()->values;
+  cells_.resize(cell_size_ * GhostedNodes());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 Grid::~Grid()
 {
   PetscFunctionBegin;
-  for (MPI_Datatype *unit : {&sums_unit_, &velocity_unit_, &rates_unit_})
+  for (MPI_Datatype *unit : {&sums_unit_, &velocity_unit_, &rates_unit_, &cells_unit_})
     if (*unit != MPI_DATATYPE_NULL) MPI_Type_free(unit);
   halo_.Reset(), nodes_.Reset();
   if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
@@ -92,7 +95,11 @@ Grid::~Grid()
 
 void Grid::ClearSums() const { std::fill_n(sums_, GhostedNodes(), NodeSums{}); }
 
-void Grid::ClearRates() const { std::fill_n(rates_, rates_size_ * GhostedNodes(), 0.0); }
+void Grid::ClearRates() const
+{
+  std::fill_n(rates_, rates_size_ * GhostedNodes(), 0.0);
+  std::fill(cells_.begin(), cells_.end(), CellSums{});
+}
 
 /// Roots are owned nodes and leaves ghost nodes, both as places in the ghosted arrays, so that the exchange is in place.
 PetscErrorCode Grid::CreateHalo()
@@ -153,6 +160,15 @@ PetscErrorCode Grid::Reduce(MPI_Datatype unit, void *array)
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFReduceBegin(halo_, unit, array, array, MPI_SUM));
   PetscCall(PetscSFReduceEnd(halo_, unit, array, array, MPI_SUM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Grid::SumCells()
+{
+  PetscFunctionBeginUser;
+  if (cell_size_ == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Reduce(cells_unit_, cells_.data()));
+  PetscCall(Broadcast(cells_unit_, cells_.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

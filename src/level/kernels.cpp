@@ -106,6 +106,7 @@ public:
     alignas(64) double L[kBlock][kGradient], volume[kBlock];
     ForEachBlock(view, [&](const Block &b) {
       double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
+      Gradient *const gradient = b.average >= 0 ? GradientsOf(view, b) : plan.strain ? L : nullptr;
       SetWeights(view, b, w);
       double power = 0; // of the short-wave stress, W
       if (plan.strain_rate) Volumes<Geometry>(b, volume);
@@ -116,11 +117,12 @@ public:
           grid_velocity[dim * p + d] = Lane(sum.value, d);
           b.velocity[dim * p + d] += Lane(sum.value, Lanes<Geometry>::kChange + d);
         }
-        if (plan.strain) StoreGradient(L[p], sum.slope);
+        if (gradient) StoreGradient(gradient[p], sum.slope);
         if (plan.strain_rate) power += volume[p] * KeepStrainRate(sum, b.position + dim * p, b.short_wave_stress + kRate * p);
         if (plan.scatter) ScatterRates(view.grid, w, b, p, grid_velocity + dim * p);
       }
       totals.short_wave_dissipation += plan.dt * power;
+      if (b.average >= 0) AddGrowth<Geometry>(b, view.grid, plan.dt, gradient, grid_velocity);
       if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
       if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
     });
@@ -185,6 +187,10 @@ public:
       double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
       SetWeights(view, b, w);
       GatherRates(view.grid, w, b, plan, grid_velocity, L, projected, smooth);
+      if (b.average >= 0) {
+        std::copy_n(GradientsOf(view, b)[0], kGradient * b.count, L[0]);
+        AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, L);
+      }
       if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
@@ -196,6 +202,12 @@ private:
   static int SetWeights(const SweepView &view, const PointArrays &b, Weights &w)
   {
     return ComputeAxisStencils<Geometry, Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+  }
+
+  /// Where the velocity gradients of a block that averages its volume stay between the sweeps.
+  static Gradient *GradientsOf(const SweepView &view, const Block &b)
+  {
+    return reinterpret_cast<Gradient *>(view.gradient + PointArrays::At(b.start, kGradient));
   }
 
   /// L_ab = d v_a/d x_b, by rows, from the slopes of the velocity.
@@ -212,13 +224,14 @@ private:
   static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, double *grid_velocity,
                           Gradient *L, double (*projected)[dim], double (*smooth)[kRate])
   {
+    const bool own_gradient = b.average >= 0; // that of the new velocity
     for (int p = 0; p < b.count; ++p) {
       const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
       const double *const nearest = grid.RatesArray() + at.nearest;
-      const auto sum = Gather<WidePack, dim>(at, nearest);
+      const auto sum = own_gradient ? Gather<WidePack, dim, false>(at, nearest) : Gather<WidePack, dim>(at, nearest);
       WidePack rate = sum.value;
       if constexpr (dim == 3) rate = plan.short_wave.On() ? Gather<WidePack, dim>(at, nearest + 8).value : WidePack{};
-      if (plan.strain) StoreGradient(L[p], sum.slope);
+      if (plan.strain && !own_gradient) StoreGradient(L[p], sum.slope);
       for (int d = 0; d < dim && !plan.move; ++d) grid_velocity[dim * p + d] = Lane(sum.value, d);
       for (int d = 0; d < dim; ++d) projected[p][d] = Lane(sum.value, NodeLayout::Projected(dim) + d);
       for (int k = 0; k < kRate; ++k) smooth[p][k] = Lane(rate, NodeLayout::StrainRate(dim) % 8 + k);
@@ -280,19 +293,40 @@ private:
     return square;
   }
 
-  /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, h_p = min(0.3, a + b |E|^2).
+  /// h_p = min(0.3, a + b |E|^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would make it a rate effect.
+  static void ShortWaveStrength(const Block &b, const ShortWaveViscosity &viscosity, double *strength)
+  {
+    const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
+    if (b.material.IsMetal()) {
+      const double *const history = b.history;
+      const int stride = b.history_components;
+#pragma omp simd
+      for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared(history + stride * p);
+    } else {
+#pragma omp simd
+      for (int p = 0; p < b.count; ++p)
+        strength[p] = GreenStrainSquared(F + dim * dim * p, Geometry::kHoop ? x[dim * p] / radius[p] : 1);
+    }
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p]);
+  }
+  static double ElasticStrainSquared(const double *elastic)
+  {
+    const Sym3 strain = 0.5 * (LoadStress<Geometry>(elastic) - Sphere(1));
+    return Contract(strain, strain);
+  }
+
+  /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth.
   static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
                               const double (*smooth)[kRate])
   {
     const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
     const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
-    const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
-    double *const stress = b.short_wave_stress;
+    double *const stress = b.short_wave_stress, strength[kBlock];
+    ShortWaveStrength(b, viscosity, strength);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
       double *const s = stress + kRate * p;
-      const double hoop = Geometry::kHoop ? x[dim * p] / radius[p] : 1;
-      const double strength = std::min(0.3, viscosity.a + viscosity.b * GreenStrainSquared(F + dim * dim * p, hoop));
       double trace = 0, difference[kRate];
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) {
@@ -302,7 +336,7 @@ private:
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) {
         const double sphere = Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? lambda * trace : 0;
-        s[k] = strength * (sphere + mu2 * difference[k]);
+        s[k] = strength[p] * (sphere + mu2 * difference[k]);
       }
     }
   }

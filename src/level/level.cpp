@@ -33,7 +33,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   geometry_ = geometry;
   world_ = world;
   grid_ = std::make_unique<Grid>();
-  PetscCall(grid_->Create(world, geometry.grid, layout));
+  PetscCall(grid_->Create(world, geometry.grid, layout, model_.VolumeAverages()));
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
@@ -70,7 +70,9 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     if (!owned && stores[k]->Count() == 0) continue;
     PetscCall(stores[k]->Arrays(&points));
     grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
-    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? sweep_totals_ : discarded, failure);
+    if (model_.VolumeAverages() > 0) gradient_[k].resize(grid_velocity_[k].size() * points.dim);
+    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), gradient_[k].data(), bodies_, owned},
+          owned ? sweep_totals_ : discarded, failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
@@ -179,6 +181,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->SumCells(); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
   UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
@@ -310,7 +313,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscFunctionBeginUser;
   PetscCall(SharePressures());
   auto grid = std::make_unique<Grid>();
-  PetscCall(grid->Create(world_, geometry_.grid, layout));
+  PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
   grid_ = std::move(grid);
   coupled_nodes_.clear();
   PetscCall(Migrate(true));
@@ -362,7 +365,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   }
   PetscCall(points_.Arrays(&arrays));
   for (std::size_t k = 0; k < points.size(); ++k)
-    kernels_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
+    kernels_->TensorsAt({*grid_, arrays, nullptr, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

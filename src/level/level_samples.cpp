@@ -15,7 +15,7 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(grid_->BroadcastSums()); // nodes without mass have no velocity
   PetscCall(points_.Arrays(&arrays));
-  const SweepView view = {*grid_, arrays, nullptr, bodies_};
+  const SweepView view = {*grid_, arrays, nullptr, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -32,7 +32,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
-    kernels_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, discarded);
+    kernels_->PointsToGrid({*grid_, one, nullptr, nullptr, bodies_}, {}, time_, discarded);
   }
   PetscCall(grid_->ReduceSums());
   PetscFunctionReturn(PETSC_SUCCESS);

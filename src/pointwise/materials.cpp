@@ -1,7 +1,9 @@
 // The loops over points that all laws share, and the table that finds laws by name.
 #include "pointwise/material.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace mlgimp
 {
@@ -11,7 +13,7 @@ double Material::SpeedOfSound() const { return std::sqrt((Lambda() + 2 * Mu()) /
 namespace
 {
 
-/// Loops that call a law for points stored in the way of a geometry. History: the elastic tensor and the plastic strain.
+/// Loops that call a law for points stored in the way of a geometry.
 template <class Law, class Geometry> class BatchMaterial : public Material
 {
   static constexpr int kF = Geometry::kGradient, kS = Geometry::kStress;
@@ -19,20 +21,20 @@ template <class Law, class Geometry> class BatchMaterial : public Material
 public:
   explicit BatchMaterial(const MaterialConstants &c) : Material(Law(c)), law_(c) {}
 
-  void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
+  void UpdateStress(const MaterialBatch &batch, double *) const override
   {
     const MaterialBatch b = batch; // copies: stores of points cannot change them
     const Law law = law_;
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) UpdatePoint(law, b, p, dissipated);
+    for (int p = 0; p < b.count; ++p) UpdatePoint(law, b, p);
   }
 
-  void StoredEnergy(int count, const double *F, const double *hoop, const double *stress, const double *history, int stride,
+  void StoredEnergy(int count, const double *F, const double *hoop, const double *stress, const double *, int,
                     double *energy) const override
   {
     const Law law = law_;
 #pragma omp simd
-    for (int p = 0; p < count; ++p) energy[p] = EnergyOf(law, F, hoop, stress, history + stride * p, p);
+    for (int p = 0; p < count; ++p) energy[p] = EnergyOf(law, F, hoop, stress, p);
   }
 
   void WaveSpeedSquared(int count, const double *F, const double *hoop, double *speed2) const override
@@ -40,46 +42,24 @@ public:
     const Law law = law_;
 #pragma omp simd
     for (int p = 0; p < count; ++p) {
-      const Mat3 f = Gradient(F, hoop, p);
+      const Mat3 f = GradientOf<Geometry>(F, hoop, p);
       speed2[p] = law.WaveSpeedSquared(f, LargestStretchSquared(f));
     }
   }
 
-  int HistorySize() const override { return Law::kPlastic ? kS + 1 : 0; }
-  void InitialHistory(double *history) const override
-  {
-    // No array of constants here: GCC 12 for AVX-512 copies 1, 1, 1, 0 as 1, 1, 1, 1.
-    for (int k = 0; k < HistorySize(); ++k) history[k] = k < 3 ? 1 : 0;
-  }
-
 private:
   // The bodies of the loops are functions: the compiler vectorises those, and not a loop with structs declared in it.
-  static void UpdatePoint(const Law &law, const MaterialBatch &b, int p, double *dissipated)
+  static void UpdatePoint(const Law &law, const MaterialBatch &b, int p)
   {
     LawPoint point;
-    const double growth = Geometry::kHoop ? b.hoop_ratio[p] : 1;
-    point.F = Gradient(b.F, b.hoop, p);
-    point.strain = Strain(b.dt, LoadGradient<Geometry>(b.L + kF * p, 0), growth);
-    point.increment = LoadGradient<Geometry>(b.increment + kF * p, growth);
+    point.F = GradientOf<Geometry>(b.F, b.hoop, p);
+    point.strain = Strain(b.dt, LoadGradient<Geometry>(b.L + kF * p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
     point.stress = LoadStress<Geometry>(b.stress + kS * p);
-    if constexpr (Law::kPlastic) LoadHistory(b.history + b.history_stride * p, point);
     StoreStress<Geometry>(law.Stress(point), b.stress + kS * p);
-    if constexpr (Law::kPlastic) {
-      StoreHistory(point, b.history + b.history_stride * p);
-      dissipated[p] += point.dissipated;
-    }
   }
-  static double EnergyOf(const Law &law, const double *F, const double *hoop, const double *stress, const double *history, int p)
+  static double EnergyOf(const Law &law, const double *F, const double *hoop, const double *stress, int p)
   {
-    LawPoint point;
-    point.F = Gradient(F, hoop, p);
-    point.stress = LoadStress<Geometry>(stress + kS * p);
-    if constexpr (Law::kPlastic) LoadHistory(history, point);
-    return law.Energy(point);
-  }
-  static Mat3 Gradient(const double *F, const double *hoop, int p)
-  {
-    return LoadGradient<Geometry>(F + kF * p, Geometry::kHoop ? hoop[p] : 1);
+    return law.Energy({GradientOf<Geometry>(F, hoop, p), {}, LoadStress<Geometry>(stress + kS * p)});
   }
   /// An upper bound of the largest eigenvalue of B = F F^T; in plane strain of those in the plane, where waves travel.
   static double LargestStretchSquared(const Mat3 &F)
@@ -96,25 +76,8 @@ private:
             dt * L.yx, dt * L.yy, dt * L.yz,
             dt * L.zx, dt * L.zy, Geometry::kHoop ? Log(growth) : dt * L.zz};
   }
-  static void LoadHistory(const double *history, LawPoint &point)
-  {
-    point.elastic = LoadStress<Geometry>(history);
-    point.plastic_strain = history[kS];
-    point.dissipated = 0;
-  }
-  static void StoreHistory(const LawPoint &point, double *history)
-  {
-    StoreStress<Geometry>(point.elastic, history);
-    history[kS] = point.plastic_strain;
-  }
 
   Law law_;
-};
-
-struct Model {
-  const char *name;
-  bool has_yield;
-  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind);
 };
 
 template <class Law> std::unique_ptr<Material> Create(const MaterialConstants &c, GeometryKind kind)
@@ -124,39 +87,31 @@ template <class Law> std::unique_ptr<Material> Create(const MaterialConstants &c
   });
 }
 
-const std::vector<Model> &Models()
-{
-  static const std::vector<Model> models = {
-      {"neo_hookean", false, Create<NeoHookean>},
-      {"hypoelastic", false, Create<Hypoelastic>},
-      {"j2", true, Create<VonMises>},
-      {"st_venant_kirchhoff", false, Create<StVenantKirchhoff>},
-      {"linear", false, Create<LinearElastic>},
-  };
-  return models;
-}
-
-const Model &FindModel(const std::string &name)
-{
-  for (const Model &model : Models())
-    if (name == model.name) return model;
-  return Models().front();
-}
+struct Model {
+  const char *name;
+  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind);
+};
+constexpr Model kModels[] = {
+    {"neo_hookean", Create<NeoHookean>},
+    {"hypoelastic", Create<Hypoelastic>},
+    {"j2", CreateMetal},
+    {"st_venant_kirchhoff", Create<StVenantKirchhoff>},
+    {"linear", Create<LinearElastic>},
+};
 
 } // namespace
 
 std::vector<std::string> MaterialModels()
 {
   std::vector<std::string> names;
-  for (const Model &model : Models()) names.emplace_back(model.name);
+  for (const Model &model : kModels) names.emplace_back(model.name);
   return names;
 }
 
-bool ModelHasYield(const std::string &model) { return FindModel(model).has_yield; }
-
 std::unique_ptr<Material> CreateMaterial(const std::string &model, const MaterialConstants &constants, GeometryKind geometry)
 {
-  return FindModel(model).create(constants, geometry);
+  const auto *const found = std::find_if(std::begin(kModels), std::end(kModels), [&](const Model &m) { return model == m.name; });
+  return found->create(constants, geometry);
 }
 
 } // namespace mlgimp

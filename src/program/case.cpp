@@ -104,12 +104,16 @@ PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
   model.stress_update = static_cast<StressUpdate>(std::find(updates.begin(), updates.end(), update) - updates.begin());
   if (model.stress_update == StressUpdate::kUsf && c->levels > 1)
     PetscCall(reader.Refuse("-stress_update", update, "usl or musl with more than one level"));
+  if (model.stress_update == StressUpdate::kUsf && model.VolumeAverages() > 0)
+    PetscCall(reader.Refuse("-stress_update", update, "usl or musl with -NAME_volume_average, the default of j2"));
   PetscCall(reader.Numbers(
       {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
       kNotNegative, 2, 2, false, &viscosity));
   model.short_wave = {viscosity[0], viscosity[1]};
-  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP", ""}, Closed(0, 1),
-                          false, &model.nodal.xpic_fraction));
+  const auto is_metal = [](const auto &material) { return material->IsMetal(); };
+  if (std::any_of(model.materials.begin(), model.materials.end(), is_metal)) model.nodal.xpic_fraction = 0.02;
+  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2)", ""},
+                          Closed(0, 1), false, &model.nodal.xpic_fraction));
   PetscCall(reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC", ""}, Closed(1, 2), &model.nodal.xpic_order));
   PetscCall(reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false,
                           &model.nodal.damping));

@@ -1,4 +1,4 @@
-// Options of materials, bodies and loads.
+// Options of bodies and loads.
 #include "program/case_groups.hpp"
 #include "program/polygon.hpp"
 
@@ -153,28 +153,6 @@ PetscErrorCode ChooseInGeometry(OptionReader &reader, const OptionText &option, 
   PetscCall(reader.Choice(option, all, value));
   if (std::find(here.begin(), here.end(), *value) == here.end())
     PetscCall(reader.Refuse(option.name, *value, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
-{
-  PetscFunctionBeginUser;
-  PetscCall(reader.Names({"-materials", "names of the materials", ""}, true, names));
-  for (const std::string &name : *names) {
-    const std::string prefix = "-" + name + "_";
-    std::string model = "neo_hookean";
-    MaterialConstants k{NAN, NAN, NAN, NAN, NAN};
-    PetscCall(reader.Choice({prefix + "model", "constitutive law", ""}, MaterialModels(), &model));
-    PetscCall(reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus));
-    PetscCall(reader.Number({prefix + "poissons_ratio", "Poisson's ratio", ""}, Open(-1, 0.5), true, &k.poissons_ratio));
-    PetscCall(reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density));
-    if (ModelHasYield(model) || reader.Help()) {
-      PetscCall(reader.Number({prefix + "yield_stress", "yield stress (j2)", "Pa"}, kPositive, true, &k.yield_stress));
-      PetscCall(reader.Number({prefix + "hardening_modulus", "slope of the yield stress over plastic strain (j2)", "Pa"},
-                              kNotNegative, true, &k.hardening_modulus));
-    }
-    c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,242 @@
+// The law j2: multiplicative von Mises plasticity with logarithmic elastic strain and radial return of the Kirchhoff stress
+// (Simo 1992), with the hardening laws of hardening.hpp, in loops over blocks of points.
+#include "pointwise/log_strain.hpp"
+#include "pointwise/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Internal variables: the elastic left Cauchy-Green tensor b_e, the equivalent plastic strain and, where the law knows it, the
+/// temperature.
+template <class Hardening, class Geometry> class Metal : public Material
+{
+  static constexpr int kS = Geometry::kStress, kStrain = kS, kHeat = kS + 1;
+  static constexpr int kHistory = kS + 1 + Hardening::kThermal;
+
+public:
+  explicit Metal(const MaterialConstants &c)
+      : Material(Elasticity(c)), hardening_(c), elasticity_(c), rate_scale_(c.rate_scale),
+        initial_temperature_(c.initial_temperature), heating_(c.adiabatic ? kHeatShare / (c.density * c.heat_capacity) : 0)
+  {
+  }
+
+  void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
+  {
+    Flow flow;
+    const MaterialBatch b = batch;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) Trial(b, p, flow);
+    for (int p = 0; p < b.count; ++p)
+      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(LoadStress<Geometry>(History(b, p)), 1), p, flow);
+    const bool flows = Return(b, flow, dissipated);
+    const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow);
+    if (!flows) return;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) FinishElastic(b, p, flow);
+    for (int p = 0; p < b.count; ++p)
+      if (!(flow.norm2[p] <= kLargestNorm2) && flow.kept[p] < 1)
+        StoreStress<Geometry>(flow.scale[p] * ExponentialOfLarge(2 * flow.kept[p] * flow.Deviator(p)), History(b, p));
+  }
+
+  void StoredEnergy(int count, const double *, const double *, const double *, const double *history, int stride,
+                    double *energy) const override
+  {
+    const Elasticity law = elasticity_;
+#pragma omp simd
+    for (int p = 0; p < count; ++p) energy[p] = EnergyOf(law, history + stride * p);
+    for (int p = 0; p < count; ++p)
+      if (energy[p] < 0) energy[p] = Energy(law, LogarithmicStrainOfLarge(LoadStress<Geometry>(history + stride * p), 1));
+  }
+
+  void WaveSpeedSquared(int count, const double *, const double *, double *speed2) const override
+  {
+    std::fill_n(speed2, count, SpeedOfSound() * SpeedOfSound());
+  }
+
+  int HistorySize() const override { return kHistory; }
+  void InitialHistory(double *history) const override
+  {
+    // No array of constants here: GCC 12 for AVX-512 copies 1, 1, 1, 0 as 1, 1, 1, 1.
+    for (int k = 0; k < kHistory; ++k) history[k] = k < 3 ? 1 : 0;
+    if constexpr (Hardening::kThermal) history[kHeat] = initial_temperature_;
+  }
+  int PlaceOf(InternalVariable variable) const override
+  {
+    return variable == kPlasticStrain ? kStrain : Hardening::kThermal ? kHeat : -1;
+  }
+
+private:
+  static constexpr double kHeatShare = 0.9; ///< of plastic work (Taylor & Quinney)
+
+  /// The trial state of a block, by components; kept: the part of the deviator that the flow leaves.
+  struct Flow {
+    alignas(64) double deviator[kS][kBlock], mean[kBlock], scale[kBlock], norm2[kBlock], kept[kBlock];
+    Sym3 Deviator(int p) const
+    {
+      Sym3 e = {deviator[0][p], deviator[1][p], deviator[2][p], deviator[3][p], 0, 0};
+      if constexpr (kS == 6) e.yz = deviator[4][p], e.xz = deviator[5][p];
+      return e;
+    }
+  };
+
+  static double *History(const MaterialBatch &b, int p) { return b.history + b.history_stride * p; }
+
+  static void Set(const LogStrain &e, int p, Flow &flow)
+  {
+    const Sym3 &d = e.deviator;
+    flow.deviator[0][p] = d.xx, flow.deviator[1][p] = d.yy, flow.deviator[2][p] = d.zz, flow.deviator[3][p] = d.xy;
+    if constexpr (kS == 6) flow.deviator[4][p] = d.yz, flow.deviator[5][p] = d.xz;
+    flow.mean[p] = e.mean, flow.scale[p] = e.scale, flow.norm2[p] = e.norm2;
+  }
+
+  /// b_e := (I + dt L) b_e (I + dt L)^T, and its logarithm.
+  static void Trial(const MaterialBatch &b, int p, Flow &flow)
+  {
+    double *const history = b.history + b.history_stride * p;
+    const Mat3 increment = LoadGradient<Geometry>(b.increment + Geometry::kGradient * p, Geometry::kHoop ? b.hoop_ratio[p] : 1);
+    const Sym3 elastic = Push(increment, LoadStress<Geometry>(history));
+    StoreStress<Geometry>(elastic, history);
+    Set(LogarithmicStrain(elastic), p, flow);
+  }
+
+  /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows.
+  bool Return(const MaterialBatch &b, Flow &flow, double *dissipated) const
+  {
+    const double mu = elasticity_.mu, rate = rate_scale_ / b.dt;
+    bool any = false;
+    for (int p = 0; p < b.count; ++p) {
+      double *const history = History(b, p);
+      const Sym3 deviator = flow.Deviator(p);
+      const double trial = 2 * mu * std::sqrt(1.5 * Contract(deviator, deviator));
+      const FlowState state = {history[kStrain], Hardening::kThermal ? history[kHeat] : 0, rate};
+      const double plastic = PlasticIncrement(hardening_, trial, 3 * mu, state);
+      flow.kept[p] = 1;
+      if (!(plastic > 0)) continue;
+      const double work = PlasticWork(hardening_, plastic, state);
+      any = true;
+      flow.kept[p] = 1 - 3 * mu * plastic / trial;
+      history[kStrain] += plastic;
+      if constexpr (Hardening::kThermal) history[kHeat] += heating_ * work;
+      dissipated[p] += work;
+    }
+    return any;
+  }
+
+  /// Cauchy stress (2 mu kept e' + (3 lambda + 2 mu) mean I)/J.
+  static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow)
+  {
+    const double inverse_J = 1 / Determinant(GradientOf<Geometry>(b.F, b.hoop, p));
+    const double shear = mu2 * flow.kept[p] * inverse_J;
+    StoreStress<Geometry>(shear * flow.Deviator(p) + Sphere(bulk3 * flow.mean[p] * inverse_J), b.stress + kS * p);
+  }
+
+  /// b_e = exp(2 (kept e' + mean I)) where the point flows.
+  static void FinishElastic(const MaterialBatch &b, int p, const Flow &flow)
+  {
+    double *const history = b.history + b.history_stride * p;
+    const double share = flow.kept[p] < 1 ? 1 : 0;
+    const Sym3 after = flow.scale[p] * Exponential(2 * flow.kept[p] * flow.Deviator(p));
+    StoreStress<Geometry>(share * after + (1 - share) * LoadStress<Geometry>(history), history);
+  }
+
+  static double Energy(const Elasticity &law, const LogStrain &e)
+  {
+    return 0.5 * (3 * law.lambda + 2 * law.mu) * 3 * e.mean * e.mean + law.mu * Contract(e.deviator, e.deviator);
+  }
+  /// -1 where the strain is too large for the series.
+  static double EnergyOf(const Elasticity &law, const double *history)
+  {
+    const LogStrain e = LogarithmicStrain(LoadStress<Geometry>(history));
+    return e.norm2 <= kLargestNorm2 ? Energy(law, e) : -1;
+  }
+
+  Hardening hardening_;
+  Elasticity elasticity_;
+  double rate_scale_, initial_temperature_;
+  double heating_; ///< rise of temperature by plastic work, K m3/J
+};
+
+template <class Hardening> std::unique_ptr<Material> Create(const MaterialConstants &c, GeometryKind kind)
+{
+  return WithGeometry(kind, [&](auto geometry) -> std::unique_ptr<Material> {
+    return std::make_unique<Metal<Hardening, decltype(geometry)>>(c);
+  });
+}
+
+using C = MaterialConstants;
+constexpr HardeningConstant
+    kYield = {"yield_stress", "initial yield stress (j2)", "Pa", &C::yield_stress, 0, HUGE_VAL, false, true},
+    kModulus = {"hardening_modulus",
+                "H of sy + H a (linear), B of sy + B a^n (ludwik, johnson_cook)",
+                "Pa",
+                &C::hardening_modulus,
+                0,
+                HUGE_VAL,
+                true,
+                true},
+    kExponent = {"hardening_exponent", "n (swift, ludwik, power, johnson_cook)", "", &C::hardening_exponent, 0, 1, true, true},
+    kStrain = {"hardening_strain", "e0 of sy (1 + a/e0)^n (swift)", "", &C::hardening_strain, 0, HUGE_VAL, false, true};
+
+struct NamedLaw {
+  HardeningLaw law;
+  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind);
+};
+
+const std::vector<NamedLaw> &NamedLaws()
+{
+  static const std::vector<NamedLaw> laws = {
+      {{"linear", {kYield, kModulus}}, Create<LinearHardening>},
+      {{"swift", {kYield, kExponent, kStrain}}, Create<SwiftHardening>},
+      {{"voce",
+        {kYield,
+         {"saturation_stress", "ss of ss - (ss - sy) exp(-a/ec) (voce)", "Pa", &C::saturation_stress, 0, HUGE_VAL, false, true},
+         {"saturation_strain", "ec of it (voce)", "", &C::saturation_strain, 0, HUGE_VAL, false, true}}},
+       Create<VoceHardening>},
+      {{"ludwik", {kYield, kModulus, kExponent}}, Create<LudwikHardening>},
+      {{"power", {kYield, kExponent}}, Create<SwiftHardening>},
+      {{"table", {}}, Create<TableHardening>},
+      {{"johnson_cook",
+        {kYield,
+         kModulus,
+         kExponent,
+         {"rate_sensitivity", "C of 1 + C ln(rate/r0) (johnson_cook)", "", &C::rate_sensitivity, 0, HUGE_VAL, true, true},
+         {"reference_rate", "r0 of it (johnson_cook)", "1/s", &C::reference_rate, 0, HUGE_VAL, false, true},
+         {"thermal_exponent", "m of 1 - ((T - T0)/(Tm - T0))^m (johnson_cook)", "", &C::thermal_exponent, 0, HUGE_VAL, false,
+          true},
+         {"melting_temperature", "Tm of it (johnson_cook)", "K", &C::melting_temperature, 0, HUGE_VAL, false, true},
+         {"heat_capacity", "heat capacity, required with -NAME_adiabatic (johnson_cook)", "J/(kg K)", &C::heat_capacity, 0,
+          HUGE_VAL, false, false}}},
+       Create<JohnsonCookHardening>},
+  };
+  return laws;
+}
+
+} // namespace
+
+const std::vector<HardeningLaw> &HardeningLaws()
+{
+  static const std::vector<HardeningLaw> laws = [] {
+    std::vector<HardeningLaw> all;
+    for (const NamedLaw &named : NamedLaws()) all.push_back(named.law);
+    return all;
+  }();
+  return laws;
+}
+
+std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry)
+{
+  const auto &laws = NamedLaws();
+  const auto found =
+      std::find_if(laws.begin(), laws.end(), [&](const NamedLaw &one) { return constants.hardening == one.law.name; });
+  return found->create(constants, geometry);
+}
+
+} // namespace mlgimp

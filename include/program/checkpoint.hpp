@@ -20,7 +20,6 @@ struct RunState {
   double initial_mass = 0, initial_points = 0;
   double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
-  double penetration = 0;                     ///< deepest so far, m
 };
 
 /// directory/checkpoint_SSSSSS.h5

@@ -33,7 +33,6 @@ private:
   PetscErrorCode WriteDue();
   PetscErrorCode WriteHistoryRow();
   PetscErrorCode WriteState();
-  PetscErrorCode LargestContact(HistoryRow *row);
   PetscErrorCode WarnOfPenetration(double penetration);
   PetscErrorCode WarnOfViscosity();
   PetscErrorCode WriteSummary(const std::string &status, std::string *problem);

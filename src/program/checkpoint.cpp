@@ -89,10 +89,11 @@ PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<s
   H5Writer file;
   Slab slab;
   PetscMPIInt rank;
-  const std::vector<double> totals = hierarchy.Totals();
+  std::vector<double> totals;
   const CopyState &copies = hierarchy.Copies();
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
+  for (const Budgets *part : hierarchy.Parts()) part->AppendKept(&totals);
   PetscCall(MakeSlab(hierarchy.Comm(), 1, &slab));
   PetscCall(file.Open(hierarchy.Comm(), CheckpointPath(directory, state.step), true));
   PetscCall(file.Attribute("/", "format_version", {double(kFormatVersion)}));

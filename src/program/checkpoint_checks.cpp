@@ -101,7 +101,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
     return "its counts of steps and frames are not those of a run";
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
     return "its initial mass and points are not those of a run";
-  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time && n[13] >= 0)) return "its last row is not that of a run";
+  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is not that of a run";
   return "";
 }
 

@@ -135,8 +135,9 @@ PetscErrorCode CheckpointReader::ReadTotals()
   constexpr hsize_t kMostRanks = 1 << 24;
   PetscMPIInt rank, size;
   hsize_t writers = 0;
-  const std::size_t count = hierarchy_.Totals().size();
-  std::vector<double> all, mine(count, 0.0);
+  std::vector<double> all; // as many for each of the writers, in the order of Parts
+  for (const Budgets *part : hierarchy_.Parts()) part->AppendKept(&all);
+  const std::size_t count = all.size();
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   PetscCallMPI(MPI_Comm_size(comm_, &size));
@@ -149,10 +150,13 @@ PetscErrorCode CheckpointReader::ReadTotals()
   PetscCall(Settle("checkpoint_totals"));
   writers_ = writers;
   same_ranks_ = writers == static_cast<hsize_t>(size);
-  for (std::size_t r = 0; r < writers; ++r)
-    for (std::size_t k = 0; k < count; ++k)
-      if (same_ranks_ ? static_cast<int>(r) == rank : rank == 0) mine[k] += all[r * count + k];
-  if (!hierarchy_.RestoreTotals(mine)) Note("totals has a count that is none");
+  for (std::size_t r = 0; r < writers; ++r) {
+    const double *next = &all[r * count];
+    if (same_ranks_ ? static_cast<int>(r) == rank : rank == 0)
+      for (Budgets *part : hierarchy_.Parts())
+        if (next) next = part->AddKept(next);
+    if (!next) Note("totals has a count that is none");
+  }
   PetscCall(Settle("checkpoint_counts"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

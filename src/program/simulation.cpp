@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unistd.h>
 
 namespace mlgimp
@@ -33,7 +32,6 @@ PetscErrorCode Simulation::SetUp(MPI_Comm comm)
       PetscCall(Refuse(comm, "-restart " + Shortened(case_.output.restart) +
                                  ": must be from before the end of the run; it is at time " + FormatNumber(state_.time) +
                                  ", step " + std::to_string(state_.step)));
-    hierarchy_.At(0).Contacts().penetration = state_.penetration;
     start_step_ = state_.step;
   } else {
     PetscCall(CheckBodies(hierarchy_, case_));
@@ -267,26 +265,6 @@ PetscErrorCode Simulation::CheckWritten(const std::string &problem)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// What contact reports as largest values, over levels and ranks, and the area of all levels.
-PetscErrorCode Simulation::LargestContact(HistoryRow *row)
-{
-  std::vector<double> largest(3 + hierarchy_.Levels()); // the area of a level is known alike on its ranks
-  PetscFunctionBeginUser;
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    const ContactTotals &contact = hierarchy_.At(l).Contacts();
-    largest[0] = std::max(largest[0], contact.last.half_width);
-    largest[1] = std::max(largest[1], contact.penetration);
-    largest[2] = std::max(largest[2], contact.last.peak_pressure);
-    largest[3 + l] = contact.last.area;
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, comm_));
-  row->half_width = largest[0];
-  row->penetration = largest[1];
-  row->peak_pressure = largest[2];
-  row->area = std::accumulate(largest.begin() + 3, largest.end(), 0.0);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Warns, once, where the surface lies deeper inside the indenter than a sharp tip between two columns explains.
 PetscErrorCode Simulation::WarnOfPenetration(double penetration)
 {
@@ -323,11 +301,8 @@ PetscErrorCode Simulation::WarnOfViscosity()
 
 PetscErrorCode Simulation::WriteState()
 {
-  HistoryRow row{};
   std::string problem;
   PetscFunctionBeginUser;
-  PetscCall(LargestContact(&row));
-  state_.penetration = row.penetration;
   PetscCall(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_, &problem));
   PetscCall(CheckWritten(problem));
   last_checkpoint_ = state_.step;
@@ -337,23 +312,19 @@ PetscErrorCode Simulation::WriteState()
 PetscErrorCode Simulation::WriteHistoryRow()
 {
   const auto &indenter = case_.model.indenter;
-  HistoryRow row{};
   std::string problem;
   PetscFunctionBeginUser;
   PetscCall(hierarchy_.ReduceBudgets(&budgets_));
-  const double passed = state_.time - state_.time_at_row;
-  if (passed > 0) load_ = -(budgets_.contact_impulse[case_.Dim() - 1] - state_.impulse_at_row) / passed;
-  state_.impulse_at_row = budgets_.contact_impulse[case_.Dim() - 1];
+  const double passed = state_.time - state_.time_at_row, impulse = budgets_.contact_impulse[case_.Dim() - 1];
+  if (passed > 0) load_ = -(impulse - state_.impulse_at_row) / passed;
+  state_.impulse_at_row = impulse;
   state_.time_at_row = state_.time;
-  row.step = state_.step;
-  row.time = state_.time;
-  row.depth = indenter ? indenter->Depth(state_.time) : 0;
-  row.load = load_;
-  row.budgets = budgets_;
-  PetscCall(LargestContact(&row));
-  PetscCall(WarnOfPenetration(row.penetration));
+  budgets_.time = state_.time;
+  budgets_.depth = indenter ? indenter->Depth(state_.time) : 0;
+  budgets_.load = load_;
+  PetscCall(WarnOfPenetration(budgets_.penetration));
   PetscCall(WarnOfViscosity());
-  PetscCall(history_.Write(row, &problem));
+  PetscCall(history_.Write(state_.step, budgets_, &problem));
   PetscCall(CheckWritten(problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

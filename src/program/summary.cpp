@@ -77,19 +77,13 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
           {"ranks", ranks}};
 }
 
-Json TransfersJson(const Budgets &budgets, int dim)
+/// Those that are shown there, in the order of the table.
+Json BudgetsJson(const Budgets &budgets, Shown shown, int dim)
 {
-  return {
-      {"entered", Number(budgets.points_entered)},
-      {"left", Number(budgets.points_left)},
-      {"split", Number(budgets.points_split)},
-      {"merged", Number(budgets.points_merged)},
-      {"unsplit", Number(budgets.points_unsplit)},
-      {"mass_error", Number(budgets.transfer_mass_error)},
-      {"momentum_error", Number(budgets.transfer_momentum_error)},
-      {"points_adrift", Number(budgets.points_adrift)},
-      {"mass_adrift", Number(budgets.mass_adrift)},
-      {"momentum_adrift", Numbers({budgets.momentum_adrift[0], budgets.momentum_adrift[1], budgets.momentum_adrift[2]}, dim)}};
+  Json json = Json::object();
+  for (const Budget &row : budgets)
+    if (row.shown == shown) json[row.name] = row.components > 1 ? Numbers(row.value, dim) : Number(row.value[0]);
+  return json;
 }
 
 } // namespace
@@ -121,28 +115,25 @@ PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
     PetscCall(hierarchy.PointsOn(l, &points, &largest));
     levels.push_back(LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(ratio, l)));
   }
-  const Json json = {{"status", in.status},
-                     {"case", in.settings.name},
-                     {"ranks", ranks},
-                     {"levels", levels},
-                     {"steps", in.state.step},
-                     {"simulated_time", Number(in.state.time)},
-                     {"wall_seconds", Number(in.wall_seconds)},
-                     {"seconds_per_point_step", Number(times[4] > 0 ? times[0] / times[4] : 0)},
-                     {"contact_share", Number(times[1] / total)},
-                     {"halo_share", Number(times[2] / total)},
-                     {"transfer_share", Number(times[3] / total)},
-                     {"coupling_share", Number(times[5] / total)},
-                     {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
-                     {"mass_error", Number(budgets.mass / in.state.initial_mass - 1)},
-                     {"points_created", Number(created)},
-                     {"points_lost", Number(in.state.initial_points + created - budgets.points)},
-                     {"transfers", TransfersJson(budgets, in.settings.Dim())},
-                     {"contact_steps", Number(budgets.contact_steps)},
-                     {"contact_set_updates", Number(budgets.contact_set_updates)},
-                     {"contact_fallbacks", Number(budgets.contact_fallbacks)},
-                     {"clamped_half_sizes", Number(budgets.clamped_sizes)},
-                     {"versions", Versions()}};
+  Json json = {{"status", in.status},
+               {"case", in.settings.name},
+               {"ranks", ranks},
+               {"levels", levels},
+               {"steps", in.state.step},
+               {"simulated_time", Number(in.state.time)},
+               {"wall_seconds", Number(in.wall_seconds)},
+               {"seconds_per_point_step", Number(times[4] > 0 ? times[0] / times[4] : 0)},
+               {"contact_share", Number(times[1] / total)},
+               {"halo_share", Number(times[2] / total)},
+               {"transfer_share", Number(times[3] / total)},
+               {"coupling_share", Number(times[5] / total)},
+               {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
+               {"mass_error", Number(budgets.mass / in.state.initial_mass - 1)},
+               {"points_created", Number(created)},
+               {"points_lost", Number(in.state.initial_points + created - budgets.points)},
+               {"transfers", BudgetsJson(budgets, Shown::kTransfers, in.settings.Dim())}};
+  json.update(BudgetsJson(budgets, Shown::kSummary, in.settings.Dim()));
+  json["versions"] = Versions();
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; // what is no UTF-8 is replaced
   if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", text);
   PetscCall(Agree(hierarchy.Comm(), "summary", problem));

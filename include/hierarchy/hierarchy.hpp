@@ -68,8 +68,8 @@ public:
   PetscErrorCode ReduceBudgets(Budgets *budgets);
   /// What this rank adds up: levels, borders, and points between levels.
   std::vector<Budgets *> Parts();
-  /// One line about the first failure, the same on every rank; empty where there is none.
-  PetscErrorCode DescribeFailure(std::string *message);
+  /// One line about the first failure that this rank has met; empty where there is none.
+  std::string DescribeFailure() const;
 
   int Levels() const { return static_cast<int>(levels_.size()); }
   Level &At(int l) { return *levels_[l]; }

@@ -19,11 +19,10 @@ struct HistoryColumn {
 class History
 {
 public:
-  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. problem: empty, or why the
+  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. Returns, as Write, nothing, or why the
   /// file cannot be written, the same on every rank. Collective.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step,
-                      std::string *problem);
-  PetscErrorCode Write(long step, const Budgets &budgets, std::string *problem);
+  std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step);
+  std::string Write(long step, const Budgets &budgets);
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
   /// False where somebody has removed the file. First rank.

@@ -68,25 +68,11 @@ static std::string Describe(const LevelFailure &failure, int l)
   return text;
 }
 
-PetscErrorCode Hierarchy::DescribeFailure(std::string *message)
+std::string Hierarchy::DescribeFailure() const
 {
-  PetscMPIInt rank, size;
-  std::string mine;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  PetscCallMPI(MPI_Comm_size(comm_, &size));
-  for (int l = 0; l < Levels() && mine.empty(); ++l)
-    if (levels_[l]->Failure().kind != LevelFailure::kNone) mine = Describe(levels_[l]->Failure(), l);
-  int first = mine.empty() ? size : rank;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm_));
-  message->clear();
-  if (first == size) PetscFunctionReturn(PETSC_SUCCESS);
-  int length = static_cast<int>(mine.size());
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, first, comm_));
-  mine.resize(length);
-  PetscCallMPI(MPI_Bcast(mine.data(), length, MPI_CHAR, first, comm_));
-  *message = mine;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (int l = 0; l < Levels(); ++l)
+    if (levels_[l]->Failure().kind != LevelFailure::kNone) return Describe(levels_[l]->Failure(), l);
+  return "";
 }
 
 } // namespace mlgimp

@@ -58,25 +58,19 @@ std::string Header(const std::vector<HistoryColumn> &columns)
 
 } // namespace
 
-PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step,
-                             std::string *problem)
+std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
   comm_ = comm;
   path_ = directory + "/history.csv";
   columns_ = Columns(geometry);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
-    *problem = ReplaceFile(path_, Header(columns_) + (resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : ""));
-    if (problem->empty()) {
-      file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
-      if (!file_.Valid()) *problem = CannotWrite(path_, errno);
-    }
-  }
-  PetscCall(Agree(comm, "history_open", problem));
-  PetscCallMPI(MPI_Bcast(&last_, 1, MPI_LONG, 0, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string problem = OnFirstRank(comm, "history_open", [&] {
+    const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
+    const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);
+    if (wrong.empty()) file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
+    return wrong.empty() && !file_.Valid() ? CannotWrite(path_, errno) : wrong;
+  });
+  MPI_Bcast(&last_, 1, MPI_LONG, 0, comm);
+  return problem;
 }
 
 /// Adds the whole text or nothing; empty, or what CannotWrite says.
@@ -90,21 +84,19 @@ std::string History::Append(const std::string &text) const
   return CannotWrite(path_, error);
 }
 
-PetscErrorCode History::Write(long step, const Budgets &budgets, std::string *problem)
+std::string History::Write(long step, const Budgets &budgets)
 {
-  PetscFunctionBeginUser;
-  if (file_.Valid()) {
+  const std::string problem = OnFirstRank(comm_, "history_row", [&] {
     std::string text = std::to_string(step);
     for (const HistoryColumn &column : columns_) {
       char number[32];
       const auto end = std::to_chars(number, number + sizeof number, budgets.begin()[column.row].value[column.component]).ptr;
       text.append(1, ',').append(number, end);
     }
-    *problem = Append(text + "\n");
-  }
-  PetscCall(Agree(comm_, "history_row", problem));
-  if (problem->empty()) last_ = step;
-  PetscFunctionReturn(PETSC_SUCCESS);
+    return Append(text + "\n");
+  });
+  if (problem.empty()) last_ = step;
+  return problem;
 }
 
 } // namespace mlgimp

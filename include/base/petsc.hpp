@@ -1,4 +1,4 @@
-// PETSc's headers, and the few names that its versions spell differently.
+// PETSc's headers, the few names that its versions spell differently, and this rank's place among others.
 #pragma once
 
 #include <petscdmda.h>
@@ -15,3 +15,22 @@ using OptionItems = PetscOptionItems *;
 #else
 using OptionItems = PetscOptionItems;
 #endif
+
+namespace mlgimp
+{
+
+/// This rank in a communicator, and the number of its ranks.
+inline PetscMPIInt RankIn(MPI_Comm comm)
+{
+  PetscMPIInt rank;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+inline PetscMPIInt RanksOf(MPI_Comm comm)
+{
+  PetscMPIInt ranks;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+
+} // namespace mlgimp

@@ -31,23 +31,6 @@ struct HierarchySettings {
   int ghost_cells = 4; ///< the coupling by points copies so far outside a level's box, cells of the level
 };
 
-/// Totals over all levels and ranks, in SI units: state sums now, the others since the start.
-struct Budgets {
-  double kinetic_energy, strain_energy, mass, momentum[3], points, contact_points;
-  double short_wave_dissipation, plastic_dissipation, xpic_dissipation, damping_dissipation;
-  double external_work, indenter_work, support_impulse[3], contact_impulse[3], load_impulse[3], gravity_impulse[3],
-      damping_impulse[3], stagger_impulse[3], hoop_impulse;
-  double points_entered, points_left, points_split, points_merged, points_unsplit, transfer_mass_error, transfer_momentum_error,
-      points_adrift, mass_adrift, momentum_adrift[3];
-  double contact_work; ///< of the contact forces on the body; less than indenter_work by what contact takes up
-  /// With levels coupled by nodes, kinetic and strain energy that points got since the start, without stress, from anything but
-  /// contact, sides, loads, body forces, damping, splitting and merging: from the coupling, and from time steps of finite length.
-  double exchange_energy;
-  double transfer_energy; ///< kinetic and strain energy that splitting and merging of points have added
-  double contact_steps, contact_set_updates, contact_fallbacks, clamped_sizes;
-  double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
-};
-
 /// What the coupling by points carries from step to step beside the copies.
 struct CopyState {
   bool ready = false;   ///< there are copies
@@ -81,14 +64,12 @@ public:
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
+  /// The budgets of all levels and ranks, but what only a run knows. Collective.
   PetscErrorCode ReduceBudgets(Budgets *budgets);
-  /// This rank's parts of what the budgets count since the start, in a fixed order, and back. Their sums over ranks are
-  /// those of the budgets, to the last bit where each rank gets its own back.
-  std::vector<double> Totals();
-  /// RestoreTotals: false where a total that is a count is none.
-  bool RestoreTotals(const std::vector<double> &totals);
-  /// One line about the first failure, the same on every rank; empty where there is none.
-  PetscErrorCode DescribeFailure(std::string *message);
+  /// What this rank adds up: levels, borders, and points between levels.
+  std::vector<Budgets *> Parts();
+  /// One line about the first failure that this rank has met; empty where there is none.
+  std::string DescribeFailure() const;
 
   int Levels() const { return static_cast<int>(levels_.size()); }
   Level &At(int l) { return *levels_[l]; }
@@ -104,7 +85,6 @@ public:
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
-  template <class Visit> void ForEachTotal(Visit visit);
   PetscErrorCode MeasureMomentum(Vec3 *left);
   PetscErrorCode CorrectMomentum();
   PetscErrorCode CreateInterfaces(std::int64_t seeds);

@@ -25,12 +25,6 @@ struct BlendNode {
   double weight[8]; ///< N_I(x_i)
 };
 
-/// What the border gave to bodies since the run began, on this rank.
-struct InterfaceTotals {
-  Vec3 support_impulse{}; ///< at interface nodes on held sides, N s
-  Vec3 stagger_impulse{}; ///< by the extrapolation of coarse forces: dt_f (r - 1)/2 times their change, N s
-};
-
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
 inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
 /// Cells beside the band that a border needs free of other borders and of contact.
@@ -66,8 +60,8 @@ public:
   static constexpr int kState = 3; ///< of an interface node: the coarse force
   std::size_t InterfaceNodes() const { return interface_.size(); }
 
-  const InterfaceTotals &Totals() const { return totals_; }
-  void SetTotals(const InterfaceTotals &totals) { totals_ = totals; }
+  /// What the border adds up on this rank.
+  Budgets &Totals() { return budgets_; }
   /// What the blocks of the two levels exchange in a coarse step; `level` is that of the coarser one. The same on all ranks.
   std::vector<BlockTraffic> Traffic(int level) const;
 
@@ -116,7 +110,7 @@ private:
   std::vector<double> velocity_;      ///< [local_][velocity_size_]: (v, dv) of the substep
   std::vector<double> mean_;          ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
-  InterfaceTotals totals_;
+  Budgets budgets_;
 };
 
 } // namespace mlgimp

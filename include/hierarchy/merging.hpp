@@ -8,6 +8,6 @@ namespace mlgimp
 
 /// Merges the points of a level that came from one split, where all of them are on this level and smaller than usual
 /// there. Mass and momentum are kept; F, stress and the rest are means by mass. Collective on `world`.
-PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, PointTransferTotals *totals);
+PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, Budgets *budgets);
 
 } // namespace mlgimp

@@ -44,21 +44,8 @@ private:
   int children_;
 };
 
-/// What crossed a border since the run began: points by their own count, on this rank.
-struct PointTransferTotals {
-  double entered = 0, left = 0; ///< points that went to the finer, to the coarser level
-  double split = 0, merged = 0; ///< parents split; parents put together again
-  double unsplit = 0;           ///< points that stayed as large as they were, since no numbers are left for their children
-  double mass_error = 0;        ///< of splitting and merging, summed over transfers: absolute values, kg
-  double momentum_error = 0;    ///< kg m/s
-  double energy = 0;            ///< kinetic and strain energy that splitting and merging have added, J
-  double strain_energy = 0;     ///< the latter alone, J
-  double points_adrift = 0, mass_adrift = 0; ///< sent less received: zero over all ranks
-  Vec3 momentum_adrift{};                    ///< sent less received: zero over all ranks
-};
-
 /// Adds up by how much splitting or merging changed mass, momentum and energy.
-void AddChange(const PointSums &before, const PointSums &after, PointTransferTotals *totals);
+void AddChange(const Budgets &before, const Budgets &after, Budgets *budgets);
 
 /// Moves points between two neighbouring levels.
 class PointTransfer
@@ -77,8 +64,8 @@ public:
   /// Splits the points of coarse size in the ring around the box; they stay where they are.
   PetscErrorCode SplitRing(); // collective on the coarser level's ranks
 
-  const PointTransferTotals &Totals() const { return totals_; }
-  void SetTotals(const PointTransferTotals &totals) { totals_ = totals; }
+  /// What changed levels, on this rank.
+  Budgets &Totals() { return budgets_; }
 
 private:
   PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
@@ -93,7 +80,7 @@ private:
   int ratio_;
   PointNumbers numbers_;
   PointTransferRule rule_;
-  PointTransferTotals totals_;
+  Budgets budgets_;
 };
 
 } // namespace mlgimp

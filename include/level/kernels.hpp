@@ -4,6 +4,7 @@
 // the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeSums and NodeLayout in grid.hpp.
 #pragma once
 
+#include "level/budgets.hpp"
 #include "level/grid.hpp"
 #include "pointwise/material.hpp"
 #include "pointwise/point_fields.hpp"
@@ -52,14 +53,6 @@ struct PointFailure {
   Vec3 position{};
 };
 
-/// Sums that the sweeps collect on this rank.
-struct SweepTotals {
-  double short_wave_dissipation = 0, plastic_dissipation = 0, xpic_dissipation = 0; ///< J
-  double hoop_force = 0;  ///< in axisymmetry, radial force of the hoop stress in the last sweep, N
-  Vec3 xpic_impulse{};    ///< change of the points' momentum by XPIC, N s
-  long clamped_sizes = 0; ///< half sizes that were clamped, counted once a step
-};
-
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
   double dt;
@@ -101,11 +94,10 @@ public:
   virtual ~Kernels() = default;
 
   /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to the nodal sums.
-  virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time,
-                            SweepTotals &totals) const = 0;
+  virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const = 0;
 
   /// v_p += sum S dv (FLIP); leaves the grid's velocity at the points.
-  virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
+  virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets,
                             PointFailure &failure) const = 0;
 
   /// The nodal velocity at one point, from the nodes with more than a mass: a point that has just moved may reach nodes that
@@ -118,7 +110,7 @@ public:
   virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
 
   /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
-  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const = 0;
+  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, Budgets &budgets, PointFailure &failure) const = 0;
 };
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.

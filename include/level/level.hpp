@@ -29,23 +29,6 @@ struct LevelGeometry {
   }
 };
 
-/// What contact did since the run began, this rank's part, and in the last step.
-struct ContactTotals {
-  Vec3 impulse{};           ///< on the body, N s
-  double indenter_work = 0; ///< J
-  double work = 0;          ///< of the contact forces on nodes, J
-  double penetration = 0;   ///< deepest so far, m
-  double steps = 0, set_updates = 0, fallbacks = 0;
-  ContactReport last;
-};
-
-/// Sums over a level's points on this rank.
-struct PointSums {
-  double kinetic_energy = 0, strain_energy = 0, mass = 0; ///< J, J, kg
-  Vec3 momentum{};                                        ///< kg m/s
-  double count = 0;
-};
-
 /// Why a level cannot go on; the first reason that this rank met.
 struct LevelFailure {
   enum Kind { kNone, kPoint, kContact } kind = kNone;
@@ -117,8 +100,9 @@ public:
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
 
-  PetscErrorCode SumPoints(PointSums *point_sums);
-  PetscErrorCode SumPoints(const std::vector<int> &points, PointSums *point_sums);
+  /// Adds mass, momentum, energies and number of all points, or of some, on this rank.
+  PetscErrorCode SumPoints(Budgets *sums);
+  PetscErrorCode SumPoints(const std::vector<int> &points, Budgets *sums);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
   PetscErrorCode LargestSpeeds(double *wave, double *point);
 
@@ -131,10 +115,8 @@ public:
   const Model &Physics() const { return model_; }
   double MassCutoff() const { return nodal_.mass_cutoff; }
   const LevelFailure &Failure() const { return failure_; }
-  NodalTotals &Nodal() { return nodal_totals_; }
-  LoadTotals &Loads() { return load_totals_; }
-  SweepTotals &Sweeps() { return sweep_totals_; }
-  ContactTotals &Contacts() { return contact_totals_; }
+  /// All that the level adds up on this rank but what SumPoints does.
+  Budgets &Totals() { return budgets_; }
   long Steps() const { return clock_.steps; }
   const LevelClock &Clock() const { return clock_; }
   void SetClock(const LevelClock &clock) { clock_ = clock; }
@@ -143,11 +125,12 @@ public:
 
 private:
   PetscErrorCode ApplyContact(double time, double dt);
+  void NoteContact(const ContactReport &report, double area);
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates(double dt);
-  /// Calls sweep(view, totals, failure) for the level's own points and for both stores of copies, where there are any;
+  /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not added up. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
   void NoteFailure(const PointFailure &failure, double time);
@@ -167,10 +150,7 @@ private:
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
   std::vector<double> gradient_[3];      ///< [points][dim*dim] likewise, where a material averages its volume
   std::vector<FaceForce> applied_;       ///< by loads in the step
-  LoadTotals load_totals_;
-  NodalTotals nodal_totals_;
-  SweepTotals sweep_totals_;
-  ContactTotals contact_totals_;
+  Budgets budgets_;
   LevelFailure failure_;
   double time_ = 0;
   LevelClock clock_;

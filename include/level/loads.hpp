@@ -34,14 +34,8 @@ struct FaceForce {
 PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
                         double time, std::vector<FaceForce> &applied, PointFailure &failure);
 
-/// What loads did since the run began.
-struct LoadTotals {
-  Vec3 impulse{};  ///< N s
-  double work = 0; ///< with the mean velocity of the steps, J
-};
-
 /// Adds up impulse and work of the forces in a step, after sides and contact. Forces on nodes with no more than a mass are lost.
 /// Masses and velocities must be known on ghosts.
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, LoadTotals &totals);
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets);
 
 } // namespace mlgimp

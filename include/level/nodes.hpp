@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/tensor.hpp"
+#include "level/budgets.hpp"
 #include "level/grid.hpp"
 
 #include <array>
@@ -48,15 +49,6 @@ struct NodalSettings {
   bool HasBodyForces() const { return damping > 0 || Norm(gravity) > 0; }
 };
 
-/// Sums over the steps so far of what the nodes of this rank exchange with the outside.
-struct NodalTotals {
-  Vec3 support_impulse{}, gravity_impulse{}, damping_impulse{}; ///< on the body, N s
-  Vec3 xpic_side_impulse{};                                     ///< of sides on what XPIC mixes in, N s
-  double hoop_impulse = 0;                                      ///< of the hoop stress on the body along the radius, N s
-  double gravity_work = 0, damping_dissipation = 0;             ///< J
-  double exchange_work = 0; ///< of all forces but those of sides and contact on points, and of neighbouring levels, J
-};
-
 /// An owned node whose velocity a neighbouring level has a part in.
 struct CoupledNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
@@ -65,17 +57,16 @@ struct CoupledNode {
 };
 
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.
-void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
 /// v = p/m + dt f/m on owned nodes; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
 /// Holds the velocities of owned nodes at the sides, adding up the impulse on the body.
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             NodalTotals &totals);
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
 
 /// Adds up the work of gravity and damping with the mean velocity of the step, after sides and contact.
-void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals);
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);
@@ -89,13 +80,13 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
 /// it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Less the works known
 /// otherwise and the strain energy that points give for it, this is what coupling brings: see Budgets::exchange_energy.
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 NodalTotals &totals);
+                 Budgets &budgets);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
 /// extrapolation it is the new velocity itself. Owned nodes; at those that are held the second velocity is the new one too.
 /// Adds up the impulse of sides on the projected velocities.
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<CoupledNode> &coupled, NodalTotals &totals);
+                 const std::vector<CoupledNode> &coupled, Budgets &budgets);
 
 } // namespace mlgimp

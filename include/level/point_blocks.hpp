@@ -135,7 +135,7 @@ void AverageGrowth(const Block &b, const Grid &grid, double dt, const double *gr
 /// move with in the step: it gives F_zz = r/R at its end.
 template <class Geometry>
 void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *grid_velocity,
-                   SweepTotals &totals, PointFailure &failure)
+                   Budgets &budgets, PointFailure &failure)
 {
   constexpr int size = Geometry::kGradient, dim = Geometry::kDim;
   alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock] = {};
@@ -165,7 +165,7 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradi
                                b.history_components};
   b.material.UpdateStress(batch, plastic);
   if (b.material.HistorySize())
-    for (int p = 0; p < b.count; ++p) totals.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
+    for (int p = 0; p < b.count; ++p) budgets.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.

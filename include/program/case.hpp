@@ -58,6 +58,11 @@ struct Case {
     return LevelAt(x);
   }
   int Dim() const { return model.geometry.Dim(); }
+  /// Points that splitting has made, less those that merging has taken.
+  double PointsCreated(const Budgets &b) const
+  {
+    return (b.points_split - b.points_merged) * (std::pow(hierarchy.ratio, Dim()) - 1);
+  }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
   bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }
@@ -65,6 +70,6 @@ struct Case {
 };
 
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
-PetscErrorCode ReadCase(OptionReader &reader, Case *settings);
+void ReadCase(OptionReader &reader, Case *settings);
 
 } // namespace mlgimp

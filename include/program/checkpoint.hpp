@@ -20,19 +20,18 @@ struct RunState {
   double initial_mass = 0, initial_points = 0;
   double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
-  double penetration = 0;                     ///< deepest so far, m
 };
 
 /// directory/checkpoint_SSSSSS.h5
 std::string CheckpointPath(const std::string &directory, long step);
 
-/// Writes the checkpoint of a step. problem: empty, or why that failed, the same on every rank. Collective.
-PetscErrorCode WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
-                               const RunState &state, std::string *problem);
+/// Writes the checkpoint of a step. Returns nothing, or why that failed, the same on every rank. Collective.
+std::string WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
+                            const RunState &state);
 
 /// Fills the empty levels of a hierarchy from -restart; ends the run with one line where the file is not whole, of another
 /// format or of another case, or means nothing that a run can go on from. same_ranks: as many ranks wrote it, and each has
 /// got its own back, so that the run goes on to the last bit as if it had not been interrupted. Collective.
-PetscErrorCode ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks);
+void ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks);
 
 } // namespace mlgimp

@@ -27,7 +27,7 @@ std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const 
 std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures);
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name);
 
-/// Looks for numbers that two points of all ranks share. Collective.
-PetscErrorCode FindRepeated(MPI_Comm comm, const std::vector<std::int64_t> &ids, std::string *problem);
+/// Looks for numbers that two points of all ranks share. Collective; a rank has the answer of its part of the numbers.
+std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids);
 
 } // namespace mlgimp

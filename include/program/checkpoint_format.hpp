@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 9;
+inline constexpr int kFormatVersion = 10;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 
@@ -26,14 +26,13 @@ inline std::vector<double> StateAsNumbers(const RunState &s)
 {
   return {s.time,         s.time_step,      s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed,
           double(s.step), double(s.frames), s.initial_mass,     s.initial_points,   s.initial_created,  s.impulse_at_row,
-          s.time_at_row,  s.penetration};
+          s.time_at_row};
 }
 
 /// The numbers must have been found sensible.
 inline RunState StateFromNumbers(const std::vector<double> &n)
 {
-  return {n[0],  n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11],
-          n[12], n[13]};
+  return {n[0], n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11], n[12]};
 }
 
 } // namespace mlgimp

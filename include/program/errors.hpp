@@ -6,13 +6,29 @@
 
 #include "base/petsc.hpp"
 
+#include <stdexcept>
 #include <string>
 
 namespace mlgimp
 {
 
+/// The way out of a run that has told why it ends: all ranks leave by it together, so that destructors may wait for others.
+/// For main and tests alone to catch; what() is the line.
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Ends the run with one line that all ranks agree on.
-PetscErrorCode Refuse(MPI_Comm comm, const std::string &line);
+[[noreturn]] void Refuse(const std::string &line);
+
+/// Ends the run where PETSc has failed, and told so.
+inline void EndOn(PetscErrorCode code)
+{
+  if (code) throw Refused("PETSc");
+}
+
+/// A line "mlgimp: warning: ..." by the first rank.
+void Warn(MPI_Comm comm, const std::string &line);
 
 /// A message as one line that no terminal takes for orders: other characters become question marks.
 std::string OneLine(std::string text);
@@ -28,7 +44,6 @@ public:
   PetscErrorCode Install();
   /// Returns where all ranks call it; else prints the line and ends all. The first call counts.
   void Meet(const std::string &line);
-  bool Met() const { return met_; }
   void Free();
 
 private:

@@ -70,7 +70,7 @@ struct Slab {
 };
 
 /// This rank's `count` rows among those of all ranks. Collective.
-PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab);
+Slab MakeSlab(MPI_Comm comm, int count);
 
 /// Writes one file. After any failure, on whatever rank, further calls do nothing; Finish tells.
 class H5Writer
@@ -78,23 +78,23 @@ class H5Writer
 public:
   /// Starts path + ".part". checked: with HDF5's checksums of all metadata and data, for files that are read back; such files
   /// need HDF5 1.10 or later. Collective, like all members.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &path, bool checked);
-  PetscErrorCode Group(const std::string &name);
+  void Open(MPI_Comm comm, const std::string &path, bool checked);
+  void Group(const std::string &name);
   /// A few numbers; one of them is a scalar.
-  PetscErrorCode Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
+  void Attribute(const std::string &object, const std::string &name, const std::vector<double> &values);
   /// Rows of `components` values; one component gives a dataset of rank 1.
-  PetscErrorCode Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
+  void Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data);
   /// A dataset of any length that one rank holds and the others give empty.
-  PetscErrorCode List(const std::string &name, const std::vector<double> &values);
-  PetscErrorCode Text(const std::string &name, const std::string &text);
-  /// Closes and renames. problem: empty, or why there is no such file, the same on every rank.
-  PetscErrorCode Finish(std::string *problem);
+  void List(const std::string &name, const std::vector<double> &values);
+  void Text(const std::string &name, const std::string &text);
+  /// Closes and renames. Empty, or why there is no such file, the same on every rank.
+  std::string Finish();
 
 private:
   void Note(bool success) { good_ = good_ && success; }
   void NoteSystem(bool success);
-  PetscErrorCode Settle(const char *place);
-  PetscErrorCode Reserve(off_t size);
+  void Settle(const char *place);
+  void Reserve(off_t size);
   H5Handle Layout(int components, hsize_t rows, std::size_t row_size) const;
   off_t EndOf(const H5Handle &set, hsize_t bytes) const;
 

@@ -4,34 +4,25 @@
 #include "hierarchy/hierarchy.hpp"
 #include "program/files.hpp"
 
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace mlgimp
 {
 
-/// A row; the columns are named in history.cpp.
-struct HistoryRow {
-  long step;
-  double time, depth, load, half_width, area, penetration, peak_pressure;
-  Budgets budgets;
-};
-
-/// A column of the file.
+/// A column of the file: a number of a row in the table of budgets.
 struct HistoryColumn {
   std::string name;
-  std::function<double(const HistoryRow &row)> value;
+  int row, component;
 };
 
 class History
 {
 public:
-  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. problem: empty, or why the
+  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. Returns, as Write, nothing, or why the
   /// file cannot be written, the same on every rank. Collective.
-  PetscErrorCode Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step,
-                      std::string *problem);
-  PetscErrorCode Write(const HistoryRow &row, std::string *problem);
+  std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step);
+  std::string Write(long step, const Budgets &budgets);
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
   /// False where somebody has removed the file. First rank.

@@ -7,6 +7,6 @@ namespace mlgimp
 {
 
 /// Ends the run with one line where a rank would need more memory than its machine has for it. Collective.
-PetscErrorCode CheckMemory(MPI_Comm comm, const Case &settings);
+void CheckMemory(MPI_Comm comm, const Case &settings);
 
 } // namespace mlgimp

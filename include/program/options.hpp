@@ -27,13 +27,13 @@ inline Range Closed(double lower, double upper) { return {lower, upper, false, f
 
 /// One option as the user sees it.
 struct OptionText {
-  std::string name; ///< with the dash
-  std::string help; ///< one sentence
-  std::string unit; ///< empty for none
+  std::string name;      ///< with the dash
+  std::string help;      ///< one sentence
+  std::string unit = ""; ///< empty for none
 };
 
 /// Reads options between PetscOptionsBegin and PetscOptionsEnd, so that -help lists them. Every function ends the run
-/// with one line (PETSC_ERR_USER_INPUT) where the value is missing or not allowed. With -help nothing is required.
+/// with one line (see Refuse) where the value is missing or not allowed. With -help nothing is required.
 class OptionReader
 {
 public:
@@ -48,33 +48,34 @@ public:
   /// "name value" of every option that counts for the identity.
   const std::vector<std::string> &Identity() const { return identity_; }
 
-  PetscErrorCode Text(const OptionText &option, bool required, std::string *value, bool *given = nullptr);
-  PetscErrorCode Flag(const OptionText &option, bool *value);
-  PetscErrorCode Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value);
-  PetscErrorCode Integer(const OptionText &option, const Range &range, int *value);
-  PetscErrorCode Number(const OptionText &option, const Range &range, bool required, double *value, bool *given = nullptr);
+  // Those that return a truth value: whether the option was given.
+  bool Text(const OptionText &option, bool required, std::string *value);
+  void Flag(const OptionText &option, bool *value);
+  /// Returns the place of the value among the choices.
+  int Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value);
+  void Integer(const OptionText &option, const Range &range, int *value);
+  bool Number(const OptionText &option, const Range &range, bool required, double *value);
   /// A list of at least `least` numbers; at most `most` where that is not 0.
-  PetscErrorCode Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
-                         std::vector<double> *values, bool *given = nullptr);
+  bool Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
+               std::vector<double> *values);
   /// As many numbers as the geometry has dimensions; see SetDim.
-  PetscErrorCode Vector(const OptionText &option, bool required, Vec3 *value, bool *given = nullptr);
+  bool Vector(const OptionText &option, bool required, Vec3 *value);
   void SetDim(int dim) { dim_ = dim; }
   int Dim() const { return dim_; }
   std::string Text(Vec3 x) const;
   /// A list of names, each a letter followed by letters, digits or underscores, none twice.
-  PetscErrorCode Names(const OptionText &option, bool required, std::vector<std::string> *names);
+  void Names(const OptionText &option, bool required, std::vector<std::string> *names);
 
   /// Ends the run: "name value: must be allowed".
-  PetscErrorCode Refuse(const std::string &name, const std::string &value, const std::string &allowed) const;
+  [[noreturn]] static void Refuse(const std::string &name, const std::string &value, const std::string &allowed);
   /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
   /// later: what looks like one passes.
-  PetscErrorCode RefuseUnused() const;
+  void RefuseUnused() const;
   /// Tells of those at the end of a run.
-  PetscErrorCode WarnUnused() const;
+  void WarnUnused() const;
 
 private:
-  static PetscErrorCode FindUnused(std::vector<std::string> *unused);
-  PetscErrorCode Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given);
+  bool Raw(const OptionText &option, const std::string &fallback, std::string *value);
 
   MPI_Comm comm_;
   int dim_ = 2;

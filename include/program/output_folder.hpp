@@ -26,14 +26,14 @@ public:
   OutputFolder &operator=(const OutputFolder &) = delete;
   ~OutputFolder() { Unlock(); }
 
-  /// Whether results may go there, without changing anything. problem: empty, or one line, here and below the same on every
-  /// rank. Collective, as the next two.
-  PetscErrorCode Check(MPI_Comm comm, std::string *problem);
+  /// Whether results may go there, without changing anything. Returns what is wrong, empty or one line, here and below the
+  /// same on every rank. Collective, as the next two.
+  std::string Check(MPI_Comm comm);
   /// Creates and locks the folder.
-  PetscErrorCode Claim(MPI_Comm comm, std::string *problem);
+  std::string Claim(MPI_Comm comm);
   /// Removes what an earlier run left: all of its results, or, after a restart at `step` in the run's own folder, what is not
   /// complete and checkpoints and frames later than `step` and `frames`. Never the checkpoint that the run goes on from.
-  PetscErrorCode Clear(MPI_Comm comm, long step, int frames, std::string *problem);
+  std::string Clear(MPI_Comm comm, long step, int frames);
   /// True for a restart in the folder of the run that it goes on with.
   bool GoesOn() const { return goes_on_; }
   /// Gives the lock back, which else the system does when the process ends, however it ends.

@@ -13,6 +13,8 @@
 namespace mlgimp
 {
 
+inline constexpr const char *kVersion = "0.2";
+
 class Simulation
 {
 public:
@@ -23,34 +25,37 @@ public:
   }
 
   /// Creates levels and points, or reads them from a checkpoint, and checks what only they can tell. Collective.
-  PetscErrorCode SetUp(MPI_Comm comm);
+  void SetUp(MPI_Comm comm);
   /// Prepares the output folder and runs to the end.
-  PetscErrorCode Run();
+  void Run();
 
 private:
-  PetscErrorCode PrepareOutputFolder();
-  PetscErrorCode ControlStep();
-  PetscErrorCode WriteDue();
-  PetscErrorCode WriteHistoryRow();
-  PetscErrorCode WriteState();
-  PetscErrorCode LargestContact(HistoryRow *row);
-  PetscErrorCode WarnOfPenetration(double penetration);
-  PetscErrorCode WarnOfViscosity();
-  PetscErrorCode WriteSummary(const std::string &status, std::string *problem);
-  PetscErrorCode Fail(const std::string &message);
-  PetscErrorCode CheckWritten(const std::string &problem);
-  PetscErrorCode FindKept(std::string *text);
+  void PrepareOutputFolder();
+  void ControlStep();
+  void WriteDue();
+  void WriteHistoryRow();
+  void WriteState();
+  void WarnOfPenetration(double penetration);
+  void WarnOfViscosity();
+  std::string WriteSummary(const std::string &status);
+  [[noreturn]] void Fail(const std::string &message);
+  /// Ends the run where something could not be written.
+  void CheckWritten(const std::string &problem)
+  {
+    if (!problem.empty()) Fail(problem);
+  }
+  std::string FindKept() const;
   std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
-  PetscErrorCode ShowProgress(bool last);
-  PetscErrorCode SettleFailure();
-  PetscErrorCode SettleState();
+  void ShowProgress(bool last);
+  void SettleFailure();
+  void SettleState();
   bool AtEnd() const;
   double Progress() const;
   double TimeScale(double speed) const;
   double StepLength(double speed) const;
   double FastestSignal(const SpeedCheck &speeds) const;
-  PetscErrorCode CheckStep(double speed);
-  PetscErrorCode FailOrRefuse(const std::string &message);
+  void CheckStep(double speed);
+  [[noreturn]] void FailOrRefuse(const std::string &message);
 
   const Case &case_;
   MPI_Comm comm_ = MPI_COMM_NULL;

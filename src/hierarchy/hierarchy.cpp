@@ -145,7 +145,7 @@ PetscErrorCode Hierarchy::RenewInterface(int b)
   const double width = settings_.blend_widths.empty() ? kBlendWidth : settings_.blend_widths[b];
   PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, width));
   border->RestoreState(state);
-  border->SetTotals(borders_[b]->Totals());
+  border->Totals() = borders_[b]->Totals();
   borders_[b] = std::move(border);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -244,12 +244,12 @@ PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
   *left = {};
   PetscFunctionBeginUser;
   for (auto &level : levels_) {
-    const NodalTotals &nodal = level->Nodal();
+    const Budgets &budgets = level->Totals();
     PointArrays a;
     PetscCall(level->PointStore().Arrays(&a));
     for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
-    *left = *left - nodal.support_impulse - nodal.gravity_impulse - level->Loads().impulse - nodal.damping_impulse -
-            level->Contacts().impulse;
+    *left = *left - budgets.support_impulse - budgets.gravity_impulse - budgets.load_impulse - budgets.damping_impulse -
+            budgets.contact_impulse;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 3, MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);

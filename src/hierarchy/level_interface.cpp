@@ -292,9 +292,9 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
       const double ahead = extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
       const double old = (coarse.momentum[axis] + fine.momentum[axis]) / mass;
       double dv = dt * (coarse.force[axis] + ahead + fine.force[axis]) / mass;
-      totals_.stagger_impulse[axis] += dt * ahead;
+      budgets_.stagger_impulse[axis] += dt * ahead;
       if (held_axes_[k] >> axis & 1) {
-        totals_.support_impulse[axis] -= mass * (old + dv);
+        budgets_.support_impulse[axis] -= mass * (old + dv);
         dv = -old;
       }
       coarse.momentum[axis] += coarse.mass * dv;

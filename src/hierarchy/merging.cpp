@@ -122,7 +122,7 @@ PetscErrorCode MakeParent(Points &points, const std::vector<Sibling> &family, st
 
 } // namespace
 
-PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, PointTransferTotals *totals)
+PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, Budgets *budgets)
 {
   const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
   std::vector<Sibling> mine, all;
@@ -149,14 +149,14 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   std::vector<int> spent;
   for (const auto &[parent, family] : WholeFamilies(mine, numbers, children)) {
     std::vector<int> points;
-    PointSums before, after;
+    Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
     PetscCall(MakeParent(level.PointStore(), family, parent, ratio));
     PetscCall(level.SumPoints({points.front()}, &after));
-    AddChange(before, after, totals);
+    AddChange(before, after, budgets);
     spent.insert(spent.end(), points.begin() + 1, points.end());
-    ++totals->merged;
+    budgets->points_merged += 1;
   }
   std::sort(spent.begin(), spent.end());
   PetscCall(level.PointStore().Remove(spent));

@@ -70,13 +70,13 @@ PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void AddChange(const PointSums &before, const PointSums &after, PointTransferTotals *totals)
+void AddChange(const Budgets &before, const Budgets &after, Budgets *budgets)
 {
-  totals->mass_error += std::abs(after.mass - before.mass);
-  for (int d = 0; d < 3; ++d) totals->momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
+  budgets->transfer_mass_error += std::abs(after.mass - before.mass);
+  for (int d = 0; d < 3; ++d) budgets->transfer_momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
   const double strain = after.strain_energy - before.strain_energy;
-  totals->energy += after.kinetic_energy - before.kinetic_energy + strain;
-  totals->strain_energy += strain;
+  budgets->transfer_energy += after.kinetic_energy - before.kinetic_energy + strain;
+  budgets->transfer_strain_energy += strain;
 }
 
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
@@ -90,8 +90,8 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   PetscCall(Select(fine_, WidenedBox(fine_.Geometry(), rule_.leave * h), false, &leaving));
   int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));
-  totals_.entered += static_cast<double>(entering.size());
-  totals_.left += static_cast<double>(leaving.size());
+  budgets_.points_entered += static_cast<double>(entering.size());
+  budgets_.points_left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
     std::vector<int> parents;
     std::vector<VelocitySample> samples;
@@ -110,7 +110,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
       PetscCall(border->ShiftForces(true));
     }
     PetscCall(Send(fine_, coarse_, leaving, fine_dt, -shift));
-    if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &totals_));
+    if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &budgets_));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,16 +142,16 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
     for (int d = 0; d < a.dim && shift != 0; ++d)
       a.velocity[PointArrays::At(p, a.dim) + d] += shift / step * samples[k].change[d];
   }
-  PointSums sent, received;
+  Budgets sent, received;
   const int before = to.PointStore().Count();
   PetscCall(from.SumPoints(migrants.points, &sent));
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), migrants));
   std::vector<int> incoming(to.PointStore().Count() - before); // at the end of the storage
   std::iota(incoming.begin(), incoming.end(), before);
   PetscCall(to.SumPoints(incoming, &received));
-  totals_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
-  totals_.mass_adrift += sent.mass - received.mass;
-  totals_.momentum_adrift = totals_.momentum_adrift + sent.momentum - received.momentum;
+  budgets_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
+  budgets_.mass_adrift += sent.mass - received.mass;
+  budgets_.momentum_adrift += sent.momentum - received.momentum;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,7 +168,7 @@ PetscErrorCode PointTransfer::FindParents(const std::vector<int> &points, std::v
     if (numbers_.CanSplit(a.id[p]))
       parents->push_back(p);
     else
-      ++totals_.unsplit;
+      budgets_.points_unsplit += 1;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -179,7 +179,7 @@ PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::
 {
   const Index per_axis{ratio_, ratio_, coarse_.Geometry().grid.dim == 3 ? ratio_ : 1};
   const int children = per_axis[0] * per_axis[1] * per_axis[2];
-  PointSums before, after;
+  Budgets before, after;
   PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,8 +196,8 @@ PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::
       MakeChild(a, target, child, samples[k]);
     }
   PetscCall(coarse_.SumPoints(*points, &after));
-  AddChange(before, after, &totals_);
-  totals_.split += static_cast<double>(parents.size());
+  AddChange(before, after, &budgets_);
+  budgets_.points_split += static_cast<double>(parents.size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -80,17 +80,17 @@ template <class Geometry, class Shape> class SweepKernels : public Kernels
   using Gradient = double[kGradient];
 
 public:
-  void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, SweepTotals &totals) const override
+  void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const override
   {
     Weights w;
     alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
-    totals.hoop_force = 0;
+    budgets.hoop_force = 0;
     ForEachBlock(view, [&](const Block &b) {
-      totals.clamped_sizes += SetWeights(view, b, w);
+      budgets.clamped_sizes += SetWeights(view, b, w);
       Volumes<Geometry>(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
-      if constexpr (Geometry::kHoop) totals.hoop_force += HoopForce(b, volume);
+      if constexpr (Geometry::kHoop) budgets.hoop_force += HoopForce(b, volume);
       for (int p = 0; p < b.count; ++p) {
         const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
         const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);
@@ -99,8 +99,7 @@ public:
     });
   }
 
-  void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, SweepTotals &totals,
-                    PointFailure &failure) const override
+  void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
     alignas(64) double L[kBlock][kGradient], volume[kBlock];
@@ -121,9 +120,9 @@ public:
         if (plan.strain_rate) power += volume[p] * KeepStrainRate(sum, b.position + dim * p, b.short_wave_stress + kRate * p);
         if (plan.scatter) ScatterRates(view.grid, w, b, p, grid_velocity + dim * p);
       }
-      totals.short_wave_dissipation += plan.dt * power;
+      budgets.short_wave_dissipation += plan.dt * power;
       if (b.average >= 0) AddGrowth<Geometry>(b, view.grid, plan.dt, gradient, grid_velocity);
-      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
+      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
       if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
     });
   }
@@ -179,7 +178,7 @@ public:
     }
   }
 
-  void ApplyRates(const SweepView &view, const RatesPlan &plan, SweepTotals &totals, PointFailure &failure) const override
+  void ApplyRates(const SweepView &view, const RatesPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
     alignas(64) double L[kBlock][kGradient], projected[kBlock][dim], smooth[kBlock][kRate];
@@ -191,9 +190,9 @@ public:
         std::copy_n(GradientsOf(view, b)[0], kGradient * b.count, L[0]);
         AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, L);
       }
-      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, totals, failure);
+      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
-      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, totals);
+      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);
       if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
     });
   }
@@ -342,7 +341,7 @@ private:
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), adding up the kinetic energy lost and the momentum.
-  static void MixVelocity(const PointArrays &b, double fraction, const double (*projected)[dim], SweepTotals &totals)
+  static void MixVelocity(const PointArrays &b, double fraction, const double (*projected)[dim], Budgets &budgets)
   {
     double lost = 0;
     for (int axis = 0; axis < dim; ++axis) {
@@ -355,9 +354,9 @@ private:
         impulse += b.mass[p] * (mixed - v);
         v = mixed;
       }
-      totals.xpic_impulse[axis] += impulse;
+      budgets.xpic_impulse[axis] += impulse;
     }
-    totals.xpic_dissipation += lost;
+    budgets.xpic_dissipation += lost;
   }
 };
 

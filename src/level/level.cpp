@@ -66,13 +66,13 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     const bool owned = k == 0;
     PointArrays points;
     PointFailure failure;
-    SweepTotals discarded;
+    Budgets discarded;
     if (!owned && stores[k]->Count() == 0) continue;
     PetscCall(stores[k]->Arrays(&points));
     grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
     if (model_.VolumeAverages() > 0) gradient_[k].resize(grid_velocity_[k].size() * points.dim);
-    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), gradient_[k].data(), bodies_, owned},
-          owned ? sweep_totals_ : discarded, failure);
+    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), gradient_[k].data(), bodies_, owned}, owned ? budgets_ : discarded,
+          failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
@@ -85,8 +85,8 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   grid_->ClearSums();
   applied_.clear();
-  PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &) {
-    kernels_->PointsToGrid(view, model_.acceleration, time, totals);
+  PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
+    kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
   PointFailure failure;
   PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure));
@@ -104,12 +104,12 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   time_ = time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
   PetscCall(PointsToGrid(time));
-  nodal_totals_.hoop_impulse += dt * sweep_totals_.hoop_force;
+  budgets_.hoop_impulse += dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ReduceSums());
   if (!model_.loads.empty()) PetscCall(grid_->BroadcastSums()); // the budgets of loads ask ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, nodal_totals_);
+  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,35 +127,47 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt)
 {
   PetscFunctionBeginUser;
-  if (!grid_->Participates() || !clock_.contact_awake) contact_totals_.last = {};
+  if (!grid_->Participates() || !clock_.contact_awake) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, nodal_totals_);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
-  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, nodal_totals_);
-  AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, load_totals_);
+  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
+  AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The contact as it is now; area: this rank's part.
+void Level::NoteContact(const ContactReport &report, double area)
+{
+  budgets_.contact_points = report.local_points;
+  budgets_.contact_half_width = report.half_width;
+  budgets_.peak_pressure = report.peak_pressure;
+  budgets_.contact_area = area;
 }
 
 PetscErrorCode Level::ApplyContact(double time, double dt)
 {
   const Indenter &indenter = *model_.indenter;
-  ContactTotals &totals = contact_totals_;
+  ContactReport report;
+  PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
   const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
-  PetscCall(contact_->Apply(view, &totals.last));
-  if (!totals.last.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
-  totals.penetration = std::max(totals.penetration, totals.last.penetration);
-  totals.work += totals.last.work;
-  totals.impulse = totals.impulse + totals.last.impulse;
-  nodal_totals_.support_impulse = nodal_totals_.support_impulse + totals.last.side_impulse;
-  totals.indenter_work += Dot(totals.last.impulse, travel) / dt;
-  totals.steps += totals.last.set_updates > 0;
-  totals.set_updates += totals.last.set_updates;
-  totals.fallbacks += totals.last.fallback;
+  PetscCall(contact_->Apply(view, &report));
+  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
+  if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
+  NoteContact(report, rank == 0 ? report.area : 0);
+  budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
+  budgets_.contact_work += report.work;
+  budgets_.contact_impulse += report.impulse;
+  budgets_.support_impulse += report.side_impulse;
+  budgets_.indenter_work += Dot(report.impulse, travel) / dt;
+  budgets_.contact_steps += report.set_updates > 0;
+  budgets_.contact_set_updates += report.set_updates;
+  budgets_.contact_fallbacks += report.fallback;
   PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,10 +181,9 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(
-      ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-        kernels_->ApplyRates(view, plan, totals, failure);
-      }));
+  PetscCall(ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+    kernels_->ApplyRates(view, plan, budgets, failure);
+  }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -183,8 +194,8 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
   PetscCall(Logged(events_.halo, [&] { return grid_->SumCells(); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, nodal_totals_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, nodal_totals_);
+  if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
@@ -203,15 +214,15 @@ PetscErrorCode Level::AdvancePoints(double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->ClearRates();
-  PetscCall(ForEachStore(first_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-    kernels_->GridToPoints(view, first, totals, failure);
+  PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+    kernels_->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore(second_flops, [&](const SweepView &view, SweepTotals &totals, PointFailure &failure) {
-    kernels_->ApplyRates(view, second, totals, failure);
+  PetscCall(ForEachStore(second_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+    kernels_->ApplyRates(view, second, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -350,8 +361,8 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   grid_->ClearRates();
   grid_->ClearSums();
-  PetscCall(ForEachStore(0, [&](const SweepView &view, SweepTotals &, PointFailure &) {
-    SweepTotals discarded;
+  PetscCall(ForEachStore(0, [&](const SweepView &view, Budgets &, PointFailure &) {
+    Budgets discarded;
     kernels_->ScatterTensors(view);
     kernels_->PointsToGrid(view, {}, 0, discarded);
   }));

@@ -23,7 +23,7 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
 PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
 {
   PointArrays all;
-  SweepTotals discarded;
+  Budgets discarded;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(points_.Arrays(&all));
@@ -47,7 +47,7 @@ static const double *HoopStretch(const PointArrays &points, double *hoop)
 }
 
 /// Adds at most kBlock points of one material.
-static void AddPoints(const PointArrays &points, const Material &material, PointSums *point_sums)
+static void AddPoints(const PointArrays &points, const Material &material, Budgets *sums)
 {
   double energy[kBlock];
   double hoop[kBlock];
@@ -66,34 +66,32 @@ static void AddPoints(const PointArrays &points, const Material &material, Point
       kinetic += 0.5 * masses[p] * v * v;
       momentum += masses[p] * v;
     }
-    point_sums->kinetic_energy += kinetic;
-    point_sums->momentum[axis] += momentum;
+    sums->kinetic_energy += kinetic;
+    sums->momentum[axis] += momentum;
   }
-  point_sums->strain_energy += strain / material.Density();
-  point_sums->mass += mass;
-  point_sums->count += points.count;
+  sums->strain_energy += strain / material.Density();
+  sums->mass += mass;
+  sums->points += points.count;
 }
 
-PetscErrorCode Level::SumPoints(PointSums *point_sums)
+PetscErrorCode Level::SumPoints(Budgets *sums)
 {
   PointArrays points;
   PetscFunctionBeginUser;
-  *point_sums = {};
   PetscCall(points_.Arrays(&points));
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
-    AddPoints(Slice(points, first, end), bodies_.Of(points, first), point_sums);
+    AddPoints(Slice(points, first, end), bodies_.Of(points, first), sums);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::SumPoints(const std::vector<int> &list, PointSums *point_sums)
+PetscErrorCode Level::SumPoints(const std::vector<int> &list, Budgets *sums)
 {
   PointArrays points;
   PetscFunctionBeginUser;
-  *point_sums = {};
   PetscCall(points_.Arrays(&points));
-  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), point_sums);
+  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), sums);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

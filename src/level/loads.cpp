@@ -70,7 +70,7 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, LoadTotals &totals)
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets)
 {
   for (const FaceForce &face : applied)
     ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
@@ -78,8 +78,8 @@ void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double
       if (grid.Sums()[place].mass <= mass_cutoff) return;
       for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
         const double impulse = dt * weight * face.force[axis];
-        totals.impulse[axis] += impulse;
-        totals.work += impulse * (velocity[axis] - 0.5 * change[axis]);
+        budgets.load_impulse[axis] += impulse;
+        budgets.external_work += impulse * (velocity[axis] - 0.5 * change[axis]);
       }
     });
 }

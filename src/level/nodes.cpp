@@ -41,7 +41,7 @@ double OwnedShare(const NodeSums &node) { return node.mass > 0 ? node.owned_mass
 
 } // namespace
 
-void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   Vec3 gravity_impulse{}, damping_impulse{};
@@ -55,8 +55,8 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, N
       damping_impulse[axis] += owned * damping;
     }
   });
-  totals.gravity_impulse = totals.gravity_impulse + gravity_impulse;
-  totals.damping_impulse = totals.damping_impulse + damping_impulse;
+  budgets.gravity_impulse += gravity_impulse;
+  budgets.damping_impulse += damping_impulse;
 }
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
@@ -73,8 +73,7 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
   });
 }
 
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             NodalTotals &totals)
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side) {
@@ -83,14 +82,14 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
     if (node.mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      totals.support_impulse[axis] -= node.owned_mass * velocity[axis];
+      budgets.support_impulse[axis] -= node.owned_mass * velocity[axis];
       change[axis] -= velocity[axis];
       velocity[axis] = 0;
     }
   });
 }
 
-void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, NodalTotals &totals)
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   double work = 0, damped = 0;
@@ -103,8 +102,8 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Nod
       damped += node.owned_mass * old * mean;
     }
   });
-  totals.gravity_work += dt * work;
-  totals.damping_dissipation += dt * settings.damping * damped;
+  budgets.external_work += dt * work;
+  budgets.damping_dissipation += dt * settings.damping * damped;
 }
 
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
@@ -119,7 +118,7 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
 }
 
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 NodalTotals &totals)
+                 Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
@@ -134,7 +133,7 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
     const double *const after = grid.Rates(one.node);
     for (int axis = 0; axis < dim; ++axis) work += 0.5 * one.change[axis] * (node.momentum[axis] + after[axis]);
   }
-  totals.exchange_work += work;
+  budgets.exchange_energy += work;
 }
 
 /// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
@@ -166,7 +165,7 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 }
 
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<CoupledNode> &coupled, NodalTotals &totals)
+                 const std::vector<CoupledNode> &coupled, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim, components = NodeLayout::Rates(dim);
   ForEachOwned(grid, [&](std::ptrdiff_t place) {
@@ -188,7 +187,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
   });
   for (const CoupledNode &node : coupled)
     if (node.held) std::copy_n(grid.Velocity(node.node).velocity, dim, grid.Rates(node.node));
-  totals.xpic_side_impulse = totals.xpic_side_impulse + settings.xpic_fraction * ConstrainRates(grid, sides);
+  budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 
 } // namespace mlgimp

@@ -1,6 +1,8 @@
 // Agreement of all ranks on a problem that one of them may have.
 #include "program/agree.hpp"
 
+#include "program/errors.hpp"
+
 #ifdef MLGIMP_FAULTS
 #include <cstdio>
 #include <cstdlib>
@@ -13,14 +15,13 @@
 namespace mlgimp
 {
 
-static PetscErrorCode ShareTextOf(MPI_Comm comm, PetscMPIInt owner, std::string *text)
+std::string ShareText(MPI_Comm comm, std::string text, PetscMPIInt owner)
 {
-  int length = static_cast<int>(text->size());
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, owner, comm));
-  text->resize(length);
-  if (length > 0) PetscCallMPI(MPI_Bcast(text->data(), length, MPI_CHAR, owner, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, owner, comm);
+  text.resize(static_cast<std::size_t>(length));
+  if (length > 0) MPI_Bcast(text.data(), length, MPI_CHAR, owner, comm);
+  return text;
 }
 
 #ifdef MLGIMP_FAULTS
@@ -45,26 +46,15 @@ static PetscErrorCode InjectFault(int rank, const char *place, std::string *prob
 }
 #endif
 
-PetscErrorCode Agree(MPI_Comm comm, [[maybe_unused]] const char *place, std::string *problem)
+std::string Agree(MPI_Comm comm, [[maybe_unused]] const char *place, std::string problem)
 {
-  PetscMPIInt rank, size, first;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
+  const PetscMPIInt ranks = RanksOf(comm);
 #ifdef MLGIMP_FAULTS
-  PetscCall(InjectFault(rank, place, problem));
+  EndOn(InjectFault(RankIn(comm), place, &problem));
 #endif
-  first = problem->empty() ? size : rank;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm));
-  if (first < size) PetscCall(ShareTextOf(comm, first, problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode ShareText(MPI_Comm comm, std::string *text)
-{
-  PetscFunctionBeginUser;
-  PetscCall(ShareTextOf(comm, 0, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  PetscMPIInt first = problem.empty() ? ranks : RankIn(comm);
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
+  return first < ranks ? ShareText(comm, problem, first) : "";
 }
 
 } // namespace mlgimp

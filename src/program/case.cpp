@@ -18,196 +18,168 @@ namespace
 
 const Range kCellSizes = Closed(1e-100, 1e100); ///< m
 
-PetscErrorCode ReadGeometry(OptionReader &reader, Geometry *geometry)
+void ReadGeometry(OptionReader &reader, Geometry *geometry)
 {
   const std::vector<std::string> kinds = {"plane_strain", "axisymmetric", "3d"};
   std::string kind = kinds[0];
-  bool given = false;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis", ""}, kinds, &kind));
-  geometry->kind = static_cast<GeometryKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
-  PetscCall(
-      reader.Number({"-thickness", "plane_strain: out-of-plane thickness", "m"}, kPositive, false, &geometry->thickness, &given));
-  if (given && geometry->kind != GeometryKind::kPlaneStrain)
-    PetscCall(reader.Refuse("-thickness", FormatNumber(geometry->thickness),
-                            "left out with -geometry " + kind + ": it is of plane strain"));
+  geometry->kind = static_cast<GeometryKind>(
+      reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis"}, kinds, &kind));
+  if (reader.Number({"-thickness", "plane_strain: out-of-plane thickness", "m"}, kPositive, false, &geometry->thickness) &&
+      geometry->kind != GeometryKind::kPlaneStrain)
+    reader.Refuse("-thickness", FormatNumber(geometry->thickness), "left out with -geometry " + kind + ": it is of plane strain");
   reader.SetDim(geometry->Dim());
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// In axisymmetry the domain begins at the axis, which is a side of symmetry, or beyond it.
-PetscErrorCode CheckAxis(OptionReader &reader, Case *c)
+void CheckAxis(OptionReader &reader, Case *c)
 {
   const double lower = c->domain.lower[0];
-  PetscFunctionBeginUser;
-  if (!c->model.geometry.HasHoop()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (lower < 0)
-    PetscCall(reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x >= 0, the radius; the axis is x = 0"));
+  if (!c->model.geometry.HasHoop()) return;
+  if (lower < 0) reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x >= 0, the radius; the axis is x = 0");
   if (lower > 0 && lower < 2 * c->cell_size)
-    PetscCall(reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
-                            "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it"));
-  if (lower > 0) PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
+                  "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it");
+  if (lower > 0) return;
   if (c->model.sides[kXLower] == BoundaryKind::kFixed)
-    PetscCall(reader.Refuse("-boundary_x_lower", "fixed", "symmetry or left out: it is the axis"));
+    reader.Refuse("-boundary_x_lower", "fixed", "symmetry or left out: it is the axis");
   c->model.sides[kXLower] = BoundaryKind::kSymmetry;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadGrid(OptionReader &reader, Case *c)
+void ReadGrid(OptionReader &reader, Case *c)
 {
-  PetscFunctionBeginUser;
-  PetscCall(ReadGeometry(reader, &c->model.geometry));
-  PetscCall(reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower));
-  PetscCall(reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper));
-  PetscCall(reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size));
+  ReadGeometry(reader, &c->model.geometry);
+  reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower);
+  reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper);
+  reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size);
   for (int s = 0; s < (reader.Help() ? kSides : 2 * c->Dim()); ++s) {
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
     std::string kind = "free";
-    PetscCall(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain", ""}, kinds, &kind));
-    c->model.sides[s] = static_cast<BoundaryKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
+    c->model.sides[s] =
+        static_cast<BoundaryKind>(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain"}, kinds, &kind));
   }
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (reader.Help()) return;
   if (!kCellSizes.Contains(c->cell_size))
-    PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too"));
+    reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too");
   for (int axis = 0; axis < c->Dim(); ++axis) {
     const double cells = (c->domain.upper[axis] - c->domain.lower[axis]) / c->cell_size;
     if (!(cells > 0))
-      PetscCall(
-          reader.Refuse("-domain_upper", reader.Text(c->domain.upper), "above -domain_lower " + reader.Text(c->domain.lower)));
-    if (cells > 1e6)
-      PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges"));
+      reader.Refuse("-domain_upper", reader.Text(c->domain.upper), "above -domain_lower " + reader.Text(c->domain.lower));
+    if (cells > 1e6) reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges");
     if (std::abs(cells - std::round(cells)) > 1e-6 * std::max(1.0, cells) || std::round(cells) < 1)
-      PetscCall(reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                              "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower)));
+      reader.Refuse("-cell_size", FormatNumber(c->cell_size),
+                    "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower));
   }
-  PetscCall(CheckAxis(reader, c));
+  CheckAxis(reader, c);
   // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
   const double most = PETSC_MAX_INT / NodeLayout::kSums;
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > most)
-    PetscCall(
-        reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                      "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes)));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse("-cell_size", FormatNumber(c->cell_size),
+                  "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes));
 }
 
-PetscErrorCode ReadMethod(OptionReader &reader, Case *c)
+void ReadMethod(OptionReader &reader, Case *c)
 {
   const std::vector<std::string> updates = {"usl", "usf", "musl"};
   std::string update = "musl";
   std::vector<double> viscosity = {0.001, 8};
   Model &model = c->model;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Choice({"-shape_function", "weights of points on nodes", ""}, ShapeFunctions(), &model.shape_function));
-  PetscCall(reader.Choice({"-stress_update", "when strain and stress advance in a step", ""}, updates, &update));
-  model.stress_update = static_cast<StressUpdate>(std::find(updates.begin(), updates.end(), update) - updates.begin());
+  reader.Choice({"-shape_function", "weights of points on nodes"}, ShapeFunctions(), &model.shape_function);
+  model.stress_update =
+      static_cast<StressUpdate>(reader.Choice({"-stress_update", "when strain and stress advance in a step"}, updates, &update));
   if (model.stress_update == StressUpdate::kUsf && c->levels > 1)
-    PetscCall(reader.Refuse("-stress_update", update, "usl or musl with more than one level"));
+    reader.Refuse("-stress_update", update, "usl or musl with more than one level");
   if (model.stress_update == StressUpdate::kUsf && model.VolumeAverages() > 0)
-    PetscCall(reader.Refuse("-stress_update", update, "usl or musl with -NAME_volume_average, the default of j2"));
-  PetscCall(reader.Numbers(
-      {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none", ""},
-      kNotNegative, 2, 2, false, &viscosity));
+    reader.Refuse("-stress_update", update, "usl or musl with -NAME_volume_average, the default of j2");
+  reader.Numbers({"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2) on the short-wave strain rate; 0,0 = none"},
+                 kNotNegative, 2, 2, false, &viscosity);
   model.short_wave = {viscosity[0], viscosity[1]};
   const auto is_metal = [](const auto &material) { return material->IsMetal(); };
   if (std::any_of(model.materials.begin(), model.materials.end(), is_metal)) model.nodal.xpic_fraction = 0.02;
-  PetscCall(reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2)", ""},
-                          Closed(0, 1), false, &model.nodal.xpic_fraction));
-  PetscCall(reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC", ""}, Closed(1, 2), &model.nodal.xpic_order));
-  PetscCall(reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false,
-                          &model.nodal.damping));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2)"}, Closed(0, 1),
+                false, &model.nodal.xpic_fraction);
+  reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC"}, Closed(1, 2), &model.nodal.xpic_order);
+  reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false,
+                &model.nodal.damping);
 }
 
-PetscErrorCode ReadTime(OptionReader &reader, Case *c)
+void ReadTime(OptionReader &reader, Case *c)
 {
-  PetscFunctionBeginUser;
-  PetscCall(reader.Number({"-end_time", "end of the run", "s"}, kPositive, false, &c->time.end_time));
-  PetscCall(
-      reader.Integer({"-max_steps", "level-0 steps at which the run ends; 0 = no limit", ""}, kNotNegative, &c->time.max_steps));
-  PetscCall(reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step));
-  PetscCall(reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed", ""},
-                          {0, kLargestCfl, true, false}, false, &c->time.cfl));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Number({"-end_time", "end of the run", "s"}, kPositive, false, &c->time.end_time);
+  reader.Integer({"-max_steps", "level-0 steps at which the run ends; 0 = no limit"}, kNotNegative, &c->time.max_steps);
+  reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step);
+  reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed"}, {0, kLargestCfl, true, false},
+                false, &c->time.cfl);
 }
 
 /// Whether somebody watches: mpiexec may give ranks a terminal of its own, whose lines end in a file. The first rank decides.
-PetscErrorCode OnTerminal(MPI_Comm comm, bool *yes)
+bool OnTerminal(MPI_Comm comm)
 {
-  PetscMPIInt ranks;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  int watched = ranks == 1 && isatty(STDOUT_FILENO);
+  int watched = RanksOf(comm) == 1 && isatty(STDOUT_FILENO);
   for (const char *set_by_mpiexec : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"})
     if (getenv(set_by_mpiexec)) watched = 0;
-  PetscCallMPI(MPI_Bcast(&watched, 1, MPI_INT, 0, comm));
-  *yes = watched;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MPI_Bcast(&watched, 1, MPI_INT, 0, comm);
+  return watched;
 }
 
-PetscErrorCode ReadOutput(OptionReader &reader, Case *c)
+void ReadOutput(OptionReader &reader, Case *c)
 {
   OutputSettings &out = c->output;
-  PetscFunctionBeginUser;
   out.directory = "output/" + c->name;
-  PetscCall(reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)", ""}, false,
-                        &out.directory));
-  PetscCall(reader.Flag({"-overwrite", "replace the results that the folder holds", ""}, &out.overwrite));
-  PetscCall(reader.Integer({"-history_interval", "level-0 steps between rows of history.csv", ""}, Closed(1, 2e9),
-                           &out.history_interval));
-  PetscCall(
-      reader.Integer({"-frames", "number of equally spaced point frames, the last at the end", ""}, Closed(0, 1e6), &out.frames));
-  PetscCall(reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", ""}, kNotNegative,
-                           &out.checkpoint_interval));
-  PetscCall(reader.Text({"-restart", "checkpoint to go on from, on any number of ranks", ""}, false, &out.restart));
-  PetscCall(OnTerminal(reader.Comm(), &out.monitor));
-  PetscCall(reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)", ""}, &out.monitor));
-  PetscCall(reader.Flag({"-contact_monitor", "a line per step about the contact solve", ""}, &c->model.contact.monitor));
-  PetscCall(reader.Integer({"-contact_serial_unknowns", "fewer contact pressures than this are solved on one rank", ""},
-                           Closed(1, 2e9), &c->model.contact.serial_unknowns));
-  PetscCall(
-      reader.Integer({"-sort_interval", "steps between sorts of the points", ""}, Closed(1, 2e9), &c->hierarchy.sort_interval));
-  PetscCall(reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", ""},
-                          {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold));
-  PetscCall(reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", ""},
-                           Closed(1, 2e9), &c->hierarchy.points_per_rank));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)"}, false,
+              &out.directory);
+  reader.Flag({"-overwrite", "replace the results that the folder holds"}, &out.overwrite);
+  reader.Integer({"-history_interval", "level-0 steps between rows of history.csv"}, Closed(1, 2e9), &out.history_interval);
+  reader.Integer({"-frames", "number of equally spaced point frames, the last at the end"}, Closed(0, 1e6), &out.frames);
+  reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none"}, kNotNegative, &out.checkpoint_interval);
+  reader.Text({"-restart", "checkpoint to go on from, on any number of ranks"}, false, &out.restart);
+  out.monitor = OnTerminal(reader.Comm());
+  reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)"}, &out.monitor);
+  reader.Flag({"-contact_monitor", "a line per step about the contact solve"}, &c->model.contact.monitor);
+  reader.Integer({"-contact_serial_unknowns", "fewer contact pressures than this are solved on one rank"}, Closed(1, 2e9),
+                 &c->model.contact.serial_unknowns);
+  reader.Integer({"-sort_interval", "steps between sorts of the points"}, Closed(1, 2e9), &c->hierarchy.sort_interval);
+  reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid"},
+                {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold);
+  reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks"}, Closed(1, 2e9),
+                 &c->hierarchy.points_per_rank);
 }
 
 } // namespace
 
 /// Reads one titled group of options with `read`.
-template <class Read> static PetscErrorCode Group(OptionReader &reader, const char *title, Read read)
+template <class Read> static void Group(OptionReader &reader, const char *title, Read read)
 {
-  PetscFunctionBeginUser;
-  PetscOptionsBegin(reader.Comm(), nullptr, title, nullptr);
-  reader.SetItems(PetscOptionsObject);
-  PetscCall(read());
-  PetscOptionsEnd();
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const auto group = [&]() -> PetscErrorCode {
+    PetscFunctionBeginUser;
+    PetscOptionsBegin(reader.Comm(), nullptr, title, nullptr);
+    reader.SetItems(PetscOptionsObject);
+    read();
+    PetscOptionsEnd();
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  EndOn(group());
 }
 
-PetscErrorCode ReadCase(OptionReader &reader, Case *c)
+void ReadCase(OptionReader &reader, Case *c)
 {
   std::vector<std::string> materials, bodies;
-  PetscFunctionBeginUser;
-  PetscCall(Group(reader, "Grid", [&] { return ReadGrid(reader, c); }));
-  PetscCall(Group(reader, "Levels (1: each level but the coarsest)", [&] { return ReadLevels(reader, c); }));
-  PetscCall(Group(reader, "Materials (NAME: each name in -materials)", [&] { return ReadMaterials(reader, c, &materials); }));
-  PetscCall(Group(reader, "Bodies (NAME: each name in -bodies)", [&] { return ReadBodies(reader, materials, c, &bodies); }));
-  PetscCall(Group(reader, "Loads (NAME: each name in -loads)", [&] { return ReadLoads(reader, bodies, c); }));
-  PetscCall(Group(reader, "Method", [&] { return ReadMethod(reader, c); }));
+  Group(reader, "Grid", [&] { ReadGrid(reader, c); });
+  Group(reader, "Levels (1: each level but the coarsest)", [&] { ReadLevels(reader, c); });
+  Group(reader, "Materials (NAME: each name in -materials)", [&] { ReadMaterials(reader, c, &materials); });
+  Group(reader, "Bodies (NAME: each name in -bodies)", [&] { ReadBodies(reader, materials, c, &bodies); });
+  Group(reader, "Loads (NAME: each name in -loads)", [&] { ReadLoads(reader, bodies, c); });
+  Group(reader, "Method", [&] { ReadMethod(reader, c); });
   reader.Identify(false);
-  PetscCall(Group(reader, "Time", [&] { return ReadTime(reader, c); }));
+  Group(reader, "Time", [&] { ReadTime(reader, c); });
   reader.Identify(true);
-  PetscCall(Group(reader, "Indenter and contact", [&] { return ReadIndenter(reader, c); }));
+  Group(reader, "Indenter and contact", [&] { ReadIndenter(reader, c); });
   reader.Identify(false);
-  PetscCall(Group(reader, "Output", [&] { return ReadOutput(reader, c); }));
+  Group(reader, "Output", [&] { ReadOutput(reader, c); });
   c->identity = reader.Identity();
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0 && !reader.Help())
-    PetscCall(reader.Refuse("-end_time", "", "given, or -max_steps"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse("-end_time", "", "given, or -max_steps");
 }
 
 } // namespace mlgimp

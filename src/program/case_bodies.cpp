@@ -14,16 +14,13 @@ namespace
 {
 
 /// Index of a name in a list that another option gave.
-PetscErrorCode FindName(OptionReader &reader, const std::string &option, const std::vector<std::string> &names,
-                        const std::string &list, const std::string &name, int *place)
+int FindName(OptionReader &reader, const std::string &option, const std::vector<std::string> &names, const std::string &list,
+             const std::string &name)
 {
-  PetscFunctionBeginUser;
   const auto found = std::find(names.begin(), names.end(), name);
-  *place = static_cast<int>(found - names.begin());
   if (found == names.end() && !reader.Help())
-    PetscCall(reader.Refuse(option, name, "one of the names in " + list + ": " + Join(names, ", ")));
-  if (found == names.end()) *place = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse(option, name, "one of the names in " + list + ": " + Join(names, ", "));
+  return found == names.end() ? 0 : static_cast<int>(found - names.begin());
 }
 
 const std::vector<NamedInGeometry> kShapes = {
@@ -31,55 +28,47 @@ const std::vector<NamedInGeometry> kShapes = {
     {"ball", {false, false, true}}, {"cylinder", {false, false, true}},
 };
 
-PetscErrorCode ReadBox(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
+void ReadBox(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
 {
   Box box;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower));
-  PetscCall(reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper));
+  reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower);
+  reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper);
   for (int axis = 0; axis < reader.Dim() && !reader.Help(); ++axis)
     if (!(box.upper[axis] > box.lower[axis]))
-      PetscCall(reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower)));
+      reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower));
   *region = CreateBoxRegion(box);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadPolygon(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
+void ReadPolygon(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
 {
   std::vector<double> numbers;
   std::vector<Vec3> vertices;
-  PetscFunctionBeginUser;
-  PetscCall(
-      reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers));
-  if (numbers.size() % 2) PetscCall(reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs"));
+  reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers);
+  if (numbers.size() % 2) reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs");
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (reader.Help()) return;
   if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
-    PetscCall(reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong));
+    reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong);
   *region = CreatePolygonRegion(vertices);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadRegion(OptionReader &reader, GeometryKind geometry, const std::string &name, std::string *shape,
-                          std::unique_ptr<Region> *region)
+void ReadRegion(OptionReader &reader, GeometryKind geometry, const std::string &name, std::string *shape,
+                std::unique_ptr<Region> *region)
 {
   const std::string prefix = "-" + name + "_";
-  PetscFunctionBeginUser;
   *shape = "box";
-  PetscCall(ChooseInGeometry(reader, {prefix + "shape", "shape of the body", ""}, geometry, kShapes, shape));
+  ChooseInGeometry(reader, {prefix + "shape", "shape of the body"}, geometry, kShapes, shape);
   const bool cylinder = *shape == "cylinder", round = cylinder || *shape == "disk" || *shape == "ball";
-  if (*shape == "box" || reader.Help()) PetscCall(ReadBox(reader, prefix, region));
+  if (*shape == "box" || reader.Help()) ReadBox(reader, prefix, region);
   if (round || reader.Help()) {
     Vec3 center{};
     double radius = 0, height = 0;
-    PetscCall(reader.Vector({prefix + "center", "centre (disk, ball) or centre of the bottom (cylinder)", "m"}, true, &center));
-    PetscCall(reader.Number({prefix + "radius", "radius (disk, ball, cylinder)", "m"}, kPositive, true, &radius));
-    if (cylinder || reader.Help())
-      PetscCall(reader.Number({prefix + "height", "height along z (cylinder)", "m"}, kPositive, true, &height));
+    reader.Vector({prefix + "center", "centre (disk, ball) or centre of the bottom (cylinder)", "m"}, true, &center);
+    reader.Number({prefix + "radius", "radius (disk, ball, cylinder)", "m"}, kPositive, true, &radius);
+    if (cylinder || reader.Help()) reader.Number({prefix + "height", "height along z (cylinder)", "m"}, kPositive, true, &height);
     *region = cylinder ? CreateCylinderRegion(center, radius, height) : CreateBallRegion(geometry, center, radius);
   }
-  if (*shape == "polygon" || reader.Help()) PetscCall(ReadPolygon(reader, prefix, region));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (*shape == "polygon" || reader.Help()) ReadPolygon(reader, prefix, region);
 }
 
 /// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
@@ -114,121 +103,105 @@ std::string PlaceOption(const std::string &shape, bool upper)
 }
 
 /// A body must lie inside the domain and clear of those before it.
-PetscErrorCode CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std::string &shape,
-                          const std::vector<std::string> &shapes)
+void CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std::string &shape,
+                const std::vector<std::string> &shapes)
 {
   const Box bounds = body.region->Bounds();
   const double tolerance = 1e-9 * c.cell_size;
-  PetscFunctionBeginUser;
   for (int d = 0; d < c.Dim(); ++d)
     for (const bool upper : {false, true}) {
       const double beyond = upper ? bounds.upper[d] - c.domain.upper[d] : c.domain.lower[d] - bounds.lower[d];
       if (beyond <= tolerance) continue;
       const std::string option = "-" + body.name + "_" + PlaceOption(shape, upper);
-      PetscCall(reader.Refuse(option, shape == "box" ? reader.Text(upper ? bounds.upper : bounds.lower) : "",
-                              "inside the domain, " + reader.Text(c.domain.lower) + " to " + reader.Text(c.domain.upper) +
-                                  "; body " + body.name + " reaches from " + reader.Text(bounds.lower) + " to " +
-                                  reader.Text(bounds.upper)));
+      reader.Refuse(option, shape == "box" ? reader.Text(upper ? bounds.upper : bounds.lower) : "",
+                    "inside the domain, " + reader.Text(c.domain.lower) + " to " + reader.Text(c.domain.upper) + "; body " +
+                        body.name + " reaches from " + reader.Text(bounds.lower) + " to " + reader.Text(bounds.upper));
     }
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
     if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1), c.Dim()))
-      PetscCall(reader.Refuse("-bodies", body.name, "clear of body " + other.name + ": they overlap"));
+      reader.Refuse("-bodies", body.name, "clear of body " + other.name + ": they overlap");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-PetscErrorCode ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
-                                const std::vector<NamedInGeometry> &values, std::string *value)
+void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
+                      const std::vector<NamedInGeometry> &values, std::string *value)
 {
   std::vector<std::string> all, here;
   const int place = static_cast<int>(geometry);
-  PetscFunctionBeginUser;
   for (const NamedInGeometry &one : values) {
     all.emplace_back(one.name);
     if (one.has[place]) here.emplace_back(one.name);
   }
-  PetscCall(reader.Choice(option, all, value));
+  reader.Choice(option, all, value);
   if (std::find(here.begin(), here.end(), *value) == here.end())
-    PetscCall(reader.Refuse(option.name, *value, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse(option.name, *value, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]);
 }
 
-PetscErrorCode ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c,
-                          std::vector<std::string> *names)
+void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names)
 {
-  PetscFunctionBeginUser;
   std::vector<std::string> shapes;
-  PetscCall(reader.Names({"-bodies", "names of the bodies", ""}, true, names));
+  reader.Names({"-bodies", "names of the bodies"}, true, names);
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
     Body body{name, nullptr, 0, {}, 2};
     std::string shape, material = materials.size() == 1 ? materials[0] : "";
-    PetscCall(ReadRegion(reader, c->model.geometry.kind, name, &shape, &body.region));
-    PetscCall(reader.Text({prefix + "material", "name of its material (default: the only one, else required)", ""},
-                          materials.size() > 1, &material));
-    PetscCall(FindName(reader, prefix + "material", materials, "-materials", material, &body.material));
-    PetscCall(reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity));
-    PetscCall(reader.Integer({prefix + "points_per_cell", "material points per direction in a cell", ""}, Closed(1, 16),
-                             &body.points_per_cell));
-    if (!reader.Help()) PetscCall(CheckPlace(reader, *c, body, shape, shapes));
+    ReadRegion(reader, c->model.geometry.kind, name, &shape, &body.region);
+    reader.Text({prefix + "material", "name of its material (default: the only one, else required)"}, materials.size() > 1,
+                &material);
+    body.material = FindName(reader, prefix + "material", materials, "-materials", material);
+    reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity);
+    reader.Integer({prefix + "points_per_cell", "material points per direction in a cell"}, Closed(1, 16), &body.points_per_cell);
+    if (!reader.Help()) CheckPlace(reader, *c, body, shape, shapes);
     shapes.push_back(shape);
     c->model.bodies.push_back(std::move(body));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Times and values of a piecewise-linear history.
-PetscErrorCode ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text,
-                           PiecewiseLinear *history)
+void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, PiecewiseLinear *history)
 {
   std::vector<double> times, values;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Numbers({times_name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, true, &times));
-  PetscCall(reader.Numbers(values_text, kAnyNumber, 1, 0, true, &values));
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Numbers({times_name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, true, &times);
+  reader.Numbers(values_text, kAnyNumber, 1, 0, true, &values);
+  if (reader.Help()) return;
   for (std::size_t k = 1; k < times.size(); ++k)
-    if (times[k] <= times[k - 1]) PetscCall(reader.Refuse(times_name, FormatNumber(times[k]), "increasing"));
+    if (times[k] <= times[k - 1]) reader.Refuse(times_name, FormatNumber(times[k]), "increasing");
   if (times.size() != values.size())
-    PetscCall(reader.Refuse(values_text.name, std::to_string(values.size()) + " values",
-                            "as many as " + times_name + " has: " + std::to_string(times.size())));
+    reader.Refuse(values_text.name, std::to_string(values.size()) + " values",
+                  "as many as " + times_name + " has: " + std::to_string(times.size()));
   *history = PiecewiseLinear(times, values);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c)
+void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c)
 {
   std::vector<std::string> names;
   const std::vector<std::string> sides(kSideNames, kSideNames + 2 * c->Dim());
-  PetscFunctionBeginUser;
-  PetscCall(reader.Names({"-loads", "names of pressures on sides of bodies", ""}, false, &names));
+  reader.Names({"-loads", "names of pressures on sides of bodies"}, false, &names);
   for (const std::string &name : names) {
     const std::string prefix = "-" + name + "_";
     Load load{0, kXLower, {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}}, {}};
     std::string body = bodies[0], side = sides[0];
     const int numbers = 2 * (c->Dim() - 1);
     std::vector<double> span(&load.span[0][0], &load.span[0][0] + numbers);
-    PetscCall(
-        reader.Text({prefix + "body", "name of the body (default: the only one, else required)", ""}, bodies.size() > 1, &body));
-    PetscCall(FindName(reader, prefix + "body", bodies, "-bodies", body, &load.body));
-    PetscCall(reader.Choice({prefix + "side", "side of the body", ""}, sides, &side));
-    load.side = static_cast<Side>(std::find(sides.begin(), sides.end(), side) - sides.begin());
-    PetscCall(reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, numbers,
-                             numbers, false, &span));
+    reader.Text({prefix + "body", "name of the body (default: the only one, else required)"}, bodies.size() > 1, &body);
+    load.body = FindName(reader, prefix + "body", bodies, "-bodies", body);
+    load.side = static_cast<Side>(reader.Choice({prefix + "side", "side of the body"}, sides, &side));
+    reader.Numbers({prefix + "span", "start,end along the side (default: the whole side)", "m"}, kAnyNumber, numbers, numbers,
+                   false, &span);
     std::copy_n(span.begin(), numbers, &load.span[0][0]);
     for (int k = 0; k < c->Dim() - 1; ++k)
       if (!(load.span[k][1] > load.span[k][0]))
-        PetscCall(reader.Refuse(prefix + "span", FormatNumber(load.span[k][0]) + "," + FormatNumber(load.span[k][1]),
-                                "start,end with end above start"));
-    PetscCall(ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
-                          &load.pressure));
+        reader.Refuse(prefix + "span", FormatNumber(load.span[k][0]) + "," + FormatNumber(load.span[k][1]),
+                      "start,end with end above start");
+    ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
+                &load.pressure);
     c->model.loads.push_back(load);
     c->load_names.push_back(name);
   }
-  PetscCall(reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &c->model.nodal.gravity));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &c->model.nodal.gravity);
 }
 
 } // namespace mlgimp

@@ -28,16 +28,14 @@ struct NamedPyramid {
 };
 constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
 
-PetscErrorCode ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
+void ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
 {
   std::vector<double> numbers;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"},
-                           kAnyNumber, 6, 0, true, &numbers));
+  reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"}, kAnyNumber, 6, 0,
+                 true, &numbers);
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
   if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
-    PetscCall(reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon");
 }
 
 /// Sizes of a wedge, a cone or a pyramid, angles in degrees.
@@ -46,30 +44,27 @@ struct PointedShape {
   int faces = 4;
 };
 
-PetscErrorCode ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyramid, PointedShape *shape)
+void ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyramid, PointedShape *shape)
 {
-  PetscFunctionBeginUser;
   for (const NamedPyramid &known : kPyramids)
     if (kind == known.name) shape->half_angle = known.half_angle, shape->faces = known.faces;
   if (std::isnan(shape->half_angle)) {
-    PetscCall(reader.Number({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees"},
-                            Open(0, 90), true, &shape->half_angle));
+    reader.Number({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees"},
+                  Open(0, 90), true, &shape->half_angle);
     if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kLeastFacing)
-      PetscCall(reader.Refuse("-indenter_half_angle", FormatNumber(shape->half_angle),
-                              "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones"));
+      reader.Refuse("-indenter_half_angle", FormatNumber(shape->half_angle),
+                    "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones");
   }
-  PetscCall(reader.Number({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m"},
-                          kNotNegative, false, &shape->tip_radius));
+  reader.Number({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m"}, kNotNegative, false,
+                &shape->tip_radius);
   if (kind == "pyramid" || reader.Help())
-    PetscCall(reader.Integer({"-indenter_faces", "number of a pyramid's faces", ""}, Closed(3, 360), &shape->faces));
+    reader.Integer({"-indenter_faces", "number of a pyramid's faces"}, Closed(3, 360), &shape->faces);
   if (pyramid || reader.Help())
-    PetscCall(reader.Number({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
-                            kAnyNumber, false, &shape->turn));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Number({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
+                  kAnyNumber, false, &shape->turn);
 }
 
-PetscErrorCode ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string &kind,
-                           std::unique_ptr<IndenterSurface> *surface)
+void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string &kind, std::unique_ptr<IndenterSurface> *surface)
 {
   const bool plane = geometry == GeometryKind::kPlaneStrain, punch = kind == "flat_punch";
   const bool cone = kind == "wedge" || kind == "cone", sphere = kind == "cylinder" || kind == "sphere";
@@ -77,21 +72,18 @@ PetscErrorCode ReadSurface(OptionReader &reader, GeometryKind geometry, const st
   double radius = NAN, width = NAN;
   PointedShape shape;
   std::vector<Vec3> vertices;
-  PetscFunctionBeginUser;
-  if (cone || pyramid || reader.Help()) PetscCall(ReadPointedShape(reader, kind, pyramid, &shape));
+  if (cone || pyramid || reader.Help()) ReadPointedShape(reader, kind, pyramid, &shape);
   if (sphere || (punch && !plane) || reader.Help())
-    PetscCall(reader.Number({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m"}, kPositive, true,
-                            &radius));
+    reader.Number({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m"}, kPositive, true, &radius);
   if ((punch && plane) || reader.Help())
-    PetscCall(reader.Number({"-indenter_width", "width of a flat punch in plane strain", "m"}, kPositive, true, &width));
-  if (kind == "polygon" || reader.Help()) PetscCall(ReadPolygon(reader, &vertices));
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Number({"-indenter_width", "width of a flat punch in plane strain", "m"}, kPositive, true, &width);
+  if (kind == "polygon" || reader.Help()) ReadPolygon(reader, &vertices);
+  if (reader.Help()) return;
   if (cone) *surface = CreateCone(geometry, shape.half_angle, shape.tip_radius);
   if (sphere) *surface = CreateSphere(geometry, radius);
   if (punch) *surface = CreateFlatPunch(geometry, plane ? 0.5 * width : radius);
   if (pyramid) *surface = CreatePyramid(shape.half_angle, shape.faces, shape.turn, shape.tip_radius);
   if (kind == "polygon") *surface = CreatePolygonIndenter(vertices);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Height of a body under or above x along an axis; false where there is none.
@@ -131,31 +123,27 @@ double InitialSurface(const Case &c, const Indenter &indenter)
 }
 
 /// The turn at the largest depth, and the end of the run that follows from the motion.
-PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
+void ReadTurningPoint(OptionReader &reader, Case *c)
 {
   double depth = HUGE_VAL, unload = 0;
-  bool has_depth = false, has_unload = false;
   Indenter &indenter = *c->model.indenter;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Number(
+  const bool has_depth = reader.Number(
       {"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading", "m"},
-      kPositive, false, &depth, &has_depth));
-  if (has_depth || reader.Help())
-    PetscCall(reader.Number(
-        {"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"}, kAnyNumber,
-        false, &unload, &has_unload));
-  if (has_unload && unload == 0) PetscCall(reader.Refuse("-indenter_unload_velocity", "0", "not zero"));
-  if (!has_depth || reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+      kPositive, false, &depth);
+  const bool has_unload =
+      (has_depth || reader.Help()) &&
+      reader.Number({"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"},
+                    kAnyNumber, false, &unload);
+  if (has_unload && unload == 0) reader.Refuse("-indenter_unload_velocity", "0", "not zero");
+  if (!has_depth || reader.Help()) return;
   const double travel = depth + indenter.tip[indenter.up] - indenter.initial_surface;
-  if (travel <= 0)
-    PetscCall(reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above the depth that -indenter_max_depth gives"));
+  if (travel <= 0) reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above the depth that -indenter_max_depth gives");
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {
     if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0)
-      PetscCall(
-          reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given"));
-    PetscFunctionReturn(PETSC_SUCCESS);
+      reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given");
+    return;
   }
   if (has_unload) {
     indenter.motion.turning_time = reached;
@@ -164,7 +152,6 @@ PetscErrorCode ReadTurningPoint(OptionReader &reader, Case *c)
   } else {
     c->time.end_time = reached;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Those of PETSc's types that solve the contact equations; others end with PETSc's errors, or never.
@@ -173,32 +160,25 @@ const std::vector<std::string> kSolvers = {"cg",     "cr",  "minres", "symmlq", 
 const std::vector<std::string> kPreconditioners = {"jacobi", "none", "sor", "eisenstat", "icc", "ilu", "cholesky", "lu", "svd"};
 
 /// One of the types, where the option is given.
-PetscErrorCode CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
+void CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
 {
   std::string text = "default";
-  bool given = false;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Text({option, "type of the solver of the contact pressures", ""}, false, &text, &given));
-  if (given && std::find(types.begin(), types.end(), text) == types.end())
-    PetscCall(reader.Refuse(option, text, "one of " + Join(types, ", ")));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (reader.Text({option, "type of the solver of the contact pressures"}, false, &text) &&
+      std::find(types.begin(), types.end(), text) == types.end())
+    reader.Refuse(option, text, "one of " + Join(types, ", "));
 }
 
 /// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
-PetscErrorCode CheckContactSolver(OptionReader &reader)
+void CheckContactSolver(OptionReader &reader)
 {
   double tolerance = 1e-10;
   int iterations = 10000;
-  PetscFunctionBeginUser;
   reader.Identify(false);
-  PetscCall(CheckType(reader, "-contact_ksp_type", kSolvers));
-  PetscCall(CheckType(reader, "-contact_pc_type", kPreconditioners));
-  PetscCall(
-      reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures", ""}, Open(0, 1), false, &tolerance));
-  PetscCall(
-      reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures", ""}, Closed(1, 2e9), &iterations));
+  CheckType(reader, "-contact_ksp_type", kSolvers);
+  CheckType(reader, "-contact_pc_type", kPreconditioners);
+  reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, Open(0, 1), false, &tolerance);
+  reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
   reader.Identify(true);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Lowest place of the tip during the run; -infinity where the end of the run is not known.
@@ -212,33 +192,27 @@ double LowestTip(const Indenter &indenter, double end_time)
 }
 
 /// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
-PetscErrorCode CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
+void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
   const Indenter &indenter = *c.model.indenter;
   const int level = c.LevelAtTip();
   const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
   const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
-  PetscFunctionBeginUser;
   if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
-    PetscCall(
-        reader.Refuse("-indenter", kind,
-                      "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide"));
+    reader.Refuse("-indenter", kind,
+                  "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide");
   if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    PetscCall(PetscFPrintf(
-        reader.Comm(), PETSC_STDERR,
-        "mlgimp: warning: -indenter %s: at its largest depth of %s m it is %s m wide, less than %s: the load is "
-        "that of the cells\n",
-        kind.c_str(), FormatRounded(depth).c_str(), FormatRounded(indenter.surface->Width(depth)).c_str(), cell.c_str()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    Warn(reader.Comm(), "-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
+                            FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
+                            ": the load is that of the cells");
 }
 
 /// A level that the tip meets must hold it with the band of its border for the whole run.
-PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
+void CheckIndenterPath(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
   const int up = indenter.up;
   const double lowest = LowestTip(indenter, c.time.end_time);
-  PetscFunctionBeginUser;
   for (int k = 1; k < c.levels; ++k) {
     const Box &box = c.boxes[k];
     const double margin = c.least_blend_width * c.CellSize(k - 1) + kBorderCells * c.CellSize(k);
@@ -253,50 +227,46 @@ PetscErrorCode CheckIndenterPath(OptionReader &reader, const Case &c)
       const std::string from =
           needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
       if (c.IsBorder(k, static_cast<Side>(2 * axis)) && x < box.lower[axis] + margin)
-        PetscCall(reader.Refuse(option + "_lower", reader.Text(box.lower), from));
+        reader.Refuse(option + "_lower", reader.Text(box.lower), from);
       if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && x > box.upper[axis] - margin)
-        PetscCall(reader.Refuse(option + "_upper", reader.Text(box.upper), from));
+        reader.Refuse(option + "_upper", reader.Text(box.upper), from);
     }
     if (c.IsBorder(k, static_cast<Side>(2 * up)) && std::isfinite(lowest) && lowest < box.lower[up] + margin)
-      PetscCall(reader.Refuse(option + "_lower", reader.Text(box.lower),
-                              needed + " below the indenter's lowest place, " + FormatRounded(lowest)));
+      reader.Refuse(option + "_lower", reader.Text(box.lower),
+                    needed + " below the indenter's lowest place, " + FormatRounded(lowest));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-PetscErrorCode ReadIndenter(OptionReader &reader, Case *c)
+void ReadIndenter(OptionReader &reader, Case *c)
 {
   const GeometryKind geometry = c->model.geometry.kind;
   std::string kind = "none";
   std::vector<std::string> methods = ContactMethods(geometry);
-  PetscFunctionBeginUser;
   methods.push_back("none");
-  PetscCall(ChooseInGeometry(reader, {"-indenter", "rigid indenter", ""}, geometry, kIndenters, &kind));
-  PetscCall(reader.Choice({"-contact", "contact method", ""}, methods, &c->model.contact.method));
-  if (kind == "none" && !reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  ChooseInGeometry(reader, {"-indenter", "rigid indenter"}, geometry, kIndenters, &kind);
+  reader.Choice({"-contact", "contact method"}, methods, &c->model.contact.method);
+  if (kind == "none" && !reader.Help()) return;
   const std::string &method = c->model.contact.method;
   const bool has_solver = method == "pressure" || method == "point_pressure";
   if (method == "pressure" || reader.Help())
-    PetscCall(reader.Number({"-contact_width", "half width of the kernel of a contact pressure in cells; 1 is the hat", ""},
-                            {0, 1, true, false}, false, &c->model.contact.width));
-  if (has_solver && !reader.Help()) PetscCall(CheckContactSolver(reader));
+    reader.Number({"-contact_width", "half width of the kernel of a contact pressure in cells; 1 is the hat"},
+                  {0, 1, true, false}, false, &c->model.contact.width);
+  if (has_solver && !reader.Help()) CheckContactSolver(reader);
   Indenter &indenter = c->model.indenter.emplace();
   indenter.up = UpAxis(geometry);
-  PetscCall(ReadSurface(reader, geometry, kind, &indenter.surface));
-  PetscCall(reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip));
-  PetscCall(ReadHistory(reader, "-indenter_times",
-                        {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
-                        &indenter.motion.speed));
+  ReadSurface(reader, geometry, kind, &indenter.surface);
+  reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip);
+  ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
+              &indenter.motion.speed);
   if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
-    PetscCall(reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric"));
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric");
   if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
-  PetscCall(ReadTurningPoint(reader, c));
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CheckIndenterPath(reader, *c));
-  PetscCall(CheckIndenterSize(reader, *c, kind));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ReadTurningPoint(reader, c);
+  if (reader.Help()) return;
+  CheckIndenterPath(reader, *c);
+  CheckIndenterSize(reader, *c, kind);
 }
 
 } // namespace mlgimp

@@ -14,18 +14,16 @@ constexpr double kOnLine = 1e-6;  ///< cells, within which a place counts as on 
 constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much its grid is shifted
 
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
-PetscErrorCode CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
+void CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
 {
-  PetscFunctionBeginUser;
   for (int axis = 0; axis < c.Dim(); ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
     if (std::abs(cells - std::round(cells)) > kOffLine && !at_side)
-      PetscCall(reader.Refuse(option, reader.Text(corner),
-                              "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) +
-                                  " from -domain_lower " + reader.Text(c.domain.lower)));
+      reader.Refuse(option, reader.Text(corner),
+                    "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) + " from -domain_lower " +
+                        reader.Text(c.domain.lower));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// How far inside level k - 1 the coupling needs the borders of level k to lie.
@@ -40,10 +38,9 @@ double NeededDepth(const Case &c, int k)
 double DepthInside(const Case &c, int k, Side side) { return -SignOf(side) * (c.boxes[k].At(side) - c.boxes[k - 1].At(side)); }
 
 /// The box of level k must lie in that of level k - 1, as deep as the coupling needs where a side is not the domain's.
-PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
+void CheckNesting(OptionReader &reader, const Case &c, int k)
 {
   const Box &box = c.boxes[k];
-  PetscFunctionBeginUser;
   for (int s = 0; s < 2 * c.Dim(); ++s) {
     const Side side = static_cast<Side>(s);
     const bool upper = SignOf(side) > 0;
@@ -51,11 +48,10 @@ PetscErrorCode CheckNesting(OptionReader &reader, const Case &c, int k)
     const Vec3 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
-      PetscCall(reader.Refuse(option, reader.Text(corner),
-                              "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
-                                  kSideNames[s] + "; it is " + FormatRounded(depth)));
+      reader.Refuse(option, reader.Text(corner),
+                    "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
+                        kSideNames[s] + "; it is " + FormatRounded(depth));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// The corner on the cell lines themselves, as a grid beside the lines would have its points elsewhere; on the domain's sides
@@ -70,93 +66,79 @@ Vec3 OnLines(const Case &c, Vec3 corner, double cell)
   return corner;
 }
 
-PetscErrorCode ReadBox(OptionReader &reader, Case *c, int k)
+void ReadBox(OptionReader &reader, Case *c, int k)
 {
   const std::string name = "-level_" + std::to_string(k);
   const double coarse = c->CellSize(k - 1);
   Box box;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower));
-  PetscCall(reader.Vector({name + "_upper", "upper corner of the level's box", "m"}, true, &box.upper));
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CheckLines(reader, *c, name + "_lower", box.lower, coarse));
-  PetscCall(CheckLines(reader, *c, name + "_upper", box.upper, coarse));
+  reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower);
+  reader.Vector({name + "_upper", "upper corner of the level's box", "m"}, true, &box.upper);
+  if (reader.Help()) return;
+  CheckLines(reader, *c, name + "_lower", box.lower, coarse);
+  CheckLines(reader, *c, name + "_upper", box.upper, coarse);
   for (int axis = 0; axis < c->Dim(); ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      PetscCall(reader.Refuse(name + "_upper", reader.Text(box.upper),
-                              "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
-                                  reader.Text(box.lower)));
+      reader.Refuse(name + "_upper", reader.Text(box.upper),
+                    "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
+                        reader.Text(box.lower));
   box = {OnLines(*c, box.lower, coarse), OnLines(*c, box.upper, coarse)};
   c->boxes.push_back(box);
-  PetscCall(CheckNesting(reader, *c, k));
+  CheckNesting(reader, *c, k);
   const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeLayout::kSums;
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
   if (nodes > most)
-    PetscCall(reader.Refuse("-levels", std::to_string(c->levels),
-                            "such that each grid has at most " + FormatNumber(most) + " nodes; level " + std::to_string(k) +
-                                " would have " + FormatNumber(nodes)));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    reader.Refuse("-levels", std::to_string(c->levels),
+                  "such that each grid has at most " + FormatNumber(most) + " nodes; level " + std::to_string(k) +
+                      " would have " + FormatNumber(nodes));
 }
 
-PetscErrorCode ReadNodeCoupling(OptionReader &reader, Case *c)
+void ReadNodeCoupling(OptionReader &reader, Case *c)
 {
   HierarchySettings &settings = c->hierarchy;
-  bool given = false;
   double width = kBlendWidth;
-  PetscFunctionBeginUser;
-  PetscCall(reader.Number({"-blend_width",
-                           "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
-                           "where it is not given and boxes lie closer, less, down to 2",
-                           ""},
-                          Closed(0, 64), false, &width, &given));
+  const bool given = reader.Number({"-blend_width",
+                                    "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
+                                    "where it is not given and boxes lie closer, less, down to 2",
+                                    ""},
+                                   Closed(0, 64), false, &width);
   settings.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
   settings.merge_siblings = settings.ratio > 2; // points much smaller than the cells make noise
-  PetscCall(reader.Flag(
+  reader.Flag(
       {"-merge_siblings",
-       "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)", ""},
-      &settings.merge_siblings));
-  PetscFunctionReturn(PETSC_SUCCESS);
+       "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)"},
+      &settings.merge_siblings);
 }
 
-PetscErrorCode ReadPointCoupling(OptionReader &reader, Case *c)
+void ReadPointCoupling(OptionReader &reader, Case *c)
 {
   HierarchySettings &settings = c->hierarchy;
   CopyRepairs &repairs = settings.repairs;
   std::string ownership = "flags";
-  PetscFunctionBeginUser;
   settings.ghost_cells = 2 * settings.ratio;
-  PetscCall(reader.Integer(
-      {"-ghost_cells",
-       "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)", ""},
-      Closed(settings.ratio, 64), &settings.ghost_cells));
-  PetscCall(reader.Choice(
-      {"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)", ""},
-      {"flags", "place"}, &ownership));
+  reader.Integer({"-ghost_cells",
+                  "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)"},
+                 Closed(settings.ratio, 64), &settings.ghost_cells);
+  reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)"},
+                {"flags", "place"}, &ownership);
   repairs.owner_flags = ownership == "flags";
-  PetscCall(reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step", ""},
-                        &repairs.velocity_shift));
-  PetscCall(
-      reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them", ""},
-                  &repairs.strain_smoothing));
-  PetscCall(reader.Flag({"-momentum_correction", "points: global momentum correction", ""}, &repairs.momentum_correction));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step"}, &repairs.velocity_shift);
+  reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them"},
+              &repairs.strain_smoothing);
+  reader.Flag({"-momentum_correction", "points: global momentum correction"}, &repairs.momentum_correction);
 }
 
-PetscErrorCode ReadCoupling(OptionReader &reader, Case *c)
+void ReadCoupling(OptionReader &reader, Case *c)
 {
   std::string coupling = "nodes";
-  PetscFunctionBeginUser;
-  PetscCall(
-      reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points", ""},
-                    {"nodes", "points"}, &coupling));
+  reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points"},
+                {"nodes", "points"}, &coupling);
   if (coupling == "points" && c->model.geometry.kind != GeometryKind::kPlaneStrain)
-    PetscCall(reader.Refuse("-level_coupling", coupling, "nodes but in plane strain"));
+    reader.Refuse("-level_coupling", coupling, "nodes but in plane strain");
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
-  if (coupling == "nodes" || reader.Help()) PetscCall(ReadNodeCoupling(reader, c));
-  if (coupling == "points" || reader.Help()) PetscCall(ReadPointCoupling(reader, c));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (coupling == "nodes" || reader.Help()) ReadNodeCoupling(reader, c);
+  if (coupling == "points" || reader.Help()) ReadPointCoupling(reader, c);
 }
 
 /// Narrows the band of each border to what the box of the next finer level leaves, but not below the least.
@@ -191,20 +173,18 @@ LevelGeometry MakeLevel(const Case &c, int k)
 
 } // namespace
 
-PetscErrorCode ReadLevels(OptionReader &reader, Case *c)
+void ReadLevels(OptionReader &reader, Case *c)
 {
-  PetscFunctionBeginUser;
-  PetscCall(reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest", ""}, Closed(1, 16), &c->levels));
-  PetscCall(reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", ""}, Closed(2, 16),
-                           &c->hierarchy.ratio));
-  if (c->levels > 1 || reader.Help()) PetscCall(ReadCoupling(reader, c));
+  reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest"}, Closed(1, 16), &c->levels);
+  reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels"}, Closed(2, 16),
+                 &c->hierarchy.ratio);
+  if (c->levels > 1 || reader.Help()) ReadCoupling(reader, c);
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;
-  for (int k = 1; k <= last; ++k) PetscCall(ReadBox(reader, c, k));
-  if (reader.Help()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int k = 1; k <= last; ++k) ReadBox(reader, c, k);
+  if (reader.Help()) return;
   FitBlendWidths(c);
   for (int k = 0; k < c->levels; ++k) c->hierarchy.levels.push_back(MakeLevel(*c, k));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace mlgimp

@@ -1,6 +1,8 @@
 // What a checkpoint may say.
 #include "program/checkpoint_checks.hpp"
 
+#include "base/exchange.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -101,7 +103,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
     return "its counts of steps and frames are not those of a run";
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
     return "its initial mass and points are not those of a run";
-  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time && n[13] >= 0)) return "its last row is not that of a run";
+  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is not that of a run";
   return "";
 }
 
@@ -150,26 +152,12 @@ std::string NotFinite(const std::vector<double> &numbers, const std::string &nam
   return AllFinite(numbers.data(), numbers.size()) ? "" : name + " has a value that is not finite";
 }
 
-PetscErrorCode FindRepeated(MPI_Comm comm, const std::vector<std::int64_t> &ids, std::string *problem)
+std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids)
 {
-  PetscMPIInt size;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  std::vector<int> sent(size, 0), received(size), sent_start(size, 0), received_start(size, 0);
-  std::vector<std::int64_t> sorted = ids; // by the rank that looks at them
-  const auto owner = [=](std::int64_t id) { return static_cast<int>(id % size); };
-  std::sort(sorted.begin(), sorted.end(), [&](std::int64_t a, std::int64_t b) { return owner(a) < owner(b); });
-  for (std::int64_t id : sorted) ++sent[owner(id)];
-  PetscCallMPI(MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, comm));
-  std::partial_sum(sent.begin(), sent.end() - 1, sent_start.begin() + 1);
-  std::partial_sum(received.begin(), received.end() - 1, received_start.begin() + 1);
-  std::vector<std::int64_t> mine(static_cast<std::size_t>(received_start.back()) + static_cast<std::size_t>(received.back()));
-  PetscCallMPI(MPI_Alltoallv(sorted.data(), sent.data(), sent_start.data(), MPI_INT64_T, mine.data(), received.data(),
-                             received_start.data(), MPI_INT64_T, comm));
-  std::sort(mine.begin(), mine.end());
-  const auto twice = std::adjacent_find(mine.begin(), mine.end());
-  if (twice != mine.end()) *problem = "two points have the number " + std::to_string(*twice);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(ExchangeRecords(comm, &ids, [ranks = RanksOf(comm)](std::int64_t id) { return static_cast<int>(id % ranks); }));
+  std::sort(ids.begin(), ids.end());
+  const auto twice = std::adjacent_find(ids.begin(), ids.end());
+  return twice == ids.end() ? "" : "two points have the number " + std::to_string(*twice);
 }
 
 } // namespace mlgimp

@@ -18,19 +18,19 @@ public:
   CheckpointReader(const Case &settings, Hierarchy &hierarchy) : case_(settings), hierarchy_(hierarchy), comm_(hierarchy.Comm())
   {
   }
-  PetscErrorCode Read(RunState *state, bool *same_ranks);
+  void Read(RunState *state, bool *same_ranks);
 
 private:
-  PetscErrorCode Open();
-  PetscErrorCode ReadHead(RunState *state);
-  PetscErrorCode ReadTotals();
-  PetscErrorCode CountPoints(const RunState &state);
-  PetscErrorCode ReadLevel(const RunState &state, int l);
-  PetscErrorCode ReadLayout(int l);
-  PetscErrorCode ReadPoints(const std::string &group, Level &level, Points &points);
-  PetscErrorCode ReadBorder(int b);
-  PetscErrorCode CheckWhole(const RunState &state);
-  PetscErrorCode Settle(const char *place);
+  void Open();
+  void ReadHead(RunState *state);
+  void ReadTotals();
+  void CountPoints(const RunState &state);
+  void ReadLevel(const RunState &state, int l);
+  void ReadLayout(int l);
+  void ReadPoints(const std::string &group, Level &level, Points &points);
+  void ReadBorder(int b);
+  void CheckWhole(const RunState &state);
+  void Settle(const char *place);
 
   void Note(const std::string &wrong)
   {
@@ -59,24 +59,20 @@ private:
 };
 
 /// Ends the run where any rank has found something wrong.
-PetscErrorCode CheckpointReader::Settle(const char *place)
+void CheckpointReader::Settle(const char *place)
 {
-  PetscFunctionBeginUser;
-  PetscCall(Agree(comm_, place, &wrong_));
+  wrong_ = Agree(comm_, place, wrong_);
   if (!wrong_.empty())
-    PetscCall(Refuse(comm_, "-restart " + Shortened(case_.output.restart) + ": must be a whole checkpoint" +
-                                (wrong_[0] == ' ' ? "" : "; ") + wrong_));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    Refuse("-restart " + Shortened(case_.output.restart) + ": must be a whole checkpoint" + (wrong_[0] == ' ' ? "" : "; ") +
+           wrong_);
 }
 
 /// The first rank looks first: most of what is wrong with a file it finds alone.
-PetscErrorCode CheckpointReader::Open()
+void CheckpointReader::Open()
 {
   const std::string &path = case_.output.restart;
   std::vector<double> version(1, 0.0);
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
+  const PetscMPIInt rank = RankIn(comm_);
   const auto groups_are_whole = [this] {
     bool all = file_.IsWholeGroup("/");
     for (int l = 0; l < hierarchy_.Levels(); ++l) all = all && file_.IsWholeGroup(LevelName(l));
@@ -87,14 +83,13 @@ PetscErrorCode CheckpointReader::Open()
     wrong_ = unknown;
   else if (rank == 0 && version[0] == kFormatVersion)
     Found(groups_are_whole(), "an index of names");
-  PetscCall(Settle("checkpoint_format"));
-  PetscCallMPI(MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_));
+  Settle("checkpoint_format");
+  MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_);
   if (version[0] != kFormatVersion)
-    PetscCall(Refuse(comm_, "-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) +
-                                "; it has " + FormatNumber(version[0])));
+    Refuse("-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) + "; it has " +
+           FormatNumber(version[0]));
   if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
-  PetscCall(Settle("checkpoint_open"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("checkpoint_open");
 }
 
 /// The first option that two runs do not share, as a message; empty where there is none.
@@ -107,62 +102,57 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
   return "";
 }
 
-PetscErrorCode CheckpointReader::ReadHead(RunState *state)
+void CheckpointReader::ReadHead(RunState *state)
 {
   std::vector<double> numbers = StateAsNumbers({}), copies(4);
   std::string then, difference;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
-  PetscFunctionBeginUser;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
-  PetscCall(Settle("checkpoint_identity"));
-  PetscCall(Agree(comm_, "checkpoint_case", &difference));
-  if (!difference.empty())
-    PetscCall(Refuse(comm_, "-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference));
+  Settle("checkpoint_identity");
+  difference = Agree(comm_, "checkpoint_case", difference);
+  if (!difference.empty()) Refuse("-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference);
   if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
   if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
     if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
     Note(NotFinite(copies, "copies"));
   }
-  PetscCall(Settle("checkpoint_state"));
+  Settle("checkpoint_state");
   *state = StateFromNumbers(numbers);
   hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
-PetscErrorCode CheckpointReader::ReadTotals()
+void CheckpointReader::ReadTotals()
 {
   constexpr hsize_t kMostRanks = 1 << 24;
-  PetscMPIInt rank, size;
   hsize_t writers = 0;
-  const std::size_t count = hierarchy_.Totals().size();
-  std::vector<double> all, mine(count, 0.0);
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  PetscCallMPI(MPI_Comm_size(comm_, &size));
+  std::vector<double> all; // as many for each of the writers, in the order of Parts
+  for (const Budgets *part : hierarchy_.Parts()) part->AppendKept(&all);
+  const std::size_t count = all.size();
   if (Found(file_.Rows("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), &writers) && writers > 0 && writers <= kMostRanks,
             "totals")) {
     all.resize(writers * count);
     Found(file_.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), {0, writers, writers}, all.data()), "totals");
     Note(NotFinite(all, "totals"));
   }
-  PetscCall(Settle("checkpoint_totals"));
+  Settle("checkpoint_totals");
   writers_ = writers;
-  same_ranks_ = writers == static_cast<hsize_t>(size);
-  for (std::size_t r = 0; r < writers; ++r)
-    for (std::size_t k = 0; k < count; ++k)
-      if (same_ranks_ ? static_cast<int>(r) == rank : rank == 0) mine[k] += all[r * count + k];
-  if (!hierarchy_.RestoreTotals(mine)) Note("totals has a count that is none");
-  PetscCall(Settle("checkpoint_counts"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  same_ranks_ = writers == static_cast<hsize_t>(RanksOf(comm_));
+  const PetscMPIInt rank = RankIn(comm_);
+  for (std::size_t r = 0; r < writers; ++r) {
+    const double *next = &all[r * count];
+    for (Budgets *part : hierarchy_.Parts())
+      if (next && static_cast<int>(same_ranks_ ? r : 0) == rank) next = part->AddKept(next);
+    if (!next) Note("totals has a count that is none");
+  }
+  Settle("checkpoint_counts");
 }
 
 /// Before memory is taken for them, points must be as many as the run had and made.
-PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
+void CheckpointReader::CountPoints(const RunState &state)
 {
   double points = 0;
   Budgets budgets;
-  PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     hsize_t rows = 0;
     std::vector<double> counts;
@@ -171,21 +161,20 @@ PetscErrorCode CheckpointReader::CountPoints(const RunState &state)
       Note(WrongCounts(counts, writers_, static_cast<double>(rows)));
     points += static_cast<double>(rows);
   }
-  PetscCall(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
-  const double children = std::pow(case_.hierarchy.ratio, case_.Dim()) - 1;
-  const double created = (budgets.points_split - budgets.points_merged) * children - state.initial_created;
-  if (KeepsPoints() && points != state.initial_points + created)
-    Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(state.initial_points + created));
-  PetscCall(Settle("checkpoint_points"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
+  const double expected = state.initial_points + case_.PointsCreated(budgets) - state.initial_created;
+  if (KeepsPoints() && points != expected)
+    Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(expected));
+  Settle("checkpoint_points");
 }
 
 /// This rank's rows: those it wrote where the number of ranks is the same, else an equal share.
-Slab MakeReadSlab(const std::vector<double> &counts, int size, int rank, bool same_ranks, hsize_t total)
+Slab MakeReadSlab(MPI_Comm comm, const std::vector<double> &counts, bool same_ranks, hsize_t total)
 {
+  const hsize_t rank = RankIn(comm), size = RanksOf(comm);
   Slab slab{0, 0, total};
   if (same_ranks) {
-    for (int k = 0; k < rank; ++k) slab.start += static_cast<hsize_t>(counts[k]);
+    for (hsize_t k = 0; k < rank; ++k) slab.start += static_cast<hsize_t>(counts[k]);
     slab.count = static_cast<hsize_t>(counts[rank]);
   } else {
     slab.start = total * rank / size;
@@ -195,15 +184,11 @@ Slab MakeReadSlab(const std::vector<double> &counts, int size, int rank, bool sa
 }
 
 /// Reads points into an empty store, in the order of the file.
-PetscErrorCode CheckpointReader::ReadPoints(const std::string &group, Level &level, Points &points)
+void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points &points)
 {
-  PetscMPIInt rank, size;
   std::vector<double> counts;
   hsize_t total = 0;
   PointArrays arrays;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  PetscCallMPI(MPI_Comm_size(comm_, &size));
   if (FoundList(group + "/counts", &counts) && Found(file_.Rows(group + "/id", H5T_NATIVE_INT64, 1, &total), group + "/id"))
     Note(WrongCounts(counts, writers_, static_cast<double>(total)));
   for (const PointFieldInfo &field : points.Table()) {
@@ -211,125 +196,112 @@ PetscErrorCode CheckpointReader::ReadPoints(const std::string &group, Level &lev
     const std::string name = group + "/" + field.name;
     if (field.components > 0) Found(file_.Rows(name, H5Type(field.type), field.components, &rows) && rows == total, name);
   }
-  PetscCall(Settle("checkpoint_shapes"));
-  const Slab slab = MakeReadSlab(counts, size, rank, same_ranks_, total);
-  PetscCall(points.Resize(static_cast<int>(slab.count)));
+  Settle("checkpoint_shapes");
+  const Slab slab = MakeReadSlab(comm_, counts, same_ranks_, total);
+  EndOn(points.Resize(static_cast<int>(slab.count)));
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
     const std::string name = group + "/" + field.name;
     void *data = nullptr;
     if (field.components == 0) continue;
-    PetscCall(points.Field(static_cast<PointField>(k), &data));
+    EndOn(points.Field(static_cast<PointField>(k), &data));
     Found(file_.Dataset(name, H5Type(field.type), field.components, slab, data), name);
   }
-  PetscCall(Settle("checkpoint_fields"));
-  PetscCall(points.Arrays(&arrays));
+  Settle("checkpoint_fields");
+  EndOn(points.Arrays(&arrays));
   Note(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
   Note(WrongPlaces(arrays, level, same_ranks_));
-  PetscCall(Settle("checkpoint_values"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("checkpoint_values");
 }
 
 /// The layout of a level's grid, which is taken up where as many ranks wrote it.
-PetscErrorCode CheckpointReader::ReadLayout(int l)
+void CheckpointReader::ReadLayout(int l)
 {
   const std::string group = LevelName(l);
   std::array<std::vector<double>, 3> widths;
   std::vector<double> ranks;
   bool found = FoundList(group + "/ranks", &ranks);
-  PetscFunctionBeginUser;
   for (int axis = 0; axis < 3; ++axis) found = FoundList(group + kWidthNames[axis], &widths[axis]) && found;
   if (found) Note(WrongLayout(widths, ranks, hierarchy_.At(l).Geometry().grid, writers_));
-  PetscCall(Settle("checkpoint_layout"));
-  if (!same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("checkpoint_layout");
+  if (!same_ranks_) return;
   GridLayout layout;
   for (int axis = 0; axis < 3; ++axis) layout.widths[axis].assign(widths[axis].begin(), widths[axis].end());
   layout.ranks.assign(ranks.begin(), ranks.end());
-  PetscCall(hierarchy_.At(l).Repartition(layout));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(hierarchy_.At(l).Repartition(layout));
 }
 
-PetscErrorCode CheckpointReader::ReadLevel(const RunState &state, int l)
+void CheckpointReader::ReadLevel(const RunState &state, int l)
 {
   Level &level = hierarchy_.At(l);
   const std::string group = LevelName(l);
   std::vector<double> clock(4), keys, values;
   ContactPressures pressures;
-  PetscFunctionBeginUser;
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
     Note(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values)) Note(WrongPressures(keys, values));
-  PetscCall(Settle("checkpoint_pace"));
-  PetscCall(ReadLayout(l));
-  PetscCall(ReadPoints(group, level, level.PointStore()));
+  Settle("checkpoint_pace");
+  ReadLayout(l);
+  ReadPoints(group, level, level.PointStore());
   for (int origin = 0; origin < 2 && hierarchy_.Copies().ready; ++origin)
-    PetscCall(ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin)));
+    ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
   level.SetPressures(pressures);
   level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0});
-  if (same_ranks_) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(level.Migrate(true));
-  PetscCall(level.MigrateCopies());
-  PetscCall(level.Sort());
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (same_ranks_) return;
+  EndOn(level.Migrate(true));
+  EndOn(level.MigrateCopies());
+  EndOn(level.Sort());
 }
 
-PetscErrorCode CheckpointReader::ReadBorder(int b)
+void CheckpointReader::ReadBorder(int b)
 {
   std::vector<double> state;
-  PetscFunctionBeginUser;
   const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
   if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
   Found(state.size() == size, BorderName(b));
-  PetscCall(Settle("checkpoint_border"));
-  PetscCall(hierarchy_.RestoreInterfaceState(b, state));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("checkpoint_border");
+  EndOn(hierarchy_.RestoreInterfaceState(b, state));
 }
 
 /// What only all points together tell.
-PetscErrorCode CheckpointReader::CheckWhole(const RunState &state)
+void CheckpointReader::CheckWhole(const RunState &state)
 {
   constexpr double kMassError = 1e-6;
   std::vector<std::int64_t> ids;
   Budgets budgets;
-  PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     PointArrays points;
-    PetscCall(hierarchy_.At(l).PointStore().Arrays(&points));
+    EndOn(hierarchy_.At(l).PointStore().Arrays(&points));
     ids.insert(ids.end(), points.id, points.id + points.count);
   }
-  PetscCall(hierarchy_.ReduceBudgets(&budgets));
+  EndOn(hierarchy_.ReduceBudgets(&budgets));
   if (!std::isfinite(budgets.kinetic_energy) || !std::isfinite(budgets.strain_energy)) Note("its energies are not finite");
   if (KeepsPoints()) {
     if (!(std::abs(budgets.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
-    PetscCall(FindRepeated(comm_, ids, &wrong_));
+    Note(FindRepeated(comm_, std::move(ids)));
   }
-  PetscCall(Settle("checkpoint_whole"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("checkpoint_whole");
 }
 
-PetscErrorCode CheckpointReader::Read(RunState *state, bool *same_ranks)
+void CheckpointReader::Read(RunState *state, bool *same_ranks)
 {
-  PetscFunctionBeginUser;
-  PetscCall(Open());
-  PetscCall(ReadHead(state));
-  PetscCall(ReadTotals());
-  PetscCall(CountPoints(*state));
-  for (int l = 0; l < hierarchy_.Levels(); ++l) PetscCall(ReadLevel(*state, l));
-  for (int b = 0; b + 1 < hierarchy_.Levels(); ++b) PetscCall(ReadBorder(b));
-  PetscCall(CheckWhole(*state));
+  Open();
+  ReadHead(state);
+  ReadTotals();
+  CountPoints(*state);
+  for (int l = 0; l < hierarchy_.Levels(); ++l) ReadLevel(*state, l);
+  for (int b = 0; b + 1 < hierarchy_.Levels(); ++b) ReadBorder(b);
+  CheckWhole(*state);
   *same_ranks = same_ranks_;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
 
-PetscErrorCode ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks)
+void ReadCheckpoint(const Case &settings, Hierarchy &hierarchy, RunState *state, bool *same_ranks)
 {
-  PetscFunctionBeginUser;
   CheckpointReader reader(settings, hierarchy);
-  PetscCall(reader.Read(state, same_ranks));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  reader.Read(state, same_ranks);
 }
 
 } // namespace mlgimp

@@ -1,6 +1,7 @@
 // Looks at the command line and options files before PETSc does, which ends with a trace where it cannot parse them.
 #include "program/command_line.hpp"
 
+#include "program/agree.hpp"
 #include "program/files.hpp"
 #include "program/options.hpp"
 
@@ -9,7 +10,6 @@
 #include <cerrno>
 #include <fcntl.h>
 #include <map>
-#include <mpi.h>
 #include <poll.h>
 #include <set>
 #include <sstream>
@@ -146,27 +146,16 @@ std::string Parse(int argc, char **argv, CommandLine *line)
   return "";
 }
 
-void Share(std::string *text)
-{
-  int size = static_cast<int>(text->size());
-  MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  text->resize(static_cast<std::size_t>(size));
-  MPI_Bcast(text->data(), size, MPI_CHAR, 0, MPI_COMM_WORLD);
-}
-
 } // namespace
 
 CommandLine ReadCommandLine(int argc, char **argv)
 {
   CommandLine line;
-  int rank = 0;
   line.name = "run";
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (rank == 0) line.problem = Parse(argc, argv, &line);
-  std::string words = Join(line.words, std::string(1, '\0'));
-  Share(&words);
-  Share(&line.name);
-  Share(&line.problem);
+  if (RankIn(MPI_COMM_WORLD) == 0) line.problem = Parse(argc, argv, &line);
+  const std::string words = ShareText(MPI_COMM_WORLD, Join(line.words, std::string(1, '\0')));
+  line.name = ShareText(MPI_COMM_WORLD, line.name);
+  line.problem = ShareText(MPI_COMM_WORLD, line.problem);
   line.words = words.empty() ? std::vector<std::string>() : Split(words, '\0');
   return line;
 }

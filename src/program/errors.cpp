@@ -19,10 +19,9 @@ std::string OneLine(std::string text)
   return text;
 }
 
-PetscErrorCode Refuse(MPI_Comm comm, const std::string &line)
+void Warn(MPI_Comm comm, const std::string &line)
 {
-  PetscFunctionBeginUser;
-  SETERRQ(comm, PETSC_ERR_USER_INPUT, "%s", line.c_str());
+  if (RankIn(comm) == 0) std::fprintf(stderr, "mlgimp: warning: %s\n", OneLine(line).c_str());
 }
 
 static void PrintError(const std::string &line) { std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line).c_str()); }
@@ -30,9 +29,7 @@ static void PrintError(const std::string &line) { std::fprintf(stderr, "mlgimp: 
 /// Ends all ranks; one that is alone without MPI's ten lines about it.
 [[noreturn]] static void EndAll()
 {
-  int ranks = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  if (ranks > 1) MPI_Abort(MPI_COMM_WORLD, 1);
+  if (RanksOf(MPI_COMM_WORLD) > 1) MPI_Abort(MPI_COMM_WORLD, 1);
   _exit(1);
 }
 
@@ -45,6 +42,12 @@ static void PrintError(const std::string &line) { std::fprintf(stderr, "mlgimp: 
 }
 
 static ErrorExit *installed = nullptr; ///< a handler of exceptions gets nothing from its caller
+
+void Refuse(const std::string &line)
+{
+  if (installed) installed->Meet(line);
+  throw Refused(line);
+}
 
 /// Exceptions that nobody catches end here before anything is unwound: destructors may wait for other ranks, as that of a file.
 [[noreturn]] static void EndByException()
@@ -65,7 +68,7 @@ static ErrorExit *installed = nullptr; ///< a handler of exceptions gets nothing
 PetscErrorCode ErrorExit::Install()
 {
   MPI_Comm_dup(MPI_COMM_WORLD, &comm_); // its own, so that no collective call that is under way meets it
-  MPI_Comm_rank(comm_, &rank_);
+  rank_ = RankIn(comm_);
   installed = this;
   std::set_new_handler(EndWithoutMemory);
   std::set_terminate(EndByException);
@@ -110,9 +113,6 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
   const std::string text = message ? OneLine(message) : "", where = function ? function : "unknown";
   if (type == PETSC_ERROR_REPEAT) return code;
   switch (code) {
-  case PETSC_ERR_USER_INPUT:
-    static_cast<ErrorExit *>(context)->Meet(text);
-    break;
   case PETSC_ERR_MEM:
     static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
     break;

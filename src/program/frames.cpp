@@ -2,6 +2,7 @@
 #include "program/frames.hpp"
 
 #include "program/agree.hpp"
+#include "program/errors.hpp"
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
@@ -28,11 +29,9 @@ struct FrameField {
 };
 
 /// Datasets of a level that are not fields of the points: current volume and half size.
-static PetscErrorCode AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model,
-                                 const Slab &slab)
+static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model, const Slab &slab)
 {
   const BodyTable bodies = model.Table();
-  PetscFunctionBeginUser;
   const int dim = points.dim;
   std::vector<double> volume(points.count), half_size(static_cast<std::size_t>(dim) * points.count);
   for (int p = 0; p < points.count; ++p) {
@@ -41,49 +40,42 @@ static PetscErrorCode AddDerived(H5Writer &file, const std::string &group, const
         Determinant(points.F + PointArrays::At(p, dim * dim), dim) * hoop * points.mass[p] / bodies.Of(points, p).Density();
     for (int axis = 0; axis < dim; ++axis) half_size[PointArrays::At(p, dim) + axis] = CurrentHalfSize(points, p, axis);
   }
-  PetscCall(file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data()));
-  PetscCall(file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, dim, slab, half_size.data()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
+  file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, dim, slab, half_size.data());
 }
 
-PetscErrorCode FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step, std::string *problem)
+std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
 {
   H5Writer file;
   Frame frame{number, time, {}};
-  PetscFunctionBeginUser;
-  PetscCall(file.Open(hierarchy.Comm(), PathOf(number), false));
-  PetscCall(file.Attribute("/", "time", {time}));
-  PetscCall(file.Attribute("/", "step", {static_cast<double>(step)}));
+  file.Open(hierarchy.Comm(), PathOf(number), false);
+  file.Attribute("/", "time", {time});
+  file.Attribute("/", "step", {static_cast<double>(step)});
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
     PointArrays points;
-    Slab slab;
-    PetscCall(hierarchy.At(l).PointStore().Arrays(&points));
-    PetscCall(MakeSlab(hierarchy.Comm(), points.count, &slab));
-    PetscCall(file.Group(group));
+    EndOn(hierarchy.At(l).PointStore().Arrays(&points));
+    const Slab slab = MakeSlab(hierarchy.Comm(), points.count);
+    file.Group(group);
     for (int k = 0; k < kPointFields; ++k) {
       const PointFieldInfo &field = hierarchy.At(l).PointStore().Table()[k];
       void *data = nullptr;
       if (!field.in_frames || field.components == 0) continue;
-      PetscCall(hierarchy.At(l).PointStore().Field(static_cast<PointField>(k), &data));
-      PetscCall(file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data));
+      EndOn(hierarchy.At(l).PointStore().Field(static_cast<PointField>(k), &data));
+      file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
-    PetscCall(AddDerived(file, group, points, model_, slab));
+    AddDerived(file, group, points, model_, slab);
     frame.counts.push_back(slab.total);
   }
-  PetscCall(file.Finish(problem));
-  if (!problem->empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string problem = file.Finish();
+  if (!problem.empty()) return problem;
   frames_.push_back(frame);
-  PetscCall(WriteSeries(hierarchy.Comm(), problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return WriteSeries(hierarchy.Comm());
 }
 
-PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written, std::string *problem)
+std::string FrameWriter::Resume(MPI_Comm comm, int written)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  for (int number = 1; number <= written && rank == 0; ++number) { // some are absent where steps are fewer than frames
+  for (int number = 1; number <= written && RankIn(comm) == 0; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
     Frame frame{number, 0, {}};
     std::vector<double> time(1);
@@ -97,22 +89,18 @@ PetscErrorCode FrameWriter::Resume(MPI_Comm comm, int written, std::string *prob
     frames_.push_back(frame);
   }
   int found = static_cast<int>(frames_.size());
-  PetscCallMPI(MPI_Bcast(&found, 1, MPI_INT, 0, comm));
-  if (found > 0) PetscCall(WriteSeries(comm, problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MPI_Bcast(&found, 1, MPI_INT, 0, comm);
+  return found > 0 ? WriteSeries(comm) : "";
 }
 
-PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) const
+std::string FrameWriter::WriteSeries(MPI_Comm comm) const
 {
   const int dim = model_.geometry.Dim();
   std::vector<FrameField> fields = {{"volume", 1, true, 8}, {"half_size", dim, true, 8}};
   for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
     if (field.in_frames && field.components > 0)
       fields.push_back({field.name, field.components, field.type == FieldType::kReal, field.type == FieldType::kInt32 ? 4 : 8});
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
+  return OnFirstRank(comm, "series", [&] {
     std::ostringstream xml;
     xml.precision(17);
     xml << "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -140,10 +128,8 @@ PetscErrorCode FrameWriter::WriteSeries(MPI_Comm comm, std::string *problem) con
       xml << "</Grid>\n";
     }
     xml << "</Grid>\n</Domain>\n</Xdmf>\n";
-    *problem = ReplaceFile(directory_ + "/points.xdmf", xml.str());
-  }
-  PetscCall(Agree(comm, "series", problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    return ReplaceFile(directory_ + "/points.xdmf", xml.str());
+  });
 }
 
 } // namespace mlgimp

@@ -15,16 +15,12 @@ namespace mlgimp
 
 void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
 
-PetscErrorCode MakeSlab(MPI_Comm comm, int count, Slab *slab)
+Slab MakeSlab(MPI_Comm comm, int count)
 {
   unsigned long long mine = static_cast<unsigned long long>(count), before = 0, total = 0;
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm));
-  *slab = {rank ? before : 0, mine, total};
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm);
+  MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm);
+  return {RankIn(comm) ? before : 0, mine, total};
 }
 
 static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
@@ -49,20 +45,12 @@ void H5Writer::NoteSystem(bool success)
 }
 
 /// A failure of one rank becomes that of all, so that none waits for the others in a collective call.
-PetscErrorCode H5Writer::Settle(const char *place)
-{
-  std::string problem = good_ ? "" : "failed";
-  PetscFunctionBeginUser;
-  PetscCall(Agree(comm_, place, &problem));
-  good_ = problem.empty();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+void H5Writer::Settle(const char *place) { good_ = Agree(comm_, place, good_ ? "" : "failed").empty(); }
 
 /// Makes sure of room for the first `size` bytes of the file, and for what the library adds to them.
-PetscErrorCode H5Writer::Reserve(off_t size)
+void H5Writer::Reserve(off_t size)
 {
   constexpr off_t kOverhead = 1 << 16; // bytes for names and attributes
-  PetscFunctionBeginUser;
   if (good_ && part_.Valid()) {
     const off_t end = size + kOverhead;
     const int error = end > reserved_ ? posix_fallocate(part_, reserved_, end - reserved_) : 0;
@@ -70,57 +58,48 @@ PetscErrorCode H5Writer::Reserve(off_t size)
     errno = error;
     NoteSystem(error == 0);
   }
-  PetscCall(Settle("file_room"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("file_room");
 }
 
-PetscErrorCode H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
+void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
   comm_ = comm;
   path_ = path;
   checked_ = checked;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
+  if (RankIn(comm) == 0) {
     part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
     NoteSystem(part_.Valid());
   }
-  PetscCall(Reserve(0));
-  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  Reserve(0);
+  if (!good_) return;
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
   if (checked) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110); // the first format that sums all metadata
   file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   Note(file_.Valid());
   reserved_ = 0; // the file was emptied
-  PetscCall(Reserve(0));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Reserve(0);
 }
 
-PetscErrorCode H5Writer::Group(const std::string &name)
+void H5Writer::Group(const std::string &name)
 {
-  PetscFunctionBeginUser;
-  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!good_) return;
   const H5Handle group(H5Gcreate2(file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   Note(group.Valid());
-  PetscCall(Settle("file_group"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("file_group");
 }
 
-PetscErrorCode H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
+void H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
 {
   const hsize_t size = values.size();
-  PetscFunctionBeginUser;
-  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!good_) return;
   const H5Handle space(size == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, nullptr), H5Sclose);
   const H5Handle attribute(
       H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
   Note(attribute.Valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0);
-  PetscCall(Settle("file_attribute"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("file_attribute");
 }
 
 /// How a dataset lies in the file: checksums need chunks; those are equal and of about a megabyte.
@@ -145,58 +124,44 @@ off_t H5Writer::EndOf(const H5Handle &set, hsize_t bytes) const
   return static_cast<off_t>(end + bytes + bytes / 64);
 }
 
-PetscErrorCode H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
+void H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
 {
   const std::size_t row_size = static_cast<std::size_t>(components) * H5Tget_size(type);
-  PetscFunctionBeginUser;
-  if (!good_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!good_) return;
   const H5Handle layout = Layout(components, slab.total, row_size), transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   const H5Handle target = SlabSpace(components, slab, false), source = SlabSpace(components, slab, true);
   const H5Handle set(H5Dcreate2(file_, name.c_str(), type, target, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
   Note(set.Valid());
-  PetscCall(Reserve(good_ ? EndOf(set, slab.total * row_size) : 0));
-  if (!good_ || slab.total == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  Reserve(good_ ? EndOf(set, slab.total * row_size) : 0);
+  if (!good_ || slab.total == 0) return;
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
   Note(H5Dwrite(set, type, source, target, transfer, data) >= 0);
-  PetscCall(Settle("file_dataset"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Settle("file_dataset");
 }
 
-PetscErrorCode H5Writer::List(const std::string &name, const std::vector<double> &values)
+void H5Writer::List(const std::string &name, const std::vector<double> &values)
 {
-  Slab slab;
-  PetscFunctionBeginUser;
-  PetscCall(MakeSlab(comm_, static_cast<int>(values.size()), &slab));
-  PetscCall(Dataset(name, H5T_NATIVE_DOUBLE, 1, slab, values.data()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Dataset(name, H5T_NATIVE_DOUBLE, 1, MakeSlab(comm_, static_cast<int>(values.size())), values.data());
 }
 
-PetscErrorCode H5Writer::Text(const std::string &name, const std::string &text)
+void H5Writer::Text(const std::string &name, const std::string &text)
 {
-  Slab slab;
-  PetscFunctionBeginUser;
-  PetscCall(MakeSlab(comm_, static_cast<int>(text.size()), &slab));
-  PetscCall(Dataset(name, H5T_NATIVE_UINT8, 1, slab, text.data()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Dataset(name, H5T_NATIVE_UINT8, 1, MakeSlab(comm_, static_cast<int>(text.size())), text.data());
 }
 
-PetscErrorCode H5Writer::Finish(std::string *problem)
+std::string H5Writer::Finish()
 {
-  PetscMPIInt rank;
   const std::string part = path_ + ".part";
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
   if (!good_ && part_.Valid()) Note(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
-  PetscCallMPI(MPI_Barrier(comm_));
+  MPI_Barrier(comm_);
   Note(file_.Close());
-  PetscCall(Settle("file_close"));
-  if (rank == 0) {
+  Settle("file_close");
+  return OnFirstRank(comm_, "file_name", [&]() -> std::string {
     if (good_) NoteSystem(part_.Close() && std::rename(part.c_str(), path_.c_str()) == 0);
-    if (!good_) unlink(part.c_str());
-    *problem = good_ ? "" : CannotWrite(path_, error_);
-  }
-  PetscCall(Agree(comm_, "file_name", problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    if (good_) return "";
+    unlink(part.c_str());
+    return CannotWrite(path_, error_);
+  });
 }
 
 bool H5Reader::IsWholeGroup(const std::string &group) const

@@ -3,6 +3,7 @@
 
 #include "program/agree.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
@@ -15,53 +16,21 @@ namespace mlgimp
 namespace
 {
 
-/// Columns for the components from axis `from` to before `to` of a budget.
-void AddVector(std::vector<HistoryColumn> &columns, const std::string &name, int from, int to, double (Budgets::*budget)[3])
-{
-  for (int axis = from; axis < to; ++axis)
-    columns.push_back({name + "_" + "xyz"[axis], [=](const HistoryRow &r) { return (r.budgets.*budget)[axis]; }});
-}
-
-/// In the order of the file: new ones at the end, so those of the third axis and of the hoop stress are there too.
+/// In the order of the file: that of the table, but new columns go to the end.
 std::vector<HistoryColumn> Columns(const Geometry &geometry)
 {
-  const auto sum = [](double Budgets::*budget) { return [=](const HistoryRow &r) { return r.budgets.*budget; }; };
-  std::vector<HistoryColumn> columns = {
-      {"time", [](const HistoryRow &r) { return r.time; }},
-      {"depth", [](const HistoryRow &r) { return r.depth; }},
-      {"load", [](const HistoryRow &r) { return r.load; }},
-      {"contact_points", sum(&Budgets::contact_points)},
-      {"contact_half_width", [](const HistoryRow &r) { return r.half_width; }},
-      {"kinetic_energy", sum(&Budgets::kinetic_energy)},
-      {"strain_energy", sum(&Budgets::strain_energy)},
-      {"dissipated_energy", [](const HistoryRow &r) { return r.budgets.Dissipated(); }},
-      {"external_work", sum(&Budgets::external_work)},
-      {"indenter_work", sum(&Budgets::indenter_work)},
+  const Budgets table;
+  std::vector<HistoryColumn> columns;
+  const auto add = [&](Shown shown, int from, int to) {
+    for (const Budget &row : table)
+      for (int c = from; row.shown == shown && c < std::min(to, row.components); ++c)
+        columns.push_back(
+            {row.components > 1 ? std::string(row.name) + "_" + "xyz"[c] : row.name, static_cast<int>(&row - table.begin()), c});
   };
-  AddVector(columns, "momentum", 0, 2, &Budgets::momentum);
-  AddVector(columns, "support_impulse", 0, 2, &Budgets::support_impulse);
-  columns.push_back({"mass", sum(&Budgets::mass)});
-  columns.push_back({"points", sum(&Budgets::points)});
-  AddVector(columns, "contact_impulse", 0, 2, &Budgets::contact_impulse);
-  AddVector(columns, "load_impulse", 0, 2, &Budgets::load_impulse);
-  AddVector(columns, "gravity_impulse", 0, 2, &Budgets::gravity_impulse);
-  AddVector(columns, "damping_impulse", 0, 2, &Budgets::damping_impulse);
-  columns.push_back({"penetration", [](const HistoryRow &r) { return r.penetration; }});
-  columns.push_back({"peak_pressure", [](const HistoryRow &r) { return r.peak_pressure; }});
-  AddVector(columns, "stagger_impulse", 0, 2, &Budgets::stagger_impulse);
-  columns.push_back({"contact_work", sum(&Budgets::contact_work)});
-  columns.push_back({"exchange_energy", sum(&Budgets::exchange_energy)});
-  columns.push_back({"transfer_energy", sum(&Budgets::transfer_energy)});
-  columns.push_back({"contact_area", [](const HistoryRow &r) { return r.area; }});
-  if (geometry.HasHoop()) columns.push_back({"hoop_impulse_x", sum(&Budgets::hoop_impulse)});
-  if (geometry.Dim() == 2) return columns;
-  AddVector(columns, "momentum", 2, 3, &Budgets::momentum);
-  AddVector(columns, "support_impulse", 2, 3, &Budgets::support_impulse);
-  AddVector(columns, "contact_impulse", 2, 3, &Budgets::contact_impulse);
-  AddVector(columns, "load_impulse", 2, 3, &Budgets::load_impulse);
-  AddVector(columns, "gravity_impulse", 2, 3, &Budgets::gravity_impulse);
-  AddVector(columns, "damping_impulse", 2, 3, &Budgets::damping_impulse);
-  AddVector(columns, "stagger_impulse", 2, 3, &Budgets::stagger_impulse);
+  add(Shown::kColumn, 0, 2);
+  if (geometry.HasHoop()) add(Shown::kHoopColumn, 0, 1);
+  add(Shown::kColumn, 2, geometry.Dim());
+  add(Shown::kLaterColumn, 0, geometry.Dim());
   return columns;
 }
 
@@ -89,25 +58,19 @@ std::string Header(const std::vector<HistoryColumn> &columns)
 
 } // namespace
 
-PetscErrorCode History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step,
-                             std::string *problem)
+std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
   comm_ = comm;
   path_ = directory + "/history.csv";
   columns_ = Columns(geometry);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
-    *problem = ReplaceFile(path_, Header(columns_) + (resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : ""));
-    if (problem->empty()) {
-      file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
-      if (!file_.Valid()) *problem = CannotWrite(path_, errno);
-    }
-  }
-  PetscCall(Agree(comm, "history_open", problem));
-  PetscCallMPI(MPI_Bcast(&last_, 1, MPI_LONG, 0, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string problem = OnFirstRank(comm, "history_open", [&] {
+    const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
+    const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);
+    if (wrong.empty()) file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
+    return wrong.empty() && !file_.Valid() ? CannotWrite(path_, errno) : wrong;
+  });
+  MPI_Bcast(&last_, 1, MPI_LONG, 0, comm);
+  return problem;
 }
 
 /// Adds the whole text or nothing; empty, or what CannotWrite says.
@@ -121,21 +84,19 @@ std::string History::Append(const std::string &text) const
   return CannotWrite(path_, error);
 }
 
-PetscErrorCode History::Write(const HistoryRow &row, std::string *problem)
+std::string History::Write(long step, const Budgets &budgets)
 {
-  PetscFunctionBeginUser;
-  if (file_.Valid()) {
-    std::string text = std::to_string(row.step);
+  const std::string problem = OnFirstRank(comm_, "history_row", [&] {
+    std::string text = std::to_string(step);
     for (const HistoryColumn &column : columns_) {
       char number[32];
-      const auto end = std::to_chars(number, number + sizeof number, column.value(row)).ptr;
+      const auto end = std::to_chars(number, number + sizeof number, budgets.begin()[column.row].value[column.component]).ptr;
       text.append(1, ',').append(number, end);
     }
-    *problem = Append(text + "\n");
-  }
-  PetscCall(Agree(comm_, "history_row", problem));
-  if (problem->empty()) last_ = row.step;
-  PetscFunctionReturn(PETSC_SUCCESS);
+    return Append(text + "\n");
+  });
+  if (problem.empty()) last_ = step;
+  return problem;
 }
 
 } // namespace mlgimp

@@ -23,29 +23,27 @@ using namespace mlgimp;
 /// For -fp_trap, whose handler prints eight lines about debuggers beside the error.
 PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 
-PetscErrorCode Main(const std::string &name)
+void Main(const std::string &name)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
-  PetscFunctionBeginUser;
-  PetscCall(PetscLogDefaultBegin()); // the summary tells shares of the time
-  PetscCall(PetscOptionsHasHelp(nullptr, &help));
-  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
+  EndOn(PetscLogDefaultBegin()); // the summary tells shares of the time
+  EndOn(PetscOptionsHasHelp(nullptr, &help));
+  EndOn(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
   if (traps) PetscErrorPrintf = PrintNothing;
   OptionReader reader(PETSC_COMM_WORLD, help);
   settings.name = name;
-  PetscCall(ReadCase(reader, &settings));
+  ReadCase(reader, &settings);
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
-    PetscCall(solver.Create(PETSC_COMM_SELF, true));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    EndOn(solver.Create(PETSC_COMM_SELF, true));
+    return;
   }
   Simulation simulation(settings);
-  PetscCall(simulation.SetUp(PETSC_COMM_WORLD));
-  PetscCall(reader.RefuseUnused());
-  PetscCall(simulation.Run());
-  PetscCall(reader.WarnUnused());
-  PetscFunctionReturn(PETSC_SUCCESS);
+  simulation.SetUp(PETSC_COMM_WORLD);
+  reader.RefuseUnused();
+  simulation.Run();
+  reader.WarnUnused();
 }
 
 } // namespace
@@ -69,12 +67,10 @@ static std::vector<char *> Pointers(char *program, CommandLine &line)
 
 int main(int argc, char **argv)
 {
-  int rank = 0, ranks = 1;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is told like a full disk
   ChooseLayersOfMpi();
   MPI_Init(&argc, &argv);
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const int rank = RankIn(MPI_COMM_WORLD);
   CommandLine line = ReadCommandLine(argc, argv);
   if (argc == 1 || !line.problem.empty()) {
     if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
@@ -89,8 +85,12 @@ int main(int argc, char **argv)
   PetscErrorCode code = errors.Install();
   if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
   if (!code) {
-    InstallSignals(ranks);
-    code = Main(line.name);
+    InstallSignals(RanksOf(MPI_COMM_WORLD));
+    try {
+      Main(line.name);
+    } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
+      code = PETSC_ERR_USER_INPUT;
+    }
     if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // no news to whom has just been told of one
     const PetscErrorCode end = PetscFinalize();                        // reads options too
     if (!code) code = end;

@@ -37,45 +37,36 @@ void CountAll(const Case &c, double *nodes, double *points)
 }
 
 /// Bytes that this rank may use: its share of the machine, or the limit of its group or of a process.
-PetscErrorCode BytesForRank(MPI_Comm comm, double *bytes)
+double BytesForRank(MPI_Comm comm)
 {
   MPI_Comm machine;
-  PetscMPIInt ranks;
   rlimit limit{};
-  double group = 0;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  PetscCallMPI(MPI_Comm_size(machine, &ranks));
-  PetscCallMPI(MPI_Comm_free(&machine));
-  *bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (std::ifstream("/sys/fs/cgroup/memory.max") >> group) *bytes = std::min(*bytes, group); // "max" is no number
-  *bytes /= ranks;
+  double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)), group = 0;
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> group) bytes = std::min(bytes, group); // "max" is no number
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  bytes /= RanksOf(machine);
+  MPI_Comm_free(&machine);
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-    *bytes = std::min(*bytes, static_cast<double>(limit.rlim_cur));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
+  return bytes;
 }
 
 } // namespace
 
-PetscErrorCode CheckMemory(MPI_Comm comm, const Case &c)
+void CheckMemory(MPI_Comm comm, const Case &c)
 {
   const double kPoint = c.Dim() == 3 ? 400 : 220,
                kNode = c.Dim() == 3 ? 300 : 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
   constexpr double kNodeOnEveryRank = 24;        // bytes: counts of points, for the layout
   constexpr double kGigabyte = 1e9;
-  PetscMPIInt ranks;
-  double nodes, points, bytes;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  double nodes, points, bytes = BytesForRank(comm);
   CountAll(c, &nodes, &points);
-  PetscCall(BytesForRank(comm, &bytes));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
-  const double needed = (kPoint * points + kNode * nodes) / ranks + kNodeOnEveryRank * nodes;
+  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
+  const double needed = (kPoint * points + kNode * nodes) / RanksOf(comm) + kNodeOnEveryRank * nodes;
   if (!(needed <= bytes))
-    PetscCall(Refuse(comm, "-cell_size " + FormatNumber(c.cell_size) + ": must leave room in memory; " + FormatRounded(points) +
-                               " points and " + FormatRounded(nodes) + " nodes need about " + FormatRounded(needed / kGigabyte) +
-                               " GB for each rank, which has " + FormatRounded(bytes / kGigabyte) + " GB"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    Refuse("-cell_size " + FormatNumber(c.cell_size) + ": must leave room in memory; " + FormatRounded(points) + " points and " +
+           FormatRounded(nodes) + " nodes need about " + FormatRounded(needed / kGigabyte) + " GB for each rank, which has " +
+           FormatRounded(bytes / kGigabyte) + " GB");
 }
 
 } // namespace mlgimp

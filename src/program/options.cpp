@@ -72,155 +72,127 @@ static bool ParseNumber(const std::string &text, double *value)
   return !text.empty() && *end == '\0' && std::isfinite(*value) && !std::isspace(static_cast<unsigned char>(text[0]));
 }
 
-PetscErrorCode OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed) const
+void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  PetscFunctionBeginUser;
-  const std::string shown = value.empty() ? "" : " " + Shortened(value);
-  PetscCall(mlgimp::Refuse(comm_, name + shown + ": must be " + allowed));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  mlgimp::Refuse(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
 }
 
-PetscErrorCode OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value, bool *given)
+bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)
 {
   std::vector<char> buffer(kLongestValue + 1);
-  PetscBool set = PETSC_FALSE;
-  auto PetscOptionsObject = items_;
-  PetscFunctionBeginUser;
+  PetscBool given = PETSC_FALSE;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    PetscCall(Refuse(option.name, "", "an option of one meaning; give the body, material or load another name"));
+    Refuse(option.name, "", "an option of one meaning; give the body, material or load another name");
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
-  PetscCall(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &set));
-  *given = set;
-  *value = set ? buffer.data() : fallback;
+  auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
+  EndOn(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
+  *value = given ? buffer.data() : fallback;
   known_.push_back(option.name);
   if (identify_) identity_.push_back(option.name + " " + *value);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return given;
 }
 
-PetscErrorCode OptionReader::Text(const OptionText &option, bool required, std::string *value, bool *given)
+bool OptionReader::Text(const OptionText &option, bool required, std::string *value)
 {
-  bool set = false;
   std::string text;
-  PetscFunctionBeginUser;
-  PetscCall(Raw(option, required ? "required" : *value, &text, &set));
-  if (given) *given = set;
-  if (!set && required && !help_) PetscCall(Refuse(option.name, "", "given: " + option.help));
-  if (set && text.empty()) PetscCall(Refuse(option.name, "(nothing)", "given a value: " + option.help));
-  if (set) *value = text;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const bool given = Raw(option, required ? "required" : *value, &text);
+  if (!given && required && !help_) Refuse(option.name, "", "given: " + option.help);
+  if (given && text.empty()) Refuse(option.name, "(nothing)", "given a value: " + option.help);
+  if (given) *value = text;
+  return given;
 }
 
-PetscErrorCode OptionReader::Flag(const OptionText &option, bool *value)
+void OptionReader::Flag(const OptionText &option, bool *value)
 {
-  bool given = false;
-  std::string text;
-  PetscFunctionBeginUser;
-  PetscCall(Raw(option, *value ? "true" : "false", &text, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   const std::set<std::string> yes = {"", "1", "true", "yes", "on"}, no = {"0", "false", "no", "off"};
-  if (!yes.count(text) && !no.count(text)) PetscCall(Refuse(option.name, text, "true or false"));
+  std::string text;
+  if (!Raw(option, *value ? "true" : "false", &text)) return;
+  if (!yes.count(text) && !no.count(text)) Refuse(option.name, text, "true or false");
   *value = yes.count(text) > 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OptionReader::Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value)
+int OptionReader::Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value)
 {
-  bool given = false;
-  OptionText listed = option;
-  PetscFunctionBeginUser;
-  listed.help += ": " + Join(choices, ", ");
-  std::string text = *value;
-  PetscCall(Raw(listed, *value, &text, &given));
-  if (std::find(choices.begin(), choices.end(), text) == choices.end())
-    PetscCall(Refuse(option.name, text.empty() ? "(nothing)" : text, "one of " + Join(choices, ", ")));
-  *value = text;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Raw({option.name, option.help + ": " + Join(choices, ", "), option.unit}, *value, value);
+  const auto place = std::find(choices.begin(), choices.end(), *value);
+  if (place == choices.end()) Refuse(option.name, value->empty() ? "(nothing)" : *value, "one of " + Join(choices, ", "));
+  return static_cast<int>(place - choices.begin());
 }
 
-PetscErrorCode OptionReader::Integer(const OptionText &option, const Range &range, int *value)
+void OptionReader::Integer(const OptionText &option, const Range &range, int *value)
 {
-  bool given = false;
   std::string text;
   double number;
-  PetscFunctionBeginUser;
-  PetscCall(Raw(option, std::to_string(*value), &text, &given));
+  Raw(option, std::to_string(*value), &text);
   if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > 2e9)
-    PetscCall(Refuse(option.name, text.empty() ? "(nothing)" : text, "a whole number " + range.Text()));
+    Refuse(option.name, text.empty() ? "(nothing)" : text, "a whole number " + range.Text());
   *value = static_cast<int>(number);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OptionReader::Number(const OptionText &option, const Range &range, bool required, double *value, bool *given)
+bool OptionReader::Number(const OptionText &option, const Range &range, bool required, double *value)
 {
   std::vector<double> values(1, *value);
-  PetscFunctionBeginUser;
-  PetscCall(Numbers(option, range, 1, 1, required, &values, given));
+  const bool given = Numbers(option, range, 1, 1, required, &values);
   *value = values[0];
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return given;
 }
 
-PetscErrorCode OptionReader::Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most,
-                                     bool required, std::vector<double> *values, bool *given)
+static std::string FormatNumbers(const std::vector<double> &values)
 {
-  bool set = false;
+  std::vector<std::string> words;
+  for (double value : values) words.push_back(std::isfinite(value) ? FormatNumber(value) : "none");
+  return Join(words, ",");
+}
+
+bool OptionReader::Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
+                           std::vector<double> *values)
+{
   std::string text;
-  std::vector<std::string> defaults;
-  PetscFunctionBeginUser;
-  for (double value : *values) defaults.push_back(std::isfinite(value) ? FormatNumber(value) : "none");
-  PetscCall(Raw(option, required ? "required" : defaults.empty() ? "none" : Join(defaults, ","), &text, &set));
-  if (given) *given = set;
-  const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
-  const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
-  if (!set) {
-    if (required && !help_) PetscCall(Refuse(option.name, "", "given: " + option.help));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  bool allowed = true;
+  if (!Raw(option, required ? "required" : values->empty() ? "none" : FormatNumbers(*values), &text)) {
+    if (required && !help_) Refuse(option.name, "", "given: " + option.help);
+    return false;
   }
   values->clear();
-  bool allowed = true;
   for (const std::string &word : Split(text, ',')) {
     double value = 0;
     allowed = allowed && ParseNumber(word, &value) && range.Contains(value);
     values->push_back(value);
   }
+  const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
+  const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
   if (!allowed || values->size() < least || (most && values->size() > most))
-    PetscCall(Refuse(option.name, text.empty() ? "(nothing)" : text,
-                     count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas")));
-  if (identify_) { // 1 and 1.0 are the same case
-    std::vector<std::string> canonical;
-    for (double value : *values) canonical.push_back(FormatNumber(value));
-    identity_.back() = option.name + " " + Join(canonical, ",");
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+    Refuse(option.name, text.empty() ? "(nothing)" : text,
+           count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas"));
+  if (identify_) identity_.back() = option.name + " " + FormatNumbers(*values); // 1 and 1.0 are the same case
+  return true;
 }
 
 std::string OptionReader::Text(Vec3 x) const { return FormatVector(x, dim_); }
 
-PetscErrorCode OptionReader::Vector(const OptionText &option, bool required, Vec3 *value, bool *given)
+bool OptionReader::Vector(const OptionText &option, bool required, Vec3 *value)
 {
   std::vector<double> values(value->begin(), value->begin() + dim_);
-  PetscFunctionBeginUser;
-  PetscCall(Numbers(option, kAnyNumber, dim_, dim_, required, &values, given));
+  const bool given = Numbers(option, kAnyNumber, dim_, dim_, required, &values);
   std::copy_n(values.begin(), dim_, value->begin());
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return given;
 }
 
-PetscErrorCode OptionReader::Names(const OptionText &option, bool required, std::vector<std::string> *names)
+void OptionReader::Names(const OptionText &option, bool required, std::vector<std::string> *names)
 {
   std::string text;
-  bool given = false;
-  PetscFunctionBeginUser;
-  PetscCall(Text(option, required, &text, &given));
   names->clear();
-  if (help_ && !given) *names = {"NAME"};
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Text(option, required, &text)) {
+    if (help_) *names = {"NAME"};
+    return;
+  }
   for (const std::string &name : Split(text, ',')) {
     bool valid = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0]));
     for (char c : name) valid = valid && (std::isalnum(static_cast<unsigned char>(c)) || c == '_');
     if (!valid || std::find(names->begin(), names->end(), name) != names->end())
-      PetscCall(Refuse(option.name, text, "different names of letters, digits and underscores, separated by commas"));
+      Refuse(option.name, text, "different names of letters, digits and underscores, separated by commas");
     names->push_back(name);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Number of insertions, deletions and replacements that turn a into b (Levenshtein).
@@ -239,15 +211,16 @@ static std::size_t EditDistance(const std::string &a, const std::string &b)
   return row.back();
 }
 
-PetscErrorCode OptionReader::FindUnused(std::vector<std::string> *unused)
+/// Options that nothing has read.
+static std::vector<std::string> FindUnused()
 {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  for (PetscInt k = 0; k < count; ++k) unused->push_back(std::string("-") + names[k]);
-  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  std::vector<std::string> unused;
+  EndOn(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  for (PetscInt k = 0; k < count; ++k) unused.push_back(std::string("-") + names[k]);
+  EndOn(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  return unused;
 }
 
 /// True for names of the kind that PETSc may read after the set-up, as -mat_view, or when it finishes, as -malloc_dump.
@@ -264,37 +237,26 @@ static bool LooksLikePetsc(const std::string &option)
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
-PetscErrorCode OptionReader::RefuseUnused() const
+void OptionReader::RefuseUnused() const
 {
   constexpr std::size_t kNear = 2; // typing errors
-  std::vector<std::string> all;
-  PetscFunctionBeginUser;
-  PetscCall(FindUnused(&all));
-  for (const std::string &unused : all) {
+  for (const std::string &unused : FindUnused()) {
     if (std::find(known_.begin(), known_.end(), unused) != known_.end())
-      PetscCall(mlgimp::Refuse(comm_, Shortened(unused) + ": is not used in this case"));
+      mlgimp::Refuse(Shortened(unused) + ": is not used in this case");
     const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
       return EditDistance(unused, a) < EditDistance(unused, b);
     });
     if (EditDistance(unused, *nearest) > kNear && LooksLikePetsc(unused)) continue;
-    PetscCall(mlgimp::Refuse(comm_, Shortened(unused) + ": nothing reads this option in this case; the nearest known name is " +
-                                        *nearest));
+    mlgimp::Refuse(Shortened(unused) + ": nothing reads this option in this case; the nearest known name is " + *nearest);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OptionReader::WarnUnused() const
+void OptionReader::WarnUnused() const
 {
   // Read by PETSc only when it finishes.
   const std::set<std::string> late = {"-options_left", "-objects_dump", "-malloc_dump", "-memory_view", "-log_view_memory"};
-  std::vector<std::string> all;
-  PetscFunctionBeginUser;
-  PetscCall(FindUnused(&all));
-  for (const std::string &unused : all)
-    if (!late.count(unused))
-      PetscCall(PetscFPrintf(comm_, PETSC_STDERR, "mlgimp: warning: %s: nothing has read this option\n",
-                             OneLine(Shortened(unused)).c_str()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (const std::string &unused : FindUnused())
+    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": nothing has read this option");
 }
 
 } // namespace mlgimp

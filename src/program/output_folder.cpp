@@ -122,14 +122,9 @@ void OutputFolder::Unlock()
   lock_.Close();
 }
 
-PetscErrorCode OutputFolder::Check(MPI_Comm comm, std::string *problem)
+std::string OutputFolder::Check(MPI_Comm comm)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) *problem = Look();
-  PetscCall(Agree(comm, "folder_check", problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return OnFirstRank(comm, "folder_check", [&] { return Look(); });
 }
 
 /// Of the results in the folder, those that the run does without.
@@ -142,41 +137,30 @@ bool OutputFolder::IsStale(const std::string &name, long step, int frames) const
          (result.kind == ResultName::kFrame && result.number > frames) || (result.kind == ResultName::kSeries && frames == 0);
 }
 
-PetscErrorCode OutputFolder::Claim(MPI_Comm comm, std::string *problem)
+std::string OutputFolder::Claim(MPI_Comm comm)
 {
-  PetscMPIInt rank;
-  int goes_on = 0;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
+  const std::string problem = OnFirstRank(comm, "folder_claim", [&] {
     std::error_code error, unknown;
     fs::create_directories(settings_.directory, error);
     if (!fs::is_directory(settings_.directory, unknown))
-      *problem = "-output_dir " + Shortened(settings_.directory) + ": must be a folder that can be created: " + error.message();
-    if (problem->empty()) *problem = Lock();
-    if (problem->empty()) *problem = Look(); // once more: another run may have come between
-    goes_on = goes_on_;
-  }
-  PetscCall(Agree(comm, "folder_claim", problem));
-  PetscCallMPI(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm));
-  goes_on_ = goes_on;
-  PetscFunctionReturn(PETSC_SUCCESS);
+      return "-output_dir " + Shortened(settings_.directory) + ": must be a folder that can be created: " + error.message();
+    const std::string taken = Lock();
+    return taken.empty() ? Look() : taken; // once more: another run may have come between
+  });
+  MPI_Bcast(&goes_on_, 1, MPI_CXX_BOOL, 0, comm);
+  return problem;
 }
 
-PetscErrorCode OutputFolder::Clear(MPI_Comm comm, long step, int frames, std::string *problem)
+std::string OutputFolder::Clear(MPI_Comm comm, long step, int frames)
 {
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
+  return OnFirstRank(comm, "folder_clear", [&]() -> std::string {
     std::error_code error;
     std::vector<std::string> files, folders;
-    if (!ListResults(settings_.directory, &files, &folders, &error)) *problem = CannotWrite(settings_.directory, error.value());
+    if (!ListResults(settings_.directory, &files, &folders, &error)) return CannotWrite(settings_.directory, error.value());
     for (const std::string &name : files)
       if (IsStale(name, step, frames)) fs::remove(PathOf(name), error);
-  }
-  PetscCall(Agree(comm, "folder_clear", problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    return "";
+  });
 }
 
 } // namespace mlgimp

@@ -5,11 +5,9 @@
 #include "program/checkpoint_checks.hpp"
 #include "program/memory.hpp"
 #include "program/start_checks.hpp"
-#include "program/summary.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unistd.h>
 
 namespace mlgimp
@@ -17,53 +15,45 @@ namespace mlgimp
 
 static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
 
-PetscErrorCode Simulation::SetUp(MPI_Comm comm)
+void Simulation::SetUp(MPI_Comm comm)
 {
   const bool restart = !case_.output.restart.empty();
   bool same_ranks = false;
-  std::string problem;
-  PetscFunctionBeginUser;
   comm_ = comm;
-  PetscCall(CheckMemory(comm, case_));
-  PetscCall(RegisterLogEvents(&events_));
-  PetscCall(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
+  CheckMemory(comm, case_);
+  EndOn(RegisterLogEvents(&events_));
+  EndOn(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
-    PetscCall(ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks));
+    ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks);
     if (AtEnd())
-      PetscCall(Refuse(comm, "-restart " + Shortened(case_.output.restart) +
-                                 ": must be from before the end of the run; it is at time " + FormatNumber(state_.time) +
-                                 ", step " + std::to_string(state_.step)));
-    hierarchy_.At(0).Contacts().penetration = state_.penetration;
+      Refuse("-restart " + Shortened(case_.output.restart) + ": must be from before the end of the run; it is at time " +
+             FormatNumber(state_.time) + ", step " + std::to_string(state_.step));
     start_step_ = state_.step;
   } else {
-    PetscCall(CheckBodies(hierarchy_, case_));
-    PetscCall(CheckIndenter(hierarchy_, case_));
-    PetscCall(hierarchy_.ReduceBudgets(&budgets_));
+    CheckBodies(hierarchy_, case_);
+    CheckIndenter(hierarchy_, case_);
+    EndOn(hierarchy_.ReduceBudgets(&budgets_));
     state_.initial_mass = budgets_.mass;
     state_.initial_points = budgets_.points;
-    state_.initial_created = budgets_.points_split * (std::pow(case_.hierarchy.ratio, case_.Dim()) - 1);
+    state_.initial_created = case_.PointsCreated(budgets_);
   }
-  PetscCall(folder_.Check(comm, &problem));
-  if (!problem.empty()) PetscCall(Refuse(comm, problem));
+  if (const std::string problem = folder_.Check(comm); !problem.empty()) Refuse(problem);
   // A run that goes on as it was keeps the step and the clock of its levels until it would have looked at them.
-  if (!same_ranks || state_.step_settings != StepSettings()) PetscCall(ControlStep());
+  if (!same_ranks || state_.step_settings != StepSettings()) ControlStep();
   state_.step_settings = StepSettings();
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Simulation::PrepareOutputFolder()
+void Simulation::PrepareOutputFolder()
 {
-  std::string problem;
-  PetscFunctionBeginUser;
-  PetscCall(folder_.Claim(comm_, &problem));
-  const bool goes_on = problem.empty() && folder_.GoesOn();
+  const auto check = [](const std::string &problem) {
+    if (!problem.empty()) Refuse(problem);
+  };
+  check(folder_.Claim(comm_));
+  const bool goes_on = folder_.GoesOn();
   if (goes_on) last_checkpoint_ = state_.step;
-  if (goes_on) PetscCall(frames_.Resume(comm_, state_.frames, &problem)); // the series, before frames go that it may name
-  if (problem.empty()) PetscCall(folder_.Clear(comm_, state_.step, frames_.Last(), &problem));
-  if (problem.empty())
-    PetscCall(history_.Open(comm_, case_.output.directory, case_.model.geometry, goes_on ? state_.step : -1, &problem));
-  if (!problem.empty()) PetscCall(Refuse(comm_, problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (goes_on) check(frames_.Resume(comm_, state_.frames)); // the series, before frames go that it may name
+  check(folder_.Clear(comm_, state_.step, frames_.Last()));
+  check(history_.Open(comm_, case_.output.directory, case_.model.geometry, goes_on ? state_.step : -1));
 }
 
 bool Simulation::AtEnd() const
@@ -105,293 +95,193 @@ double Simulation::FastestSignal(const SpeedCheck &speeds) const
 }
 
 /// Ends the run, before its first step as one with wrong input.
-PetscErrorCode Simulation::FailOrRefuse(const std::string &message)
+void Simulation::FailOrRefuse(const std::string &message)
 {
-  PetscFunctionBeginUser;
-  if (state_.step == start_step_) PetscCall(Refuse(comm_, message));
-  PetscCall(Fail(message));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (state_.step == start_step_) Refuse(message);
+  Fail(message);
 }
 
 /// Ends the run where its steps are too long to be stable, or too short to lead anywhere.
-PetscErrorCode Simulation::CheckStep(double speed)
+void Simulation::CheckStep(double speed)
 {
   const TimeSettings &time = case_.time;
   const double scale = TimeScale(speed), limit = kLargestCfl * scale, step = StepLength(speed),
                left = time.end_time - state_.time;
   const bool by_damping = scale < case_.cell_size / speed;
   constexpr double kMostSteps = 1e15; // far fewer than a double counts, far more than a machine makes
-  PetscFunctionBeginUser;
   if (time.time_step > limit)
-    PetscCall(FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
-                           (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
-                           (state_.step > start_step_ ? " by now" : "")));
+    FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
+                 (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
+                 (state_.step > start_step_ ? " by now" : ""));
   if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMostSteps * step)))
-    PetscCall(FailOrRefuse("-end_time " + FormatNumber(time.end_time) + ": must be in reach; a step is " + FormatRounded(step) +
-                           " s at time " + FormatRounded(state_.time) + " s, with a speed of " + FormatRounded(speed) + " m/s"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    FailOrRefuse("-end_time " + FormatNumber(time.end_time) + ": must be in reach; a step is " + FormatRounded(step) +
+                 " s at time " + FormatRounded(state_.time) + " s, with a speed of " + FormatRounded(speed) + " m/s");
 }
 
-PetscErrorCode Simulation::ControlStep()
+void Simulation::ControlStep()
 {
   SpeedCheck speeds;
-  PetscFunctionBeginUser;
-  PetscCall(hierarchy_.CheckSpeeds(state_.time, &speeds));
-  if (speeds.failed) PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(hierarchy_.CheckSpeeds(state_.time, &speeds));
+  if (speeds.failed) return;
   const double speed = FastestSignal(speeds);
-  PetscCall(CheckStep(speed));
+  CheckStep(speed);
   // A restart goes on with the speed that its run last looked at, so that its steps are the same.
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
-  PetscCall(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
 }
 
-PetscErrorCode Simulation::Run()
+void Simulation::Run()
 {
-  std::string problem;
-  PetscFunctionBeginUser;
-  PetscCall(PrepareOutputFolder());
+  PrepareOutputFolder();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
-    PetscCall(PetscFPrintf(comm_, PETSC_STDERR,
-                           "mlgimp: warning: -contact point_pressure: is rank deficient, its diagonal is raised by "
-                           "1 %%; single pressures mean little and contact comes late\n"));
+    Warn(comm_, "-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
+                "contact comes late");
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
-  if (state_.step == 0) PetscCall(WriteHistoryRow());
+  if (state_.step == 0) WriteHistoryRow();
   while (!AtEnd()) {
     const double begin = MPI_Wtime();
-    PetscCall(hierarchy_.Advance(state_.time, state_.time_step));
+    EndOn(hierarchy_.Advance(state_.time, state_.time_step));
     level_seconds_ += MPI_Wtime() - begin;
     for (int l = 0; l < hierarchy_.Levels(); ++l)
       point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
     state_.time += state_.time_step;
     ++state_.step;
     if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
-    if (state_.step % kControlInterval == 0 && !AtEnd()) PetscCall(ControlStep());
-    PetscCall(WriteDue());
-    PetscCall(ShowProgress(false));
+    if (state_.step % kControlInterval == 0 && !AtEnd()) ControlStep();
+    WriteDue();
+    ShowProgress(false);
   }
-  PetscCall(ShowProgress(true));
-  PetscCall(WriteSummary("completed", &problem));
-  PetscCall(CheckWritten(problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ShowProgress(true);
+  CheckWritten(WriteSummary("completed"));
 }
 
-PetscErrorCode Simulation::WriteDue()
+void Simulation::WriteDue()
 {
   const OutputSettings &out = case_.output;
   const bool last = AtEnd();
   const int frame = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
   const bool row_due = state_.step % out.history_interval == 0 || last, frame_due = frame > state_.frames;
   const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
-  std::string problem;
-  PetscFunctionBeginUser;
-  if (state_.step % kControlInterval == 0 || row_due || frame_due || checkpoint_due) PetscCall(SettleFailure());
-  if (frame_due || checkpoint_due) PetscCall(SettleState());
-  PetscCall(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
-  if (row_due) PetscCall(WriteHistoryRow());
+  if (state_.step % kControlInterval == 0 || row_due || frame_due || checkpoint_due) SettleFailure();
+  if (frame_due || checkpoint_due) SettleState();
+  EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
+  if (row_due) WriteHistoryRow();
   if (frame_due) {
     state_.frames = frame;
-    PetscCall(frames_.Write(hierarchy_, frame, state_.time, state_.step, &problem));
-    PetscCall(CheckWritten(problem));
+    CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
   }
-  if (checkpoint_due) PetscCall(WriteState());
-  PetscCall(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (checkpoint_due) WriteState();
+  EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }
 
-PetscErrorCode Simulation::SettleFailure()
+void Simulation::SettleFailure()
 {
-  std::string message;
-  PetscFunctionBeginUser;
-  PetscCall(hierarchy_.DescribeFailure(&message));
-  if (!message.empty()) PetscCall(Fail(message));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string message = Agree(comm_, "failure", hierarchy_.DescribeFailure());
+  if (!message.empty()) Fail(message);
 }
 
 /// Ends the run before a state is written that nothing can go on from, although no step has failed by it yet.
-PetscErrorCode Simulation::SettleState()
+void Simulation::SettleState()
 {
   std::string message;
-  PetscFunctionBeginUser;
   for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {
     PointArrays points;
-    PetscCall(hierarchy_.At(l).PointStore().Arrays(&points));
+    EndOn(hierarchy_.At(l).PointStore().Arrays(&points));
     const std::string wrong = WrongValues(points, static_cast<int>(case_.model.bodies.size()));
     if (!wrong.empty()) message = "level " + std::to_string(l) + ": " + wrong + "; try a smaller -cfl or -time_step";
   }
-  PetscCall(Agree(comm_, "state", &message));
-  if (!message.empty()) PetscCall(Fail("time " + FormatRounded(state_.time) + ", " + message));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  message = Agree(comm_, "state", message);
+  if (!message.empty()) Fail("time " + FormatRounded(state_.time) + ", " + message);
 }
 
 /// Ends the run, with what it has written so far.
-PetscErrorCode Simulation::Fail(const std::string &message)
+void Simulation::Fail(const std::string &message)
 {
-  std::string problem, kept; // of the summary, which is less than what is told here
-  PetscFunctionBeginUser;
-  PetscCall(WriteSummary("failed: " + message, &problem));
-  PetscCall(FindKept(&kept));
-  PetscCall(Refuse(comm_, message + "; " + kept));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  WriteSummary("failed: " + message); // where that fails too, it is less than what is told here
+  Refuse(message + "; " + FindKept());
 }
 
 /// What the output folder holds whole, as the end of a sentence; what somebody has removed is not told.
-PetscErrorCode Simulation::FindKept(std::string *text)
+std::string Simulation::FindKept() const
 {
   std::vector<std::string> parts;
-  PetscMPIInt rank;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  if (rank == 0) {
-    const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
-    const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
-    if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
-    if (frames_.Last() > 0 && is_there(frames_.PathOf(frames_.Last())))
-      parts.push_back("frames to " + std::to_string(frames_.Last()));
-    if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
-    const std::string last = parts.empty() ? "nothing" : parts.back();
-    if (!parts.empty()) parts.pop_back();
-    *text = parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept";
-  }
-  PetscCall(ShareText(comm_, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Ends the run where something could not be written.
-PetscErrorCode Simulation::CheckWritten(const std::string &problem)
-{
-  PetscFunctionBeginUser;
-  if (!problem.empty()) PetscCall(Fail(problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// What contact reports as largest values, over levels and ranks, and the area of all levels.
-PetscErrorCode Simulation::LargestContact(HistoryRow *row)
-{
-  std::vector<double> largest(3 + hierarchy_.Levels()); // the area of a level is known alike on its ranks
-  PetscFunctionBeginUser;
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    const ContactTotals &contact = hierarchy_.At(l).Contacts();
-    largest[0] = std::max(largest[0], contact.last.half_width);
-    largest[1] = std::max(largest[1], contact.penetration);
-    largest[2] = std::max(largest[2], contact.last.peak_pressure);
-    largest[3 + l] = contact.last.area;
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, comm_));
-  row->half_width = largest[0];
-  row->penetration = largest[1];
-  row->peak_pressure = largest[2];
-  row->area = std::accumulate(largest.begin() + 3, largest.end(), 0.0);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
+  const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
+  if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
+  if (frames_.Last() > 0 && is_there(frames_.PathOf(frames_.Last())))
+    parts.push_back("frames to " + std::to_string(frames_.Last()));
+  if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
+  const std::string last = parts.empty() ? "nothing" : parts.back();
+  if (!parts.empty()) parts.pop_back();
+  return ShareText(comm_, parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept");
 }
 
 /// Warns, once, where the surface lies deeper inside the indenter than a sharp tip between two columns explains.
-PetscErrorCode Simulation::WarnOfPenetration(double penetration)
+void Simulation::WarnOfPenetration(double penetration)
 {
-  PetscFunctionBeginUser;
-  if (warned_ || !case_.model.indenter || case_.model.contact.method == "none") PetscFunctionReturn(PETSC_SUCCESS);
+  if (warned_ || !case_.model.indenter || case_.model.contact.method == "none") return;
   const int level = case_.LevelAtTip();
   const double cell = case_.CellSize(level);
-  if (penetration <= cell) PetscFunctionReturn(PETSC_SUCCESS);
+  if (penetration <= cell) return;
   warned_ = true;
-  PetscCall(PetscFPrintf(
-      comm_, PETSC_STDERR,
-      "mlgimp: warning: -cell_size %s: the surface lies %s m inside the indenter at time %s s, more than a cell "
-      "of level %d: the indenter is too slender or too fast for the cells, and the load too small\n",
-      FormatNumber(case_.cell_size).c_str(), FormatRounded(penetration).c_str(), FormatRounded(state_.time).c_str(), level));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Warn(comm_, "-cell_size " + FormatNumber(case_.cell_size) + ": the surface lies " + FormatRounded(penetration) +
+                  " m inside the indenter at time " + FormatRounded(state_.time) + " s, more than a cell of level " +
+                  std::to_string(level) + ": the indenter is too slender or too fast for the cells, and the load too small");
 }
 
 /// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
-PetscErrorCode Simulation::WarnOfViscosity()
+void Simulation::WarnOfViscosity()
 {
   constexpr double kGiven = 0.01; // of the energy there is
-  PetscFunctionBeginUser;
   if (warned_of_viscosity_ || budgets_.short_wave_dissipation >= -kGiven * (budgets_.kinetic_energy + budgets_.strain_energy))
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   warned_of_viscosity_ = true;
-  PetscCall(PetscFPrintf(
-      comm_, PETSC_STDERR,
-      "mlgimp: warning: -short_wave_viscosity %s,%s: has given %s J by time %s s where it should take energy: the results are "
-      "wrong from here; try a smaller second number (0 where strains are plastic) or a smaller -cfl\n",
-      FormatNumber(case_.model.short_wave.a).c_str(), FormatNumber(case_.model.short_wave.b).c_str(),
-      FormatRounded(-budgets_.short_wave_dissipation).c_str(), FormatRounded(state_.time).c_str()));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Warn(comm_, "-short_wave_viscosity " + FormatNumber(case_.model.short_wave.a) + "," + FormatNumber(case_.model.short_wave.b) +
+                  ": has given " + FormatRounded(-budgets_.short_wave_dissipation) + " J by time " + FormatRounded(state_.time) +
+                  " s where it should take energy: the results are wrong from here; try a smaller second number (0 where "
+                  "strains are plastic) or a smaller -cfl");
 }
 
-PetscErrorCode Simulation::WriteState()
+void Simulation::WriteState()
 {
-  HistoryRow row{};
-  std::string problem;
-  PetscFunctionBeginUser;
-  PetscCall(LargestContact(&row));
-  state_.penetration = row.penetration;
-  PetscCall(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_, &problem));
-  PetscCall(CheckWritten(problem));
+  CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
   last_checkpoint_ = state_.step;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Simulation::WriteHistoryRow()
+void Simulation::WriteHistoryRow()
 {
   const auto &indenter = case_.model.indenter;
-  HistoryRow row{};
-  std::string problem;
-  PetscFunctionBeginUser;
-  PetscCall(hierarchy_.ReduceBudgets(&budgets_));
-  const double passed = state_.time - state_.time_at_row;
-  if (passed > 0) load_ = -(budgets_.contact_impulse[case_.Dim() - 1] - state_.impulse_at_row) / passed;
-  state_.impulse_at_row = budgets_.contact_impulse[case_.Dim() - 1];
+  EndOn(hierarchy_.ReduceBudgets(&budgets_));
+  const double passed = state_.time - state_.time_at_row, impulse = budgets_.contact_impulse[case_.Dim() - 1];
+  if (passed > 0) load_ = -(impulse - state_.impulse_at_row) / passed;
+  state_.impulse_at_row = impulse;
   state_.time_at_row = state_.time;
-  row.step = state_.step;
-  row.time = state_.time;
-  row.depth = indenter ? indenter->Depth(state_.time) : 0;
-  row.load = load_;
-  row.budgets = budgets_;
-  PetscCall(LargestContact(&row));
-  PetscCall(WarnOfPenetration(row.penetration));
-  PetscCall(WarnOfViscosity());
-  PetscCall(history_.Write(row, &problem));
-  PetscCall(CheckWritten(problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  budgets_.time = state_.time;
+  budgets_.depth = indenter ? indenter->Depth(state_.time) : 0;
+  budgets_.load = load_;
+  WarnOfPenetration(budgets_.penetration);
+  WarnOfViscosity();
+  CheckWritten(history_.Write(state_.step, budgets_));
 }
 
-PetscErrorCode Simulation::ShowProgress(bool last)
+void Simulation::ShowProgress(bool last)
 {
-  PetscFunctionBeginUser;
-  if (!case_.output.monitor) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!case_.output.monitor) return;
   const double now = MPI_Wtime();
   int due = last || now - last_shown_ >= 1; // clocks differ, so the first rank's decides
-  PetscCallMPI(MPI_Bcast(&due, 1, MPI_INT, 0, comm_));
-  if (!due) PetscFunctionReturn(PETSC_SUCCESS);
+  MPI_Bcast(&due, 1, MPI_INT, 0, comm_);
+  if (!due) return;
   last_shown_ = now;
   const double done = Progress() - start_progress_, elapsed = now - start_wall_;
   const double left = done > 0 ? elapsed * (1 - Progress()) / done : 0;
   double points = point_steps_;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_));
+  MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_);
   const double depth = case_.model.indenter ? case_.model.indenter->Depth(state_.time) : 0;
-  PetscCall(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
-                        state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
-                        last ? "\n" : ""));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Simulation::WriteSummary(const std::string &status, std::string *problem)
-{
-  SummaryInput input{status,
-                     case_,
-                     state_,
-                     hierarchy_,
-                     MPI_Wtime() - start_wall_,
-                     level_seconds_,
-                     point_steps_,
-                     events_,
-                     state_.step - start_step_};
-  PetscFunctionBeginUser;
-  PetscCall(mlgimp::WriteSummary(input, problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  EndOn(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
+                    state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
+                    last ? "\n" : ""));
 }
 
 } // namespace mlgimp

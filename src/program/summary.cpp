@@ -1,5 +1,5 @@
-// Writing of summary.json.
-#include "program/summary.hpp"
+// summary.json: what a run was, how it ended and what it cost.
+#include "program/simulation.hpp"
 
 #include "program/agree.hpp"
 #include "program/files.hpp"
@@ -34,16 +34,15 @@ Json Numbers(Vec3 x, int dim)
 }
 
 /// Seconds in an event over the stages of all levels, on this rank.
-PetscErrorCode EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event, double *seconds)
+double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event)
 {
   PetscEventPerfInfo info;
-  PetscFunctionBeginUser;
-  *seconds = 0;
+  double seconds = 0;
   for (PetscLogStage stage : stages) {
-    PetscCall(PetscLogEventGetPerfInfo(stage, event, &info));
-    *seconds += info.time;
+    EndOn(PetscLogEventGetPerfInfo(stage, event, &info));
+    seconds += info.time;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return seconds;
 }
 
 Json Versions()
@@ -77,76 +76,62 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
           {"ranks", ranks}};
 }
 
-Json TransfersJson(const Budgets &budgets, int dim)
+/// Those that are shown there, in the order of the table.
+Json BudgetsJson(const Budgets &budgets, Shown shown, int dim)
 {
-  return {
-      {"entered", Number(budgets.points_entered)},
-      {"left", Number(budgets.points_left)},
-      {"split", Number(budgets.points_split)},
-      {"merged", Number(budgets.points_merged)},
-      {"unsplit", Number(budgets.points_unsplit)},
-      {"mass_error", Number(budgets.transfer_mass_error)},
-      {"momentum_error", Number(budgets.transfer_momentum_error)},
-      {"points_adrift", Number(budgets.points_adrift)},
-      {"mass_adrift", Number(budgets.mass_adrift)},
-      {"momentum_adrift", Numbers({budgets.momentum_adrift[0], budgets.momentum_adrift[1], budgets.momentum_adrift[2]}, dim)}};
+  Json json = Json::object();
+  for (const Budget &row : budgets)
+    if (row.shown == shown) json[row.name] = row.components > 1 ? Numbers(row.value, dim) : Number(row.value[0]);
+  return json;
 }
 
 } // namespace
 
-PetscErrorCode WriteSummary(const SummaryInput &in, std::string *problem)
+std::string Simulation::WriteSummary(const std::string &status)
 {
-  PetscMPIInt rank, ranks;
-  Budgets budgets;
-  Hierarchy &hierarchy = in.hierarchy;
-  double times[6] = {in.step_seconds, 0, 0, 0, in.point_steps, 0};
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(hierarchy.Comm(), &rank));
-  PetscCallMPI(MPI_Comm_size(hierarchy.Comm(), &ranks));
-  PetscCall(hierarchy.ReduceBudgets(&budgets));
-  PetscCall(EventSeconds(hierarchy.Stages(), in.events.contact, &times[1]));
-  PetscCall(EventSeconds(hierarchy.Stages(), in.events.halo, &times[2]));
-  PetscCall(EventSeconds(hierarchy.Stages(), in.events.transfer, &times[3]));
-  PetscCall(EventSeconds(hierarchy.Stages(), in.events.coupling, &times[5]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, times, 6, MPI_DOUBLE, MPI_SUM, hierarchy.Comm()));
-  const double total = std::max(times[0], 1e-30);
+  const std::vector<PetscLogStage> &stages = hierarchy_.Stages();
+  enum { kSteps, kPointSteps, kContact, kHalo, kTransfer, kCoupling, kTimes };
+  double times[kTimes] = {level_seconds_,
+                          point_steps_,
+                          EventSeconds(stages, events_.contact),
+                          EventSeconds(stages, events_.halo),
+                          EventSeconds(stages, events_.transfer),
+                          EventSeconds(stages, events_.coupling)};
+  MPI_Allreduce(MPI_IN_PLACE, times, kTimes, MPI_DOUBLE, MPI_SUM, comm_);
+  const auto share = [&](int event) { return Number(times[event] / std::max(times[kSteps], 1e-30)); };
   double mapped = 0, unmapped = 0;
-  hierarchy.BytesBetweenLevels(&mapped, &unmapped);
-  const int ratio = in.settings.hierarchy.ratio;
-  const double created =
-      (budgets.points_split - budgets.points_merged) * (std::pow(ratio, in.settings.Dim()) - 1) - in.state.initial_created;
+  Budgets budgets;
+  EndOn(hierarchy_.ReduceBudgets(&budgets));
+  hierarchy_.BytesBetweenLevels(&mapped, &unmapped);
+  const double created = case_.PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
-  for (int l = 0; l < hierarchy.Levels(); ++l) {
+  for (int l = 0; l < hierarchy_.Levels(); ++l) {
     double points = 0, largest = 0;
-    PetscCall(hierarchy.PointsOn(l, &points, &largest));
-    levels.push_back(LevelJson(hierarchy.At(l), points, largest, in.state.time_step / std::pow(ratio, l)));
+    EndOn(hierarchy_.PointsOn(l, &points, &largest));
+    levels.push_back(LevelJson(hierarchy_.At(l), points, largest, state_.time_step / std::pow(case_.hierarchy.ratio, l)));
   }
-  const Json json = {{"status", in.status},
-                     {"case", in.settings.name},
-                     {"ranks", ranks},
-                     {"levels", levels},
-                     {"steps", in.state.step},
-                     {"simulated_time", Number(in.state.time)},
-                     {"wall_seconds", Number(in.wall_seconds)},
-                     {"seconds_per_point_step", Number(times[4] > 0 ? times[0] / times[4] : 0)},
-                     {"contact_share", Number(times[1] / total)},
-                     {"halo_share", Number(times[2] / total)},
-                     {"transfer_share", Number(times[3] / total)},
-                     {"coupling_share", Number(times[5] / total)},
-                     {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
-                     {"mass_error", Number(budgets.mass / in.state.initial_mass - 1)},
-                     {"points_created", Number(created)},
-                     {"points_lost", Number(in.state.initial_points + created - budgets.points)},
-                     {"transfers", TransfersJson(budgets, in.settings.Dim())},
-                     {"contact_steps", Number(budgets.contact_steps)},
-                     {"contact_set_updates", Number(budgets.contact_set_updates)},
-                     {"contact_fallbacks", Number(budgets.contact_fallbacks)},
-                     {"clamped_half_sizes", Number(budgets.clamped_sizes)},
-                     {"versions", Versions()}};
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; // what is no UTF-8 is replaced
-  if (rank == 0) *problem = ReplaceFile(in.settings.output.directory + "/summary.json", text);
-  PetscCall(Agree(hierarchy.Comm(), "summary", problem));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  Json json = {{"status", status},
+               {"case", case_.name},
+               {"ranks", RanksOf(comm_)},
+               {"levels", levels},
+               {"steps", state_.step},
+               {"simulated_time", Number(state_.time)},
+               {"wall_seconds", Number(MPI_Wtime() - start_wall_)},
+               {"seconds_per_point_step", Number(times[kPointSteps] > 0 ? times[kSteps] / times[kPointSteps] : 0)},
+               {"contact_share", share(kContact)},
+               {"halo_share", share(kHalo)},
+               {"transfer_share", share(kTransfer)},
+               {"coupling_share", share(kCoupling)},
+               {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
+               {"mass_error", Number(budgets.mass / state_.initial_mass - 1)},
+               {"points_created", Number(created)},
+               {"points_lost", Number(state_.initial_points + created - budgets.points)},
+               {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
+  json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
+  json["versions"] = Versions();
+  return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
+    return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  });
 }
 
 } // namespace mlgimp

@@ -55,7 +55,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   LogEvents events;
   State before, after;
   PointArrays a;
-  PointSums point_sums;
+  Budgets point_sums;
   PetscFunctionBeginUser;
   model.shape_function = variant.shape;
   model.stress_update = variant.stress_update;

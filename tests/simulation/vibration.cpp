@@ -42,7 +42,7 @@ PetscErrorCode BlockEnergy(const Scheme &update, double strain, double spin, con
   run.dt = 2 / c / steps;
   double first = 0, last = 0;
   for (int step = 0; step < kPeriods * steps && !run.Failed(); ++step) {
-    PointSums point_sums;
+    Budgets point_sums;
     PetscCall(run.Advance());
     if (step >= steps && step < (kPeriods - 1) * steps) continue;
     PetscCall(run.hierarchy.At(0).SumPoints(&point_sums));

@@ -163,7 +163,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
     std::vector<int> faces(a.faces, a.faces + kPoints);
 
     const PointNumbers numbers(1000, ratio * ratio);
-    PointTransferTotals totals;
+    Budgets totals;
     PointTransfer crossing(PETSC_COMM_SELF, coarse, *two.levels[1], ratio, numbers, {0, 0, 1, false, true});
     ASSERT_EQ(crossing.SplitRing(), PETSC_SUCCESS);
     const int children = ratio * ratio;
@@ -187,8 +187,8 @@ TEST(Borders, SplitPointsBecomeTheirParents)
     EXPECT_GT(apart, 0.05) << "children lie apart";
 
     ASSERT_EQ(MergeSiblings(PETSC_COMM_SELF, coarse, numbers, ratio, &totals), PETSC_SUCCESS);
-    EXPECT_EQ(totals.merged, kPoints);
-    EXPECT_LE(totals.mass_error + totals.momentum_error, 1e-13);
+    EXPECT_EQ(totals.points_merged, kPoints);
+    EXPECT_LE(totals.transfer_mass_error + totals.transfer_momentum_error, 1e-13);
     ASSERT_EQ(coarse.PointStore().Count(), kPoints);
     ASSERT_EQ(coarse.PointStore().Arrays(&a), PETSC_SUCCESS);
     for (int p = 0; p < kPoints; ++p) {

@@ -103,10 +103,10 @@ TEST(Faces, ForcesOfAPressure)
           for (int k = 0; k < 2; ++k) moments[d][k] += node[d] * x[k];
       }
     EXPECT_LE(Norm(sum - force), 1e-13 * scale);
-    LoadTotals totals;
+    Budgets totals;
     ForEach(grid.Owned(), [&](Index node) { grid.Sums()[grid.Place(node)].mass = 1; });
     AddLoadWork(grid, applied, 0, 2, totals);
-    EXPECT_LE(Norm(totals.impulse - (n % 2 == 0 ? 2.0 : 0.0) * force), 1e-13 * scale) << "of owned points alone";
+    EXPECT_LE(Norm(totals.load_impulse - (n % 2 == 0 ? 2.0 : 0.0) * force), 1e-13 * scale) << "of owned points alone";
     for (int d = 0; d < 2; ++d)
       for (int k = 0; k < 2; ++k) EXPECT_NEAR(moments[d][k], force[d] * face.center[k], 1e-12 * scale);
   }

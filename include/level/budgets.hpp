@@ -1,0 +1,139 @@
+// The table of budgets: all numbers that a run adds up, each in one row.
+//
+// A new budget is a row of `Budgets` and the line that adds to it, in a level, at a border of levels or where points change
+// levels. Sums over ranks, checkpoints, history.csv and summary.json go by the table.
+#pragma once
+
+#include "base/petsc.hpp"
+#include "base/tensor.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// What levels, borders and ranks add up to.
+enum class Adds {
+  kNow,         ///< the sum of what each has now
+  kTotal,       ///< the sum since the start of the run: in checkpoints
+  kCount,       ///< the same, of whole numbers
+  kLargest,     ///< the largest that any has now
+  kLargestEver, ///< since the start of the run: in checkpoints
+};
+
+/// Where users see it.
+enum class Shown {
+  kNowhere,
+  kColumn,      ///< history.csv; the components along a third axis come after all other columns of this kind
+  kHoopColumn,  ///< the same, in axisymmetry alone
+  kLaterColumn, ///< the same, after all of these: new columns go to the end
+  kSummary,     ///< summary.json
+  kTransfers,   ///< `transfers` in summary.json
+};
+
+/// A row: what it is, and its numbers.
+struct Budget {
+  const char *name; ///< in the output
+  Adds adds;
+  Shown shown;
+  int components;
+  Vec3 value{};
+  bool IsLargest() const { return adds == Adds::kLargest || adds == Adds::kLargestEver; }
+  bool IsKept() const { return adds == Adds::kTotal || adds == Adds::kCount || adds == Adds::kLargestEver; }
+  void Add(int component, double x) { value[component] = IsLargest() ? std::max(value[component], x) : value[component] + x; }
+};
+
+struct ScalarBudget : Budget {
+  ScalarBudget(const char *name, Adds adds, Shown shown) : Budget{name, adds, shown, 1} {}
+  operator double() const { return value[0]; }
+  void operator=(double x) { value[0] = x; }
+  void operator+=(double x) { value[0] += x; }
+  void operator-=(double x) { value[0] -= x; }
+};
+
+struct VectorBudget : Budget {
+  VectorBudget(const char *name, Adds adds, Shown shown) : Budget{name, adds, shown, 3} {}
+  operator const Vec3 &() const { return value; }
+  double operator[](int axis) const { return value[axis]; }
+  double &operator[](int axis) { return value[axis]; }
+  void operator+=(const Vec3 &x) { value = value + x; }
+};
+
+/// Budgets of a part of the run on one rank, or of the whole run. SI units; forces and impulses are those on the bodies.
+struct Budgets {
+  // history.csv, in its order. What one number tells for the whole run (time, depth, load) is set in the sums.
+  ScalarBudget time{"time", Adds::kNow, Shown::kColumn}, depth{"depth", Adds::kNow, Shown::kColumn},
+      load{"load", Adds::kNow, Shown::kColumn};
+  ScalarBudget contact_points{"contact_points", Adds::kNow, Shown::kColumn};
+  ScalarBudget contact_half_width{"contact_half_width", Adds::kLargest, Shown::kColumn};
+  ScalarBudget kinetic_energy{"kinetic_energy", Adds::kNow, Shown::kColumn};
+  ScalarBudget strain_energy{"strain_energy", Adds::kNow, Shown::kColumn};
+  ScalarBudget dissipated_energy{"dissipated_energy", Adds::kNow, Shown::kColumn}; ///< set in the sums, see Dissipated
+  ScalarBudget external_work{"external_work", Adds::kTotal, Shown::kColumn};       ///< of loads and gravity
+  ScalarBudget indenter_work{"indenter_work", Adds::kTotal, Shown::kColumn};
+  VectorBudget momentum{"momentum", Adds::kNow, Shown::kColumn};
+  VectorBudget support_impulse{"support_impulse", Adds::kTotal, Shown::kColumn}; ///< of the domain's sides
+  ScalarBudget mass{"mass", Adds::kNow, Shown::kColumn}, points{"points", Adds::kNow, Shown::kColumn};
+  VectorBudget contact_impulse{"contact_impulse", Adds::kTotal, Shown::kColumn};
+  VectorBudget load_impulse{"load_impulse", Adds::kTotal, Shown::kColumn};
+  VectorBudget gravity_impulse{"gravity_impulse", Adds::kTotal, Shown::kColumn};
+  VectorBudget damping_impulse{"damping_impulse", Adds::kTotal, Shown::kColumn};
+  ScalarBudget penetration{"penetration", Adds::kLargestEver, Shown::kColumn};
+  ScalarBudget peak_pressure{"peak_pressure", Adds::kLargest, Shown::kColumn};
+  VectorBudget stagger_impulse{"stagger_impulse", Adds::kTotal, Shown::kColumn}; ///< of coarse forces' extrapolation at borders
+  /// Of the contact forces on the body; less than indenter_work by what contact takes up.
+  ScalarBudget contact_work{"contact_work", Adds::kTotal, Shown::kColumn};
+  /// With levels coupled by nodes, kinetic and strain energy that points got since the start, without stress, from anything but
+  /// contact, sides, loads, body forces, damping, splitting and merging: from the coupling, and from time steps of finite length.
+  /// A level adds up the kinetic part of it, with strain.
+  ScalarBudget exchange_energy{"exchange_energy", Adds::kTotal, Shown::kColumn};
+  ScalarBudget transfer_energy{"transfer_energy", Adds::kTotal, Shown::kColumn}; ///< by splitting and merging of points
+  ScalarBudget contact_area{"contact_area", Adds::kNow, Shown::kColumn};
+  ScalarBudget hoop_impulse{"hoop_impulse_x", Adds::kTotal, Shown::kHoopColumn}; ///< of the hoop stress, along the radius
+
+  // summary.json
+  ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};
+  ScalarBudget points_split{"split", Adds::kCount, Shown::kTransfers};
+  ScalarBudget points_merged{"merged", Adds::kCount, Shown::kTransfers};           ///< parents put together again
+  ScalarBudget points_unsplit{"unsplit", Adds::kCount, Shown::kTransfers};         ///< as no numbers are left for children
+  ScalarBudget transfer_mass_error{"mass_error", Adds::kTotal, Shown::kTransfers}; ///< absolute values
+  ScalarBudget transfer_momentum_error{"momentum_error", Adds::kTotal, Shown::kTransfers};
+  ScalarBudget points_adrift{"points_adrift", Adds::kTotal, Shown::kTransfers}; ///< sent less received: zero over all ranks
+  ScalarBudget mass_adrift{"mass_adrift", Adds::kTotal, Shown::kTransfers};
+  VectorBudget momentum_adrift{"momentum_adrift", Adds::kTotal, Shown::kTransfers};
+  ScalarBudget contact_steps{"contact_steps", Adds::kCount, Shown::kSummary};
+  ScalarBudget contact_set_updates{"contact_set_updates", Adds::kCount, Shown::kSummary};
+  ScalarBudget contact_fallbacks{"contact_fallbacks", Adds::kCount, Shown::kSummary};
+  ScalarBudget clamped_sizes{"clamped_half_sizes", Adds::kCount, Shown::kSummary}; ///< counted once a step
+
+  // What others are made of
+  ScalarBudget short_wave_dissipation{"short_wave_dissipation", Adds::kTotal, Shown::kNowhere};
+  ScalarBudget plastic_dissipation{"plastic_dissipation", Adds::kTotal, Shown::kNowhere};
+  ScalarBudget xpic_dissipation{"xpic_dissipation", Adds::kTotal, Shown::kNowhere};
+  ScalarBudget damping_dissipation{"damping_dissipation", Adds::kTotal, Shown::kNowhere};
+  VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC
+  VectorBudget xpic_side_impulse{"xpic_side_impulse", Adds::kTotal, Shown::kNowhere}; ///< of sides on what XPIC mixes in
+  ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
+  ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere}; ///< along the radius, in the last sweep
+
+  Budget *begin() { return reinterpret_cast<Budget *>(this); }
+  Budget *end() { return begin() + sizeof(Budgets) / sizeof(Budget); }
+  const Budget *begin() const { return reinterpret_cast<const Budget *>(this); }
+  const Budget *end() const { return begin() + sizeof(Budgets) / sizeof(Budget); }
+
+  double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
+  /// Adds another part's.
+  void Add(const Budgets &part);
+  /// Those of all ranks together, on every rank. Collective.
+  PetscErrorCode AddRanks(MPI_Comm comm);
+  /// Appends what the next run needs to go on.
+  void AppendKept(std::vector<double> *numbers) const;
+  /// Adds what AppendKept has appended, and returns the place after it; null where a count is none.
+  const double *AddKept(const double *numbers);
+};
+
+static_assert(sizeof(ScalarBudget) == sizeof(Budget) && sizeof(VectorBudget) == sizeof(Budget) &&
+              sizeof(Budgets) % sizeof(Budget) == 0); // rows one after the other
+
+} // namespace mlgimp

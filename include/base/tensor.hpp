@@ -63,6 +63,10 @@ inline double Determinant(const Mat3 &a)
 {
   return a.xx * (a.yy * a.zz - a.yz * a.zy) - a.xy * (a.yx * a.zz - a.yz * a.zx) + a.xz * (a.yx * a.zy - a.yy * a.zx);
 }
+inline double Determinant(const Sym3 &a)
+{
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
+}
 inline Mat3 Transposed(const Mat3 &a) { return {a.xx, a.yx, a.zx, a.xy, a.yy, a.zy, a.xz, a.yz, a.zz}; }
 /// (a + a^T)/2.
 inline Sym3 SymmetricPart(const Mat3 &a)

@@ -82,7 +82,7 @@ struct Budgets {
   ScalarBudget penetration{"penetration", Adds::kLargestEver, Shown::kColumn};
   ScalarBudget peak_pressure{"peak_pressure", Adds::kLargest, Shown::kColumn};
   VectorBudget stagger_impulse{"stagger_impulse", Adds::kTotal, Shown::kColumn}; ///< of coarse forces' extrapolation at borders
-  /// Of the contact forces on the body; less than indenter_work by what contact takes up.
+  /// What the points got from contact: less than indenter_work by what contact takes up, more by what closing gaps gives.
   ScalarBudget contact_work{"contact_work", Adds::kTotal, Shown::kColumn};
   /// With levels coupled by nodes, kinetic and strain energy that points got since the start, without stress, from anything but
   /// contact, sides, loads, body forces, damping, splitting and merging: from the coupling, and from time steps of finite length.
@@ -91,6 +91,13 @@ struct Budgets {
   ScalarBudget transfer_energy{"transfer_energy", Adds::kTotal, Shown::kColumn}; ///< by splitting and merging of points
   ScalarBudget contact_area{"contact_area", Adds::kNow, Shown::kColumn};
   ScalarBudget hoop_impulse{"hoop_impulse_x", Adds::kTotal, Shown::kHoopColumn}; ///< of the hoop stress, along the radius
+
+  ScalarBudget plastic_work{"plastic_work", Adds::kTotal, Shown::kLaterColumn};
+  ScalarBudget viscous_work{"viscous_work", Adds::kNow, Shown::kLaterColumn}; ///< of short-wave stress and XPIC, set in the sums
+  ScalarBudget damping_work{"damping_work", Adds::kTotal, Shown::kLaterColumn};
+  /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
+  /// see.
+  ScalarBudget noise_energy{"noise_energy", Adds::kNow, Shown::kLaterColumn};
 
   // summary.json
   ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};
@@ -109,12 +116,12 @@ struct Budgets {
 
   // What others are made of
   ScalarBudget short_wave_dissipation{"short_wave_dissipation", Adds::kTotal, Shown::kNowhere};
-  ScalarBudget plastic_dissipation{"plastic_dissipation", Adds::kTotal, Shown::kNowhere};
   ScalarBudget xpic_dissipation{"xpic_dissipation", Adds::kTotal, Shown::kNowhere};
-  ScalarBudget damping_dissipation{"damping_dissipation", Adds::kTotal, Shown::kNowhere};
   VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC
   VectorBudget xpic_side_impulse{"xpic_side_impulse", Adds::kTotal, Shown::kNowhere}; ///< of sides on what XPIC mixes in
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
+  /// Impulses of contact on nodes that neighbouring levels have a part in, absolute values.
+  ScalarBudget shared_contact_impulse{"shared_contact_impulse", Adds::kTotal, Shown::kNowhere};
   ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere}; ///< along the radius, in the last sweep
 
   Budget *begin() { return reinterpret_cast<Budget *>(this); }
@@ -122,7 +129,8 @@ struct Budgets {
   const Budget *begin() const { return reinterpret_cast<const Budget *>(this); }
   const Budget *end() const { return begin() + sizeof(Budgets) / sizeof(Budget); }
 
-  double Dissipated() const { return short_wave_dissipation + plastic_dissipation + xpic_dissipation + damping_dissipation; }
+  double Viscous() const { return short_wave_dissipation + xpic_dissipation; }
+  double Dissipated() const { return Viscous() + plastic_work + damping_work; }
   /// Adds another part's.
   void Add(const Budgets &part);
   /// Those of all ranks together, on every rank. Collective.

@@ -146,6 +146,7 @@ private:
   std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
+  std::vector<PushedNode> pushed_; ///< by contact in the step
   bool is_coupled_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
   std::vector<double> gradient_[3];      ///< [points][dim*dim] likewise, where a material averages its volume

@@ -165,7 +165,7 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradi
                                b.history_components};
   b.material.UpdateStress(batch, plastic);
   if (b.material.HistorySize())
-    for (int p = 0; p < b.count; ++p) budgets.plastic_dissipation += plastic[p] * b.mass[p] / b.material.Density();
+    for (int p = 0; p < b.count; ++p) budgets.plastic_work += plastic[p] * b.mass[p] / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.

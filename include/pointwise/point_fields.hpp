@@ -107,6 +107,11 @@ struct PointArrays {
   Vec3 Position(int p) const { return Load(position, p); }
   Vec3 Velocity(int p) const { return Load(velocity, p); }
   Vec3 HalfSize(int p) const { return Load(half_size, p); }
+  /// J = det F, in axisymmetry with the hoop's r/R.
+  double VolumeRatio(int p) const
+  {
+    return Determinant(F + At(p, dim * dim), dim) * (initial_radius ? position[At(p, dim)] / initial_radius[p] : 1);
+  }
   /// F a, for a vector of the undeformed point.
   Vec3 Deform(int p, Vec3 a) const
   {

@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 10;
+inline constexpr int kFormatVersion = 11;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 

@@ -7,6 +7,7 @@
 #include "program/frames.hpp"
 #include "program/history.hpp"
 #include "program/output_folder.hpp"
+#include "program/warnings.hpp"
 
 #include <string>
 
@@ -35,8 +36,6 @@ private:
   void WriteDue();
   void WriteHistoryRow();
   void WriteState();
-  void WarnOfPenetration(double penetration);
-  void WarnOfViscosity();
   std::string WriteSummary(const std::string &status);
   [[noreturn]] void Fail(const std::string &message);
   /// Ends the run where something could not be written.
@@ -69,7 +68,7 @@ private:
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0;
-  bool warned_ = false, warned_of_viscosity_ = false; ///< of a surface deep inside the indenter
+  Warnings warnings_;
 };
 
 } // namespace mlgimp

@@ -2,8 +2,8 @@
 #include "hierarchy/merging.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
-#include <optional>
 
 namespace mlgimp
 {
@@ -70,39 +70,49 @@ void MergeReals(MergeRule rule, int components, const double *mass, const std::v
   }
 }
 
-double PlaneDeterminant(const double *F) { return F[0] * F[3] - F[1] * F[2]; }
+/// In axisymmetry the mean of the siblings' R, which lie evenly about their parent, heavier ones outside; else 0.
+double MeanInitialRadius(const PointArrays &a, const std::vector<Sibling> &family)
+{
+  double sum = 0;
+  for (const Sibling &s : family) sum += a.initial_radius ? a.initial_radius[s.point] : 0;
+  return sum / static_cast<double>(family.size());
+}
 
-/// In axisymmetry: what the radii of the parent follow from. Siblings lie evenly about it, heavier ones outside.
-struct ParentRadius {
-  double initial = 0, volume_ratio = 0; ///< mean of the siblings' R; mean by mass of their J = det F r/R
+/// In axisymmetry the parent's R, and the r with which its volume is the sum of the siblings'.
+void SetRadius(const PointArrays &a, int parent, double initial, double volume_ratio)
+{
+  a.initial_radius[parent] = initial;
+  a.position[PointArrays::At(parent, 2)] = initial * volume_ratio / Determinant(a.F + PointArrays::At(parent, 4), 2);
+}
 
-  ParentRadius(const PointArrays &a, const std::vector<Sibling> &family)
-  {
-    double mass = 0;
-    for (const Sibling &s : family) {
-      const double stretch = a.position[PointArrays::At(s.point, 2)] / a.initial_radius[s.point];
-      initial += a.initial_radius[s.point] / static_cast<double>(family.size());
-      volume_ratio += a.mass[s.point] * PlaneDeterminant(a.F + PointArrays::At(s.point, 4)) * stretch;
-      mass += a.mass[s.point];
-    }
-    volume_ratio /= mass;
-  }
-  /// R, and the r with which the volume is the sum of the siblings'.
-  void Set(const PointArrays &a, int parent) const
-  {
-    a.initial_radius[parent] = initial;
-    a.position[PointArrays::At(parent, 2)] = initial * volume_ratio / PlaneDeterminant(a.F + PointArrays::At(parent, 4));
-  }
-};
+/// Mean by mass of the siblings' J = det F, with the hoop.
+double MeanVolumeRatio(const PointArrays &a, const std::vector<Sibling> &family)
+{
+  double sum = 0, mass = 0;
+  for (const Sibling &s : family) sum += a.mass[s.point] * a.VolumeRatio(s.point), mass += a.mass[s.point];
+  return sum / mass;
+}
+
+/// For metals, as means of tensors do not keep determinants: F gets the mean J of the siblings, and the elastic tensor J^2.
+void SetVolumeRatio(const PointArrays &a, int parent, double volume_ratio)
+{
+  const double grown = std::pow(volume_ratio / a.VolumeRatio(parent), 1.0 / a.dim);
+  double *const F = a.F + PointArrays::At(parent, a.dim * a.dim), *const b =
+                                                                      a.history + PointArrays::At(parent, a.history_components);
+  for (int k = 0; k < a.dim * a.dim; ++k) F[k] *= grown;
+  const Sym3 elastic = a.dim == 3 ? LoadStress<Spatial>(b) : LoadStress<PlaneStrain>(b);
+  const double scale = std::cbrt(volume_ratio * volume_ratio / Determinant(elastic));
+  for (int k = 0; k < a.stress_components; ++k) b[k] *= scale;
+}
 
 /// The first of a family becomes its parent.
-PetscErrorCode MakeParent(Points &points, const std::vector<Sibling> &family, std::int64_t id, int ratio)
+PetscErrorCode MakeParent(const Model &model, Points &points, const std::vector<Sibling> &family, std::int64_t id, int ratio)
 {
   const int first = family.front().point;
   PointArrays a;
   PetscFunctionBeginUser;
   PetscCall(points.Arrays(&a));
-  const std::optional<ParentRadius> radius = a.initial_radius ? std::optional<ParentRadius>({a, family}) : std::nullopt;
+  const double volume_ratio = MeanVolumeRatio(a, family), radius = MeanInitialRadius(a, family);
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
     void *data = nullptr;
@@ -116,7 +126,8 @@ PetscErrorCode MakeParent(Points &points, const std::vector<Sibling> &family, st
   MergeReals(MergeRule::kSum, 1, a.mass, family, a.mass);
   a.id[first] = id;
   for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
-  if (radius) radius->Set(a, first);
+  if (a.initial_radius) SetRadius(a, first, radius, volume_ratio);
+  if (model.materials[model.bodies[a.body[first]].material]->IsMetal()) SetVolumeRatio(a, first, volume_ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,7 +163,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
-    PetscCall(MakeParent(level.PointStore(), family, parent, ratio));
+    PetscCall(MakeParent(level.Physics(), level.PointStore(), family, parent, ratio));
     PetscCall(level.SumPoints({points.front()}, &after));
     AddChange(before, after, budgets);
     spent.insert(spent.end(), points.begin() + 1, points.end());

@@ -46,6 +46,21 @@ double HoopForce(const Block &b, const double *volume)
   return force;
 }
 
+/// J.
+template <int dim> double KineticEnergy(const Block &b)
+{
+  const double *const v = b.velocity, *const mass = b.mass;
+  double energy = 0;
+#pragma omp simd reduction(+ : energy)
+  for (int p = 0; p < b.count; ++p) {
+    double square = 0;
+#pragma GCC unroll 3
+    for (int d = 0; d < dim; ++d) square += v[dim * p + d] * v[dim * p + d];
+    energy += 0.5 * mass[p] * square;
+  }
+  return energy;
+}
+
 /// What a point adds to the NodeSums of its nodes: S times mass, momentum, body force and owned mass, and grad S times the
 /// stress, as a force. a: acceleration; counts: 1 for a point that the level owns, else 0; inverse_radius: 1/r in axisymmetry.
 template <class Geometry>
@@ -86,11 +101,13 @@ public:
     alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
     budgets.hoop_force = 0;
+    budgets.noise_energy = 0;
     ForEachBlock(view, [&](const Block &b) {
       budgets.clamped_sizes += SetWeights(view, b, w);
       Volumes<Geometry>(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
       if constexpr (Geometry::kHoop) budgets.hoop_force += HoopForce(b, volume);
+      budgets.noise_energy += KineticEnergy<dim>(b);
       for (int p = 0; p < b.count; ++p) {
         const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
         const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);

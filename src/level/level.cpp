@@ -118,7 +118,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateVelocities(*grid_, nodal_, dt);
+  UpdateVelocities(*grid_, nodal_, dt, budgets_);
   PetscCall(PetscLogFlops(kNodeFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,6 +131,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
+  pushed_.clear();
   if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
@@ -147,6 +148,13 @@ void Level::NoteContact(const ContactReport &report, double area)
   budgets_.contact_area = area;
 }
 
+static Vec3 VelocityOf(const Grid &grid, std::ptrdiff_t node)
+{
+  Vec3 velocity{};
+  std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, velocity.begin());
+  return velocity;
+}
+
 PetscErrorCode Level::ApplyContact(double time, double dt)
 {
   const Indenter &indenter = *model_.indenter;
@@ -156,12 +164,18 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
   const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
+  std::vector<Vec3> shared;
+  for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
   PetscCall(contact_->Apply(view, &report));
+  pushed_ = report.pushed;
+  for (std::size_t k = 0; k < shared.size(); ++k) {
+    const std::ptrdiff_t node = coupled_nodes_[k].node;
+    budgets_.shared_contact_impulse += grid_->Sums()[node].mass * Norm(VelocityOf(*grid_, node) - shared[k]);
+  }
   PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   NoteContact(report, rank == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
-  budgets_.contact_work += report.work;
   budgets_.contact_impulse += report.impulse;
   budgets_.support_impulse += report.side_impulse;
   budgets_.indenter_work += Dot(report.impulse, travel) / dt;
@@ -194,6 +208,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
   PetscCall(Logged(events_.halo, [&] { return grid_->SumCells(); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
+  budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
@@ -218,6 +233,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false);
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));

@@ -59,18 +59,22 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, B
   budgets.damping_impulse += damping_impulse;
 }
 
-void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
+  double kinetic = 0;
   ForEachOwned(grid, [&](std::ptrdiff_t place) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+    const double owned = 0.5 * node.owned_mass * inverse_mass * inverse_mass;
     for (int axis = 0; axis < dim; ++axis) {
       change[axis] = dt * node.force[axis] * inverse_mass;
       velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
+      kinetic += owned * node.momentum[axis] * node.momentum[axis];
     }
   });
+  budgets.noise_energy -= kinetic;
 }
 
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)
@@ -103,7 +107,22 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
     }
   });
   budgets.external_work += dt * work;
-  budgets.damping_dissipation += dt * settings.damping * damped;
+  budgets.damping_work += dt * settings.damping * damped;
+}
+
+double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates)
+{
+  const int dim = grid.Geometry().dim;
+  double work = 0;
+  for (const PushedNode &one : pushed) {
+    const NodeSums &node = grid.Sums()[one.node];
+    const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
+    for (int axis = 0; axis < dim; ++axis) {
+      const double p = node.momentum[axis];
+      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] : p + node.mass * change[axis]));
+    }
+  }
+  return work;
 }
 
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)

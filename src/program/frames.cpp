@@ -6,8 +6,10 @@
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <sstream>
 
 namespace mlgimp
@@ -28,20 +30,62 @@ struct FrameField {
   int bytes; ///< of a number
 };
 
-/// Datasets of a level that are not fields of the points: current volume and half size.
+/// A dataset that is not a field of the points: what it has of a point.
+struct DerivedField {
+  const char *name;
+  int components;
+  std::function<void(const PointArrays &points, int p, const Material &material, double *values)> evaluate;
+};
+
+static Sym3 StressOf(const PointArrays &points, int p)
+{
+  const double *const s = points.stress + PointArrays::At(p, points.stress_components);
+  return points.dim == 3 ? LoadStress<Spatial>(s) : LoadStress<PlaneStrain>(s);
+}
+
+static double VonMisesStress(const Sym3 &stress)
+{
+  const Sym3 deviator = stress - Sphere(Trace(stress) / 3);
+  return std::sqrt(1.5 * Contract(deviator, deviator));
+}
+
+/// Current volume and half size; measures of the stress; internal variables that any material has, 0 in the others.
+static std::vector<DerivedField> DerivedFields(const Model &model)
+{
+  using Points = const PointArrays &;
+  std::vector<DerivedField> fields = {
+      {"volume", 1,
+       [](Points a, int p, const Material &material, double *volume) {
+         *volume = a.VolumeRatio(p) * a.mass[p] / material.Density();
+       }},
+      {"half_size", model.geometry.Dim(),
+       [](Points a, int p, const Material &, double *size) {
+         for (int axis = 0; axis < a.dim; ++axis) size[axis] = CurrentHalfSize(a, p, axis);
+       }},
+      {"pressure", 1, [](Points a, int p, const Material &, double *value) { *value = -Trace(StressOf(a, p)) / 3; }},
+      {"von_mises_stress", 1, [](Points a, int p, const Material &, double *value) { *value = VonMisesStress(StressOf(a, p)); }},
+  };
+  for (int k = 0; k < kInternalVariables; ++k) {
+    const auto variable = static_cast<InternalVariable>(k);
+    const auto has = [&](const auto &material) { return material->PlaceOf(variable) >= 0; };
+    if (std::none_of(model.materials.begin(), model.materials.end(), has)) continue;
+    fields.push_back({kInternalVariableNames[k], 1, [variable](Points a, int p, const Material &material, double *value) {
+                        const int place = material.PlaceOf(variable);
+                        *value = place < 0 ? 0 : a.history[PointArrays::At(p, a.history_components) + place];
+                      }});
+  }
+  return fields;
+}
+
 static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model, const Slab &slab)
 {
   const BodyTable bodies = model.Table();
-  const int dim = points.dim;
-  std::vector<double> volume(points.count), half_size(static_cast<std::size_t>(dim) * points.count);
-  for (int p = 0; p < points.count; ++p) {
-    const double hoop = points.initial_radius ? points.Position(p)[0] / points.initial_radius[p] : 1;
-    volume[p] =
-        Determinant(points.F + PointArrays::At(p, dim * dim), dim) * hoop * points.mass[p] / bodies.Of(points, p).Density();
-    for (int axis = 0; axis < dim; ++axis) half_size[PointArrays::At(p, dim) + axis] = CurrentHalfSize(points, p, axis);
+  for (const DerivedField &field : DerivedFields(model)) {
+    std::vector<double> values(static_cast<std::size_t>(field.components) * points.count);
+    for (int p = 0; p < points.count; ++p)
+      field.evaluate(points, p, bodies.Of(points, p), &values[PointArrays::At(p, field.components)]);
+    file.Dataset(group + "/" + field.name, H5T_NATIVE_DOUBLE, field.components, slab, values.data());
   }
-  file.Dataset(group + "/volume", H5T_NATIVE_DOUBLE, 1, slab, volume.data());
-  file.Dataset(group + "/half_size", H5T_NATIVE_DOUBLE, dim, slab, half_size.data());
 }
 
 std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
@@ -96,7 +140,8 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
 std::string FrameWriter::WriteSeries(MPI_Comm comm) const
 {
   const int dim = model_.geometry.Dim();
-  std::vector<FrameField> fields = {{"volume", 1, true, 8}, {"half_size", dim, true, 8}};
+  std::vector<FrameField> fields;
+  for (const DerivedField &field : DerivedFields(model_)) fields.push_back({field.name, field.components, true, 8});
   for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
     if (field.in_frames && field.components > 0)
       fields.push_back({field.name, field.components, field.type == FieldType::kReal, field.type == FieldType::kInt32 ? 4 : 8});

@@ -218,32 +218,6 @@ std::string Simulation::FindKept() const
   return ShareText(comm_, parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept");
 }
 
-/// Warns, once, where the surface lies deeper inside the indenter than a sharp tip between two columns explains.
-void Simulation::WarnOfPenetration(double penetration)
-{
-  if (warned_ || !case_.model.indenter || case_.model.contact.method == "none") return;
-  const int level = case_.LevelAtTip();
-  const double cell = case_.CellSize(level);
-  if (penetration <= cell) return;
-  warned_ = true;
-  Warn(comm_, "-cell_size " + FormatNumber(case_.cell_size) + ": the surface lies " + FormatRounded(penetration) +
-                  " m inside the indenter at time " + FormatRounded(state_.time) + " s, more than a cell of level " +
-                  std::to_string(level) + ": the indenter is too slender or too fast for the cells, and the load too small");
-}
-
-/// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
-void Simulation::WarnOfViscosity()
-{
-  constexpr double kGiven = 0.01; // of the energy there is
-  if (warned_of_viscosity_ || budgets_.short_wave_dissipation >= -kGiven * (budgets_.kinetic_energy + budgets_.strain_energy))
-    return;
-  warned_of_viscosity_ = true;
-  Warn(comm_, "-short_wave_viscosity " + FormatNumber(case_.model.short_wave.a) + "," + FormatNumber(case_.model.short_wave.b) +
-                  ": has given " + FormatRounded(-budgets_.short_wave_dissipation) + " J by time " + FormatRounded(state_.time) +
-                  " s where it should take energy: the results are wrong from here; try a smaller second number (0 where "
-                  "strains are plastic) or a smaller -cfl");
-}
-
 void Simulation::WriteState()
 {
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
@@ -261,8 +235,7 @@ void Simulation::WriteHistoryRow()
   budgets_.time = state_.time;
   budgets_.depth = indenter ? indenter->Depth(state_.time) : 0;
   budgets_.load = load_;
-  WarnOfPenetration(budgets_.penetration);
-  WarnOfViscosity();
+  warnings_.Look(comm_, case_, budgets_, AtEnd());
   CheckWritten(history_.Write(state_.step, budgets_));
 }
 

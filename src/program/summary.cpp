@@ -128,6 +128,9 @@ std::string Simulation::WriteSummary(const std::string &status)
                {"points_lost", Number(state_.initial_points + created - budgets.points)},
                {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
   json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
+  json["contact_excess"] = Number(budgets.contact_work - budgets.indenter_work);
+  json["noise_energy"] = Number(budgets.noise_energy);
+  json["warnings"] = warnings_.Lines();
   json["versions"] = Versions();
   return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
     return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

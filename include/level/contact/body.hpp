@@ -36,7 +36,7 @@ double MassOf(const Grid &grid, Index node);   ///< kg
 Vec3 VelocityOf(const Grid &grid, Index node); ///< v, m/s
 /// Splits a change of velocity in what the node takes and what the sides hold.
 Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
-/// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, work, and both impulses.
+/// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, and both impulses.
 void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report);
 
 } // namespace mlgimp

@@ -27,15 +27,15 @@ struct ContactView {
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
 /// ranks.
 struct ContactReport {
-  Vec3 impulse{};           ///< on the body, N s
-  Vec3 side_impulse{};      ///< what sides take up of it at once, N s
-  double work = 0;          ///< of the contact forces on owned nodes, with their mean velocity of the step, J
-  double penetration = 0;   ///< deepest place of the surface inside the indenter at `time`, m
-  int local_points = 0;     ///< points under pressure
-  int set_updates = 0;      ///< of the active set; on the level's first rank alone
-  bool fallback = false;    ///< the active set did not settle: row-sum diagonal used; on the level's first rank alone
-  bool solved = true;       ///< false: the linear solver did not converge
-  double half_width = 0;    ///< of the contact, in space sqrt(area/pi), m
+  Vec3 impulse{};                 ///< on the body, N s
+  Vec3 side_impulse{};            ///< what sides take up of it at once, N s
+  std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
+  double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
+  int local_points = 0;           ///< points under pressure
+  int set_updates = 0;            ///< of the active set; on the level's first rank alone
+  bool fallback = false;          ///< the active set did not settle: row-sum diagonal used; on the level's first rank alone
+  bool solved = true;             ///< false: the linear solver did not converge
+  double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
 };

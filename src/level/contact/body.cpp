@@ -58,8 +58,8 @@ void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *
   for (int d = 0; d < view.geometry.Dim(); ++d) {
     velocity[d] += by[d];
     change[d] += by[d];
-    report->work += mass * by[d] * (velocity[d] - 0.5 * change[d]);
   }
+  report->pushed.push_back({view.grid.Place(node), by});
   report->impulse = report->impulse + impulse;
   report->side_impulse = report->side_impulse + taken - impulse;
 }

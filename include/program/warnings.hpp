@@ -1,0 +1,27 @@
+// What a run tells of itself while it goes on, each once: results that the user's input makes doubtful.
+#pragma once
+
+#include "level/budgets.hpp"
+#include "program/case.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+class Warnings
+{
+public:
+  /// Looks at the budgets of all ranks, which are the same on each, and warns of what is new; some are for the end
+  /// of a run. Collective.
+  void Look(MPI_Comm comm, const Case &c, const Budgets &budgets, bool ended);
+  /// The lines so far, for summary.json.
+  const std::vector<std::string> &Lines() const { return lines_; }
+
+private:
+  std::vector<std::string> lines_;
+  std::vector<bool> told_;
+};
+
+} // namespace mlgimp

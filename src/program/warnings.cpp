@@ -1,0 +1,80 @@
+// The warnings of a run, one function each: a line where there is something to tell, else empty.
+#include "program/warnings.hpp"
+
+#include <cmath>
+#include <iterator>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
+
+/// The surface lies deeper inside the indenter than a sharp tip between two columns explains.
+std::string OfPenetration(const Case &c, const Budgets &budgets)
+{
+  if (!c.model.indenter || c.model.contact.method == "none") return "";
+  const int level = c.LevelAtTip();
+  if (budgets.penetration <= c.CellSize(level)) return "";
+  return "-cell_size " + FormatNumber(c.cell_size) + ": the surface lies " + FormatRounded(budgets.penetration) +
+         " m inside the indenter" + When(budgets) + ", more than a cell of level " + std::to_string(level) +
+         ": the indenter is too slender or too fast for the cells, and the load too small";
+}
+
+/// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
+std::string OfViscosity(const Case &c, const Budgets &budgets)
+{
+  constexpr double kGiven = 0.01; // of the energy there is
+  if (budgets.short_wave_dissipation >= -kGiven * (budgets.kinetic_energy + budgets.strain_energy)) return "";
+  return "-short_wave_viscosity " + FormatNumber(c.model.short_wave.a) + "," + FormatNumber(c.model.short_wave.b) +
+         ": has given " + FormatRounded(-budgets.short_wave_dissipation) + " J" + When(budgets) +
+         " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
+}
+
+/// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
+std::string OfNoise(const Case &c, const Budgets &budgets)
+{
+  constexpr double kMost = 0.005;
+  bool has_metal = false;
+  for (const auto &material : c.model.materials) has_metal = has_metal || material->IsMetal();
+  if (!has_metal || !c.model.indenter || c.model.contact.method == "none") return "";
+  if (budgets.plastic_work <= 0 || budgets.noise_energy <= kMost * std::abs(budgets.indenter_work)) return "";
+  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
+         FormatRounded(100 * budgets.noise_energy / std::abs(budgets.indenter_work)) + " % of the indenter's work" +
+         When(budgets) + ", which softens plastic flow: try a larger fraction or a slower indenter";
+}
+
+/// Where levels share nodes, the pressures of contact and the coupling work against each other.
+std::string OfBorder(const Case &c, const Budgets &budgets)
+{
+  constexpr double kMost = 0.01;
+  const double all = std::abs(budgets.contact_impulse[c.Dim() - 1]);
+  if (budgets.shared_contact_impulse <= kMost * all || all == 0) return "";
+  return "-level_" + std::to_string(c.levels - 1) + "_lower: the indenter presses, with " +
+         FormatRounded(100 * budgets.shared_contact_impulse / all) + " % of its load" + When(budgets) +
+         ", on nodes that levels share near a border: loads and energies are not right there; let the boxes of finer levels end "
+         "farther from the contact, above the surface at the domain's side";
+}
+
+} // namespace
+
+void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, bool ended)
+{
+  constexpr struct {
+    std::string (*line)(const Case &, const Budgets &);
+    bool at_end; ///< while little work is done, there is little to compare with
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false}, {OfNoise, true}};
+  told_.resize(std::size(kAll));
+  for (std::size_t k = 0; k < std::size(kAll); ++k) {
+    if (told_[k] || (kAll[k].at_end && !ended)) continue;
+    const std::string line = kAll[k].line(c, budgets);
+    if (line.empty()) continue;
+    told_[k] = true;
+    lines_.push_back(line);
+    Warn(comm, line);
+  }
+}
+
+} // namespace mlgimp

@@ -1,0 +1,195 @@
+"""Metals: limit loads and pressures under a punch, hardness by a cone, compression, Taylor's bar on levels and ranks."""
+import functools
+import math
+
+import numpy
+import pytest
+
+import harness
+
+SHEAR_YIELD = 70e6 / math.sqrt(3)
+
+# A cylinder of metal between a rigid plate and a side of symmetry, with room to grow; lengths in cells, E = 1.
+COMPRESSION = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "15,18", "cell_size": 1, "boundary_y_lower": "symmetry",
+    "materials": "m", "m_model": "j2", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "m_yield_stress": 0.005,
+    "m_hardening_modulus": 0.01, "bodies": "rod", "rod_lower": "0,0", "rod_upper": "8,16", "indenter": "flat_punch",
+    "indenter_radius": 14, "indenter_tip": "0,16", "indenter_times": "0,1600", "indenter_velocities": "0,0.005",
+    "indenter_max_depth": 8, "frames": 1, "history_interval": 20}
+
+
+def energy_left(history):
+    """Energies of the body less the work of the indenter, of that work, at the end."""
+    energy = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    return energy / history["indenter_work"][-1] - 1
+
+
+def pressure_noise(frame, inside, cell):
+    """Root mean square and largest of the points' pressures less the smooth field of their nodes, among some points."""
+    place, pressure, mass = frame["position"] / cell, frame["pressure"], frame["mass"]
+    first = numpy.floor(place).astype(int)
+    part, shape = place - first, tuple(first.max(axis=0) + 2)
+    sums, masses, smooth = numpy.zeros(shape), numpy.zeros(shape), numpy.zeros(len(mass))
+    corners = [(i, j, numpy.abs(1 - i - part[:, 0]) * numpy.abs(1 - j - part[:, 1])) for i in (0, 1) for j in (0, 1)]
+    for i, j, weight in corners:
+        numpy.add.at(sums, (first[:, 0] + i, first[:, 1] + j), weight * mass * pressure)
+        numpy.add.at(masses, (first[:, 0] + i, first[:, 1] + j), weight * mass)
+    for i, j, weight in corners:
+        smooth += weight * (sums / numpy.maximum(masses, 1e-300))[first[:, 0] + i, first[:, 1] + j]
+    noise = (pressure - smooth)[inside]
+    return math.sqrt(numpy.mean(noise**2)), numpy.max(numpy.abs(noise))
+
+
+@functools.lru_cache(None)
+def punch(**more):
+    return harness.run({"frames": 1, **more}, file="punch_plastic.opts")
+
+
+def test_punch(expect):
+    """Prandtl: the limit load is (2 + pi) k a, a punch acting a quarter cell wider; the pressure does not alternate."""
+    result = punch()
+    history, frame = result.history, result.frame()
+    load = history["load"] / ((2 + math.pi) * SHEAR_YIELD * 8.25e-6)
+    last = len(load) // 20
+    expect("load, of the exact one", numpy.mean(load[-last:]), near=1, tolerance=0.04)
+    expect("growth of the load over the last half", numpy.mean(load[-last:]) / numpy.mean(load[len(load) // 2:][:last]) - 1,
+           near=0, tolerance=0.05)
+    x, depth = frame["position"][:, 0], 32e-6 - history["depth"][-1] - frame["position"][:, 1]
+    below = (x < 8e-6) & (depth < 8e-6) & ~((numpy.abs(x - 8e-6) < 2e-6) & (depth < 2e-6))
+    rms, largest = pressure_noise(frame, below, 1e-6)
+    expect("noise of the pressure under the punch without its corner, rms, k", rms / SHEAR_YIELD, at_most=0.25)
+    expect("largest of it, k", largest / SHEAR_YIELD, at_most=1.5)
+    expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.01)
+    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1,
+           near=0, tolerance=0.03)
+    expect("noise of velocities, of the work", history["noise_energy"][-1] / history["indenter_work"][-1], at_most=0.005)
+    parts = sum(history[name] for name in ("plastic_work", "viscous_work", "damping_work"))
+    expect("works less what is dissipated, of it", numpy.max(numpy.abs(parts - history["dissipated_energy"])) / parts[-1],
+           at_most=1e-14)
+    assert result.summary["warnings"] == []
+
+
+def test_locking_without_average(expect):
+    """What the mean over cells is for: without it the load is too high, and the pressure alternates from point to point."""
+    result = punch(metal_volume_average="false")
+    frame = result.frame()
+    load = numpy.mean(result.history["load"][-100:]) / ((2 + math.pi) * SHEAR_YIELD * 8.25e-6)
+    below = (frame["position"][:, 0] < 6e-6) & (frame["position"][:, 1] > 24e-6)
+    expect("load, of the exact one, above", load, at_least=1.045)
+    expect("noise of the pressure, rms, k, above", pressure_noise(frame, below, 1e-6)[0] / SHEAR_YIELD, at_least=1)
+
+
+def test_cone(expect):
+    """Hardness: P/h^2 of a 70.3 degree cone by finite elements (PNAS 117:7052, 2020), E 50 GPa, sy 1 GPa, no hardening."""
+    result = harness.run({"frames": 1, "indenter_max_depth": 150e-9, "history_interval": 5}, file="cone_metal.opts")
+    history = result.history
+    depth, load = history["depth"], history["load"]
+
+    def curvature(least):
+        rows = depth > least
+        return numpy.sum(load[rows] * depth[rows]**2) / numpy.sum(depth[rows]**4)
+    expect("P/h^2, of that of finite elements", curvature(90e-9) / 52.198e9, near=1, tolerance=0.04)
+    expect("the same in the last fifth over the last half", curvature(120e-9) / curvature(75e-9), near=1, tolerance=0.02)
+    expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
+    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1,
+           near=0, tolerance=0.03)
+
+
+def test_compression(expect):
+    """Half as high between frictionless plates: stress sy + H a, and the work of it on the volume."""
+    result = harness.run(COMPRESSION)
+    history, frame = result.history, result.frame()
+    strain = frame["equivalent_plastic_strain"]
+    mises = frame["von_mises_stress"] * frame["volume"] / frame["mass"]  # Kirchhoff stress
+    expect("stress over flow stress, largest", numpy.max(mises / (0.005 + 0.01 * strain)), at_most=1 + 1e-9)
+    mean = numpy.average(strain, weights=frame["mass"])
+    expect("plastic strain: ln 2 less the elastic strain", mean / (math.log(2) - (0.005 + 0.01 * mean)), near=1, tolerance=1e-3)
+    volume, flow = frame["volume"].sum(), 0.005 + 0.01 * mean
+    stress = numpy.average(frame["stress"][:, 1], weights=frame["volume"])
+    expect("axial stress, of the exact one", -stress * volume / frame["mass"].sum() / flow, near=1, tolerance=2e-3)
+    work = frame["mass"].sum() * (0.005 * mean + 0.005 * mean**2)
+    expect("plastic work, of the exact one", history["plastic_work"][-1] / work, near=1, tolerance=1e-3)
+
+
+TAYLOR = {"frames": 1, "history_interval": 20}
+TWO_LEVELS = {**TAYLOR, "cell_size": 0.8e-3, "levels": 2, "level_1_lower": "0,0", "level_1_upper": "9.6e-3,14.4e-3", "rod_points_per_cell": 2}
+
+
+def shape(result):
+    frame = result.frame()
+    ends = frame["position"] + frame["half_size"]
+    return 1e3 * numpy.max(ends[:, 1]), 1e3 * numpy.max(ends[:, 0])
+
+
+def test_taylor_bar(expect):
+    """Copper at 227 m/s: length and foot as published; the same with fine cells at the foot alone."""
+    length, foot = shape(harness.run(TAYLOR, file="taylor_bar.opts"))
+    expect("length, mm", length, near=21.4, tolerance=0.3)
+    expect("radius of the foot, mm", foot, near=7.0, tolerance=0.3)
+    on_two = shape(harness.run(TWO_LEVELS, file="taylor_bar.opts"))
+    expect("length on two levels, of that on one", on_two[0] / length, near=1, tolerance=0.01)
+    expect("foot on two levels, of that on one", on_two[1] / foot, near=1, tolerance=0.01)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 4])
+def test_taylor_bar_on_ranks(expect, ranks):
+    short = {**TWO_LEVELS, "end_time": 20e-6, "points_per_rank": 1}
+    many, one = (harness.run(short, file="taylor_bar.opts", ranks=n).history for n in (ranks, 1))
+    for name, values in one.items():
+        scale = numpy.max(numpy.abs(values)) if name.split("_")[0] not in ("momentum", "support", "stagger", "transfer", "exchange") else None
+        scale = scale or numpy.max(numpy.abs(one["kinetic_energy" if "energy" in name else "support_impulse_y"]))
+        expect(name, numpy.max(numpy.abs(many[name] - values)) / scale, at_most=1e-9)
+
+
+def test_heated_rod(expect):
+    """Johnson & Cook's copper: the heat that points hold is nine tenths of the plastic work."""
+    result = harness.run({"frames": 1, "end_time": 20e-6}, file="rod_impact.opts")
+    frame = result.frame()
+    heat = numpy.sum(frame["mass"] * 383 * (frame["temperature"] - 293))
+    expect("heat, of the plastic work", heat / result.history["plastic_work"][-1], near=0.9, tolerance=1e-9)
+    assert frame["temperature"].max() > 320
+
+
+def test_contact_at_a_border_is_told():
+    """A box of the finest level that ends just above the surface: the contact lies where levels share their nodes."""
+    result = harness.run({"frames": 1, "level_2_upper": "2.4e-6,26e-6", "indenter_max_depth": 20e-9}, file="cone_metal.opts")
+    assert "-level_2_lower: the indenter presses" in result.stderr and len(result.summary["warnings"]) == 1
+
+
+J2 = {"geometry": "plane_strain", "domain_lower": "0,0", "domain_upper": "4,4", "cell_size": 1, "materials": "m", "m_model": "j2",
+      "m_youngs_modulus": 1e9, "m_poissons_ratio": 0.3, "m_density": 1000, "m_yield_stress": 1e6, "bodies": "b", "b_lower": "0,0",
+      "b_upper": "2,2", "max_steps": 1}
+COOK = {**J2, "m_hardening": "johnson_cook", "m_hardening_modulus": 1e6, "m_hardening_exponent": 0.3, "m_rate_sensitivity": 0.01,
+        "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}
+TABLE = {**{k: v for k, v in J2.items() if k != "m_yield_stress"}, "m_hardening": "table", "m_plastic_strains": "0,0.1",
+         "m_flow_stresses": "1e6,2e6"}
+
+
+@pytest.mark.parametrize("change, words", [
+    ({**J2, "m_hardening": "power", "m_hardening_exponent": -0.1}, ["-m_hardening_exponent -0.1:", "[0, 1]"]),
+    ({**J2, "m_hardening": "power"}, ["-m_hardening_exponent", "given"]),
+    ({**J2, "m_hardening": "isotropic"}, ["-m_hardening isotropic:", "voce"]),
+    ({**J2, "m_hardening": "voce", "m_saturation_stress": 5e5, "m_saturation_strain": 0.1}, ["-m_saturation_stress", "-m_yield_stress"]),
+    ({**J2, "m_hardening": "voce", "m_saturation_stress": 5e6, "m_saturation_strain": 0}, ["-m_saturation_strain 0:", "> 0"]),
+    ({**TABLE, "m_plastic_strains": "0.01,0.1"}, ["-m_plastic_strains 0.01:", "0 at first"]),
+    ({**TABLE, "m_plastic_strains": "0,0.1,0.05", "m_flow_stresses": "1e6,2e6,3e6"}, ["-m_plastic_strains 0.05:", "rising"]),
+    ({**TABLE, "m_flow_stresses": "2e6,1e6"}, ["-m_flow_stresses", "at least the one before"]),
+    ({**TABLE, "m_flow_stresses": "2e6"}, ["-m_flow_stresses 1 values:", "as many"]),
+    ({**TABLE, "m_yield_stress": 1e6}, ["-m_yield_stress"]),
+    ({**COOK, "m_melting_temperature": 290}, ["-m_melting_temperature 290:", "-initial_temperature"]),
+    ({**COOK, "m_adiabatic": "true"}, ["-m_heat_capacity", "-m_adiabatic"]),
+    ({**COOK, "rate_scale": 0}, ["-rate_scale 0:", "> 0"]),
+    ({**J2, "m_hardening_modulus": 0, "stress_update": "usf"}, ["-stress_update usf:", "volume_average"]),
+    ({**J2, "m_model": "neo_hookean", "m_hardening": "swift"}, ["-m_"])])
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_refused(change, words, ranks):
+    result = harness.run(change, ranks=ranks, must_succeed=False)
+    lines = [line for line in result.stderr.splitlines() if line.startswith("mlgimp: error:")]
+    assert result.status != 0 and len(lines) == 1 and all(word in lines[0] for word in words), result.stderr
+
+
+@pytest.mark.parametrize("change", [COOK, TABLE, {**J2, "m_hardening": "swift", "m_hardening_exponent": 0.2, "m_hardening_strain": 0.01},
+                                    {**J2, "m_hardening": "ludwik", "m_hardening_exponent": 0.5, "m_hardening_modulus": 1e6}])
+def test_accepted(change):
+    assert harness.run({**change, "frames": 1}).status == 0

@@ -1,0 +1,126 @@
+// Hardening laws and the return to them; logarithm and exponential by series; a steady state of simple shear.
+#include "pointwise/log_strain.hpp"
+#include "pointwise/material.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace mlgimp;
+
+namespace
+{
+
+std::mt19937 generator(20261122);
+double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+
+MaterialConstants Constants(const std::string &hardening)
+{
+  MaterialConstants c;
+  c.youngs_modulus = 70e9, c.poissons_ratio = 0.33, c.density = 2700;
+  c.yield_stress = 200e6, c.hardening_modulus = hardening == "linear" ? 2e9 : 3e8;
+  c.hardening = hardening;
+  c.hardening_exponent = 0.25, c.hardening_strain = 0.01;
+  c.saturation_stress = 320e6, c.saturation_strain = 0.1;
+  c.plastic_strains = {0, 0.02, 0.3}, c.flow_stresses = {200e6, 260e6, 300e6};
+  c.rate_sensitivity = 0.02, c.reference_rate = 1, c.thermal_exponent = 1, c.melting_temperature = 900, c.heat_capacity = 900;
+  c.adiabatic = true;
+  return c;
+}
+
+template <class Law> void ReturnsToFlow(const std::string &name)
+{
+  const Law law(Constants(name));
+  const double three_mu = 3 * 26e9;
+  double off = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const FlowState state = {std::pow(10, Random(-9, 0.5)) * (n % 5 ? 1 : 0), Random(293, 850), std::pow(10, Random(0, 12))};
+    const double q = law.At(state.plastic_strain, 0, state.temperature).stress * (1 + std::pow(10, Random(-10, 1)));
+    const double d = PlasticIncrement(law, q, three_mu, state);
+    const double flow = law.At(state.plastic_strain + d, state.rate_per_strain * d, state.temperature).stress;
+    EXPECT_GT(d, 0) << name;
+    off = std::max(off, std::abs(q - three_mu * d - flow) / q);
+  }
+  EXPECT_LE(off, 1e-12) << name + ": stress less flow stress after the return, of the trial stress";
+  EXPECT_EQ(PlasticIncrement(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}), 0) << name + ": elastic below yield";
+}
+
+TEST(Metals, EveryLawIsReturnedTo)
+{
+  ReturnsToFlow<LinearHardening>("linear");
+  ReturnsToFlow<SwiftHardening>("swift");
+  ReturnsToFlow<VoceHardening>("voce");
+  ReturnsToFlow<LudwikHardening>("ludwik");
+  ReturnsToFlow<TableHardening>("table");
+  ReturnsToFlow<JohnsonCookHardening>("johnson_cook");
+}
+
+/// The formulas, at places where they are easy.
+TEST(Metals, FlowStresses)
+{
+  MaterialConstants c = Constants("power");
+  c.hardening_strain = NAN;
+  const double strain = 15 * c.yield_stress / c.youngs_modulus; // 1 + E a/sy = 16
+  EXPECT_NEAR(SwiftHardening(c).At(strain, 0, 0).stress / c.yield_stress, 2, 1e-14) << "power";
+  EXPECT_NEAR(SwiftHardening(Constants("swift")).At(0.15, 0, 0).stress / 200e6, 2, 1e-14) << "swift";
+  EXPECT_NEAR(VoceHardening(Constants("voce")).At(0.1, 0, 0).stress / (320e6 - 120e6 / std::exp(1)), 1, 1e-14) << "voce";
+  EXPECT_NEAR(LudwikHardening(Constants("ludwik")).At(0.0016, 0, 0).stress / (200e6 + 3e8 * 0.2), 1, 1e-14) << "ludwik";
+  EXPECT_NEAR(TableHardening(Constants("table")).At(0.01, 0, 0).stress / 230e6, 1, 1e-14) << "table, half way";
+  EXPECT_EQ(TableHardening(Constants("table")).At(5, 0, 0).stress, 300e6) << "table, beyond";
+  const JohnsonCookHardening law(Constants("johnson_cook"));
+  const double half_soft = 0.5 * (293 + 900);
+  EXPECT_NEAR(law.At(0, std::exp(5), half_soft).stress / (200e6 * 1.1 * 0.5), 1, 1e-13) << "johnson_cook: rate and temperature";
+  EXPECT_EQ(law.At(0, 0.5, 293).stress, 200e6) << "johnson_cook: no softening below the reference rate";
+  EXPECT_EQ(law.At(0, 0.5, 2000).stress, 0) << "johnson_cook: molten";
+}
+
+TEST(Metals, LogarithmAndExponentialBySeries)
+{
+  double log_off = 0, exp_off = 0, scale_off = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const double size = std::pow(10, Random(-12, -1.2)), volume = Random(0.5, 2);
+    Sym3 b = {Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1)};
+    b = volume * (Sphere(1) + size / 3 * b);
+    const LogStrain series = LogarithmicStrain(b), exact = LogarithmicStrainOfLarge(b, 1);
+    if (series.norm2 > kLargestNorm2) continue;
+    const Sym3 less = series.deviator - exact.deviator;
+    log_off = std::max(log_off, std::sqrt(Contract(less, less)) + std::abs(series.mean - exact.mean));
+    scale_off = std::max(scale_off, std::abs(series.scale / exact.scale - 1));
+    const Sym3 back = series.scale * Exponential(2 * series.deviator) - b;
+    exp_off = std::max(exp_off, std::sqrt(Contract(back, back)) / volume);
+  }
+  EXPECT_LE(log_off, 2e-15) << "logarithm, series less principal values";
+  EXPECT_LE(scale_off, 2e-15) << "exp(2 mean), likewise";
+  EXPECT_LE(exp_off, 2e-15) << "exp of the logarithm less the tensor";
+}
+
+/// Points of a metal in simple shear in small steps; returns stress xx, yy, zz, xy.
+std::array<double, 4> Shear(const Material &metal, double strain, int steps, double *plastic_strain)
+{
+  double F[4] = {1, 0, 0, 1}, L[4] = {}, increment[4], stress[4] = {}, history[6], dissipated = 0;
+  metal.InitialHistory(history);
+  L[1] = strain / steps;
+  for (int k = 0; k < steps; ++k) {
+    AdvanceDeformation<PlaneStrain>(1, 1, L, increment, F);
+    metal.UpdateStress({1, 1, L, increment, F, nullptr, nullptr, stress, history, 6}, &dissipated);
+  }
+  *plastic_strain = history[metal.PlaceOf(kPlasticStrain)];
+  return {stress[0], stress[1], stress[2], stress[3]};
+}
+
+/// Perfect plasticity in steady simple shear: tau = k/cosh(k/mu), sxx - syy = 2 k tanh(k/mu).
+TEST(Metals, SteadyShear)
+{
+  MaterialConstants c = Constants("linear");
+  c.hardening_modulus = 0, c.yield_stress = c.youngs_modulus / 100;
+  const auto metal = CreateMaterial("j2", c, GeometryKind::kPlaneStrain);
+  const double k = c.yield_stress / std::sqrt(3), mu = metal->Mu();
+  double plastic;
+  const auto stress = Shear(*metal, 3, 20000, &plastic);
+  EXPECT_NEAR(stress[3] / k, 1 / std::cosh(k / mu), 2e-6) << "shear stress, of k";
+  EXPECT_NEAR((stress[0] - stress[1]) / k, 2 * std::tanh(k / mu), 2 * 3.0 / 20000) << "difference of normal stresses, of k";
+  EXPECT_NEAR((stress[0] + stress[1] + stress[2]) / k, 0, 1e-9) << "pressure, of k";
+}
+
+} // namespace

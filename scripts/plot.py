@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the pictures of one result folder: load_depth.png, stress_xx.png, _yy, _xy and energy.png."""
+"""Draws the pictures of one result folder: load_depth.png, stress_xx.png, _yy, _xy, energy.png; of metals von_mises_stress.png,
+pressure.png and equivalent_plastic_strain.png too. Axisymmetric fields are mirrored at the axis."""
 
 import argparse
 import logging
@@ -23,6 +24,8 @@ Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
 
 STRESS_COLUMN = {"xx": 0, "yy": 1, "zz": 2, "xy": 3}
+SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressure", "Pa"),  # datasets, with label and unit
+           "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K")}
 DOTS_PER_INCH = 160
 LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a field's axes in inches
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
@@ -148,7 +151,7 @@ def panel(window, count):
 
 
 def draw_field(axes, points, component, boxes, window, scale, units):
-    """Draws one stress component of points over axes that show the window, and returns what colours it.
+    """Draws one component of the stress, or a scalar, of points over axes that show the window, and returns what colours it.
 
     points: dict with position [n][2] m, half_size [n][2] m (current half extents), stress [n][4] Pa;
     boxes [levels][lower, upper][2] m; window (xmin, xmax, ymin, ymax) m; units: Units of (length, stress).
@@ -180,8 +183,20 @@ def set_ticks(axes):
 
 
 def stress_of(points, component):
-    """Returns one component of the stress, array [n] in Pa, by its name xx, yy, zz or xy."""
-    return points["stress"][:, STRESS_COLUMN[component]]
+    """Returns one component of the stress, array [n] in Pa, by its name xx, yy, zz or xy, or one of the scalars."""
+    return points[component] if component in SCALARS else points["stress"][:, STRESS_COLUMN[component]]
+
+
+def unit_of(values, component):
+    """Returns the Unit that a component's values are drawn in."""
+    symbol = SCALARS.get(component, ("", "Pa"))[1]
+    return si_unit(values, symbol) if symbol == "Pa" else Unit(1, symbol)
+
+
+def label_of(component, unit):
+    """Returns the text beside a colour bar."""
+    name = SCALARS[component][0] if component in SCALARS else rf"$\sigma_{{{component}}}$"
+    return f"{name} ({unit.name})" if unit.name else name
 
 
 def add_colourbar(axes, squares, component, unit, scale, values):
@@ -196,7 +211,7 @@ def add_colourbar(axes, squares, component, unit, scale, values):
     beyond = ends[bool(np.any(values < scale.low)), bool(np.any(values > scale.high))]
     bar = axes.figure.colorbar(squares, cax=axes.inset_axes(place), extend=beyond, extendfrac=0.03,
                                orientation="vertical" if upright else "horizontal")
-    bar.set_label(rf"$\sigma_{{{component}}}$ ({unit.name})")
+    bar.set_label(label_of(component, unit))
     bar.outline.set_linewidth(0.6)
 
 
@@ -213,7 +228,7 @@ def plot_fields(panels, component, path, window=None):
     window, (width, height) = panel(np.asarray(window, float), len(panels))
     values = np.concatenate([stress_of(each, component)[in_window(each, window)] for each in points])
     scale = colour_scale(values, centred=component == "xy")
-    units = si_unit(window, "m"), si_unit([scale.low, scale.high], "Pa")
+    units = si_unit(window, "m"), unit_of([scale.low, scale.high], component)
     figure = plt.figure(figsize=(len(panels) * (width + 1.1), height + 1.0))
     for place, (title, each, boxes) in enumerate(panels):
         axes = figure.add_axes([(place + 0.5) / len(panels), 0.5 / (height + 1.0),
@@ -232,6 +247,8 @@ def read_panel(directory, number=None, title=None):
     frame = results.read_frame(path)
     levels, boxes = results.slice_of(frame.levels, results.level_boxes(results.read_summary(directory)))
     points = results.all_points(levels)
+    if "hoop_impulse_x" in results.read_history(directory):
+        points, boxes = results.mirrored(points, boxes)
     if not len(points["position"]):
         raise results.ResultError(path, "holds no points")
     title = f"{title or case_name(directory)}, t = {in_si_unit(frame.time, 's')}"
@@ -292,6 +309,9 @@ def main(arguments=None):
         print("no load_depth.png: this run has no indenter")
     for component in ("xx", "yy", "xy"):
         plot_fields([field], component, out / f"stress_{component}.png", options.window)
+    for component in SCALARS:
+        if np.any(field[1].get("equivalent_plastic_strain", 0) > 0) and component in field[1]:
+            plot_fields([field], component, out / f"{component}.png", options.window)
     plot_energy(history, title, out / "energy.png")
 
 

@@ -139,6 +139,19 @@ def slice_of(levels, boxes):
     return cut, boxes[:, :, [0, 2]]
 
 
+def mirrored(points, boxes):
+    """Returns the points of an axisymmetric run and their mirror images at the axis, and the boxes that hold both."""
+    image = {name: values.copy() for name, values in points.items()}
+    for name in ("position", "velocity"):
+        if name in image:
+            image[name][:, 0] *= -1
+    image["stress"][:, 3] *= -1
+    both = {name: np.concatenate([image[name], values]) for name, values in points.items()}
+    if len(boxes):
+        boxes = np.stack([boxes[:, 0] * [0, 1] - boxes[:, 1] * [1, 0], boxes[:, 1]], axis=1)
+    return both, boxes
+
+
 def all_points(levels):
     """Returns the points of all levels as one dict of arrays; `level` tells where each point came from."""
     counts = [len(level["position"]) for level in levels]

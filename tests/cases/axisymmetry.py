@@ -1,4 +1,4 @@
-"""Axisymmetry: a cylinder under pressure, Hertz's sphere, budgets, ranks and restart with levels and contact, refusals."""
+"""Axisymmetry: a cylinder under pressure, Hertz's sphere, budgets with levels and contact, refusals."""
 import functools
 import math
 
@@ -6,7 +6,7 @@ import numpy
 import pytest
 
 import harness
-from ranks import expect_same
+from ranks import CONE
 
 CYLINDER = {
     "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "20,4", "cell_size": 1, "boundary_y_lower": "symmetry",
@@ -21,15 +21,6 @@ SPHERE = {
     "m_youngs_modulus": 0.91, "m_poissons_ratio": 0.3, "m_density": 1, "indenter": "sphere", "indenter_radius": 100,
     "indenter_tip": "0,32", "indenter_times": "0,20,180,200", "indenter_velocities": "0,0.0022222,0.0022222,0", "damping": 0.06,
     "end_time": 260, "frames": 1}
-
-# A cone on three levels, of which the finest holds the contact.
-CONE = {
-    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "9e-6,9e-6", "cell_size": "500e-9", "levels": 3,
-    "level_1_lower": "0,3e-6", "level_1_upper": "6e-6,9e-6", "level_2_lower": "0,6e-6", "level_2_upper": "3e-6,9e-6",
-    "boundary_y_lower": "symmetry", "materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700,
-    "bodies": "block", "block_lower": "0,0", "block_upper": "8e-6,8e-6", "indenter": "cone", "indenter_half_angle": 70.3,
-    "indenter_tip": "0,8e-6", "indenter_times": "0", "indenter_velocities": "400", "end_time": "1.6e-9", "frames": 4,
-    "points_per_rank": 1, "rebalance_threshold": 1.02}
 
 
 def momentum_left(history, axis):
@@ -73,23 +64,6 @@ def test_sphere(expect):
 @functools.lru_cache(None)
 def cone():
     return harness.run(CONE)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_ranks(expect, ranks):
-    expect_same(expect, f"{ranks} ranks", harness.run(CONE, ranks=ranks), cone())
-
-
-@pytest.mark.mpi
-def test_restart(expect):
-    whole = harness.run({**CONE, "checkpoint_interval": 15})
-    result = harness.run({**CONE, "checkpoint_interval": 15, "restart": whole.folder / "checkpoint_000015.h5"}, ranks=2)
-    steps = numpy.isin(whole.history["step"], result.history["step"])
-    for name, values in result.history.items():
-        scale = numpy.max(numpy.abs(whole.history[name])) or 1
-        if scale > 1e-20:
-            expect(name, numpy.max(numpy.abs(values - whole.history[name][steps])) / scale, at_most=1e-6 if "impulse" in name else 1e-9)
 
 
 def test_budgets_on_levels(expect):

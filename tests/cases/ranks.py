@@ -56,6 +56,40 @@ COLLISION = {
     "end_time": "3e-9", "frames": 4, "rebalance_threshold": 1.02, "checkpoint_interval": 40, "points_per_rank": 1,
 }
 
+# A cone on three levels of axisymmetry, of which the finest holds the contact.
+CONE = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "9e-6,9e-6", "cell_size": "500e-9", "levels": 3,
+    "level_1_lower": "0,3e-6", "level_1_upper": "6e-6,9e-6", "level_2_lower": "0,6e-6", "level_2_upper": "3e-6,9e-6",
+    "boundary_y_lower": "symmetry", "materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700,
+    "bodies": "block", "block_lower": "0,0", "block_upper": "8e-6,8e-6", "indenter": "cone", "indenter_half_angle": 70.3,
+    "indenter_tip": "0,8e-6", "indenter_times": "0", "indenter_velocities": "400", "end_time": "1.6e-9", "frames": 4,
+    "points_per_rank": 1, "rebalance_threshold": 1.02}
+
+# A ball flies along the axis into two finer levels, and into a ring that grows.
+RING = {
+    **{name: value for name, value in FLIGHT.items() if name.split("_")[0] not in ("thickness", "disk", "block")},
+    "geometry": "axisymmetric", "domain_upper": "8e-6,14e-6", "level_1_lower": "0,3e-6", "level_1_upper": "6e-6,12e-6",
+    "level_2_lower": "0,6e-6", "level_2_upper": "3e-6,9e-6", "bodies": "ball,ring", "ball_shape": "disk",
+    "ball_center": "0,1.6e-6", "ball_radius": "1.3e-6", "ball_velocity": "0,1500", "ring_shape": "disk",
+    "ring_center": "1.5e-6,7e-6", "ring_radius": "1e-6", "ring_velocity": "300,0"}
+
+# Half of a Berkovich tip on three levels; the symmetry side y = 0 holds the normal of one face. Lengths in coarse cells.
+BERKOVICH = {
+    "geometry": "3d", "domain_lower": "-9,0,-1", "domain_upper": "10,10,9", "cell_size": 1, "levels": 3, "blend_width": 2,
+    "level_1_lower": "-6,0,2", "level_1_upper": "6,6,9", "level_2_lower": "-2,0,5.5", "level_2_upper": "2,2,9",
+    "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "bodies": "block", "block_lower": "-8,0,-1",
+    "block_upper": "8,8,8", "block_points_per_cell": 1, "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3,
+    "m_density": 1, "indenter": "berkovich", "indenter_tip": "0,0,8", "indenter_times": "0", "indenter_velocities": "0.024",
+    "end_time": 20, "frames": 4, "points_per_rank": 1, "rebalance_threshold": 1.02}
+
+# A ball that yields flies obliquely through a finer level and meets a block.
+BALL = {
+    **{name: value for name, value in FLIGHT.items() if name.split("_")[0] not in ("thickness", "disk") and "level_2" not in name},
+    "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "13e-6,9e-6,9e-6", "levels": 2, "level_1_lower": "3.5e-6,2e-6,2e-6",
+    "level_1_upper": "7.5e-6,6e-6,6.5e-6", "bodies": "ball,block", "ball_shape": "ball", "ball_center": "2e-6,3.5e-6,4e-6",
+    "ball_radius": "1.2e-6", "ball_points_per_cell": 1, "ball_velocity": "1500,200,150", "block_lower": "7e-6,3e-6,3e-6",
+    "block_upper": "9e-6,6e-6,6e-6", "block_points_per_cell": 1}
+
 
 def scale(name, history):
     """What a difference in a column is measured by: the column's largest value, or, where that is round-off, a
@@ -88,7 +122,8 @@ def expect_same(expect, name, result, reference, same=SAME):
     points, others = result.frame(), reference.frame()
     unique = len(numpy.unique(points["id"])) == len(points["id"])
     expect.that(f"{name}: ids unique and the same", unique and numpy.array_equal(points["id"], others["id"]))
-    expect.that(f"{name}: masses of points the same", numpy.array_equal(points["mass"], others["mass"]))
+    # In axisymmetry the masses of children follow from the radius of their parent.
+    expect(f"{name}: masses of points", numpy.max(numpy.abs(points["mass"] / others["mass"] - 1)), at_most=same if "hoop_impulse_x" in result.history else 0)
     expect.that(f"{name}: number of points kept", numpy.array_equal(result.history["points"], reference.history["points"])
                 and result.summary["points_lost"] == 0)
     expect(f"{name}: mass kept", abs(result.summary["mass_error"]), at_most=1e-14)
@@ -98,7 +133,8 @@ def expect_same(expect, name, result, reference, same=SAME):
 # with its momentum correction spreads round-off faster: 3e-8 seen.
 CASES = {"wedge": (WEDGE, SAME), "collision": (COLLISION, SAME), "levels, nodes": (LEVELS, SAME),
          "levels, points": ({**LEVELS, "level_coupling": "points"}, 1e-6), "flight": (FLIGHT, SAME),
-         "flight, merging": ({**FLIGHT, "merge_siblings": "true"}, SAME)}
+         "flight, merging": ({**FLIGHT, "merge_siblings": "true"}, SAME), "cone": (CONE, SAME), "ring": (RING, SAME),
+         "berkovich": (BERKOVICH, SAME), "ball, merging": ({**BALL, "merge_siblings": "true"}, SAME)}
 
 
 @functools.lru_cache(None)
@@ -111,18 +147,18 @@ def alone(name):
 def test_something_happens(expect, name):
     """What is compared is worth it: there is contact, plastic work, and points that change levels."""
     history, summary = alone(name).history, alone(name).summary
-    if name in ("wedge", "levels, nodes", "levels, points"):
+    if name in ("wedge", "levels, nodes", "levels, points", "cone", "berkovich"):
         expect("load at the end [N]", history["load"][-1], at_least=1e-3)
-    if name == "collision":
+    if name in ("collision", "ring", "ball, merging"):
         expect("plastic work over kinetic energy", history["dissipated_energy"][-1] / history["kinetic_energy"][0], at_least=1e-3)
-    if name in ("flight", "flight, merging"):
-        expect("points split", summary["transfers"]["split"], at_least=100)
-    if name == "flight, merging":
+    if name in ("flight", "flight, merging", "ring", "ball, merging"):
+        expect("points split", summary["transfers"]["split"], at_least=50)
+    if "merging" in name:
         expect("points merged", summary["transfers"]["merged"], at_least=1)
 
 
-@pytest.mark.parametrize("ranks", RANKS)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name, ranks", [(name, ranks) for name in CASES for ranks in RANKS
+                                         if name not in ("ring", "ball, merging") or ranks in (3, 8)])
 def test_same(expect, name, ranks):
     case, same = CASES[name]
     result = harness.run(case, ranks=ranks)

@@ -5,7 +5,7 @@ import xml.etree.ElementTree
 import pytest
 
 import harness
-from ranks import COLLISION, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
+from ranks import BALL, BERKOVICH, COLLISION, CONE, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
 
 pytestmark = pytest.mark.mpi
 CHECKPOINT = 25  # steps; no multiple of 10, so that the steps between looks at the wave speed go on too
@@ -52,6 +52,12 @@ def test_levels(expect):
     """Three levels go on, also while points cross borders."""
     for kind, case in (("wedge", LEVELS), ("flight", FLIGHT)):
         expect_continued(expect, f"levels, {kind}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 2, 3, 4, 8))
+
+
+@pytest.mark.parametrize("name, case", {"cone": CONE, "berkovich": BERKOVICH, "ball": BALL}.items())
+def test_geometries(expect, name, case):
+    """In axisymmetry and space."""
+    expect_continued(expect, f"{name}, ", {**case, "checkpoint_interval": CHECKPOINT}, (1, 3))
 
 
 METHODS = {"points": {**LEVELS, "level_coupling": "points"},

@@ -1,4 +1,4 @@
-"""Three dimensions: Hertz's sphere on one level, a Berkovich tip on two levels on any number of ranks, restart, budgets, refusals."""
+"""Three dimensions: Hertz's sphere on one level, budgets of a Berkovich tip on three levels, refusals."""
 import functools
 import math
 
@@ -6,7 +6,7 @@ import numpy
 import pytest
 
 import harness
-from ranks import expect_same
+from ranks import BERKOVICH
 
 # A quarter of a sphere of 40 cells on a block of 16 x 16 x 14; lengths in cells, E* = 1.
 SPHERE = {
@@ -15,14 +15,6 @@ SPHERE = {
     "bodies": "block", "block_lower": "0,0,0", "block_upper": "16,16,14", "materials": "m", "m_youngs_modulus": 0.91,
     "m_poissons_ratio": 0.3, "m_density": 1, "indenter": "sphere", "indenter_radius": 40, "indenter_tip": "0,0,14",
     "indenter_times": "0,10,50,60", "indenter_velocities": "0,0.007,0.007,0", "damping": 0.15, "end_time": 90, "frames": 1}
-
-# Half of a Berkovich tip on two levels; the symmetry side y = 0 holds the normal of one face. The domain is shifted.
-BERKOVICH = {
-    "geometry": "3d", "domain_lower": "-8,0,0", "domain_upper": "8,8,9", "cell_size": 1, "levels": 2, "level_1_lower": "-4,0,4",
-    "level_1_upper": "4,4,9", "blend_width": 2, "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "bodies": "block",
-    "block_lower": "-7,0,0", "block_upper": "7,7,8", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3,
-    "m_density": 1, "indenter": "berkovich", "indenter_tip": "0,0,8", "indenter_times": "0", "indenter_velocities": "0.05",
-    "end_time": 9, "frames": 2, "points_per_rank": 1, "rebalance_threshold": 1.02}
 
 
 def expect_budgets(expect, result, energy):
@@ -59,23 +51,6 @@ def berkovich():
 def test_budgets_on_levels(expect):
     expect("load at the end", berkovich().history["load"][-1], at_least=0.1)
     expect_budgets(expect, berkovich(), 0.05)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_ranks(expect, ranks):
-    expect_same(expect, f"{ranks} ranks", harness.run(BERKOVICH, ranks=ranks), berkovich())
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_restart(expect, ranks):
-    whole = harness.run({**BERKOVICH, "checkpoint_interval": 15})
-    history = harness.run({**BERKOVICH, "checkpoint_interval": 15, "restart": whole.folder / "checkpoint_000015.h5"}, ranks=ranks).history
-    rows = numpy.isin(whole.history["step"], history["step"])
-    for name in ("load", "kinetic_energy", "strain_energy", "momentum_z", "contact_impulse_z", "contact_area"):
-        difference = numpy.max(numpy.abs(history[name] - whole.history[name][rows]))
-        expect(f"{name} on {ranks}", difference / numpy.max(numpy.abs(whole.history[name])), at_most=0 if ranks == 1 else 1e-9)
 
 
 @pytest.mark.parametrize("change, word", [

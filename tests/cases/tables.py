@@ -90,6 +90,17 @@ def verify_manufactured_levels(study):
     plot_errors(study, "Levels, default settings", *({name: default[name][kind] for name in drawn} for kind in (0, 1)))
 
 
+def verify_radial(study):
+    """Axisymmetry against exact solutions
+
+    A stretched patch, radial motion, the first radial mode between the axis and a wall (on two levels with the border half
+    way), a free cylinder, and a manufactured solution with a radial amplitude of 0.05; errors in radii of the wall, E/E0 and
+    phase after 20 periods.
+    """
+    check(study, "test_radial")
+    study.table("By the number of (coarse) cells to the wall", *table(study, "test_radial", 64))
+
+
 def verify_free_block(study):
     """Energy of a free vibrating block
 

@@ -131,11 +131,11 @@ struct LevelsRun {
   }
 };
 
-/// A model with one material and one body.
+/// Adds a material and a body of it to a model, whose geometry is known.
 inline void AddBody(Model &model, std::unique_ptr<Region> region, const std::string &law, const MaterialConstants &constants,
                     Vec3 velocity = {0, 0}, int points_per_cell = 2)
 {
-  model.materials.push_back(CreateMaterial(law, constants, GeometryKind::kPlaneStrain));
+  model.materials.push_back(CreateMaterial(law, constants, model.geometry.kind));
   model.bodies.push_back({"body", std::move(region), static_cast<int>(model.materials.size()) - 1, velocity, points_per_cell});
 }
 

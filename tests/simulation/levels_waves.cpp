@@ -2,7 +2,8 @@
 //
 // The reflected wave is measured where the packet came from, twice: its largest speed less that on one level with the same
 // cells, and the largest difference from that level, point by point, behind which nothing can hide.
-// Without arguments: pressure waves at normal incidence. With "table": also shear waves, 30 degrees, and other ratios.
+// Without arguments: pressure waves at normal incidence, in plane strain and along the axis of axisymmetry. With "table": also
+// shear waves, 30 degrees, and other ratios.
 #include "simulation/setup.hpp"
 
 #include <cmath>
@@ -20,10 +21,12 @@ struct Wave {
   bool into = true;   ///< from the coarse into the fine level, or back
   int ratio = 2;
   bool shear = false;
-  double angle = 0; ///< of incidence, degrees
+  double angle = 0;  ///< of incidence, degrees
+  bool axis = false; ///< along the axis of axisymmetry
 };
 
-/// Lengths in coarse cells. The border lies at x = 0; the packet's middle starts `distance` before it.
+/// Lengths in coarse cells. The border lies at x = 0, or in axisymmetry at z = 0; the packet's middle starts `distance` before
+/// it.
 struct Course {
   Box domain, window;    ///< what starts at the domain's sides does not reach the window in time
   double distance, path; ///< the wave's path until its reflection is measured
@@ -37,6 +40,7 @@ Course CourseOf(const Wave &wave)
   };
   if (wave.shear) return {box(-3.3, 1.9, 4.8), box(-3, -0.2, 0.25), 1.6 * n, 3.2 * n};
   if (wave.angle > 0) return {box(-5.5, 3, 3.6), box(-2.3, -0.3, 0.4), 1.5 * n, 3 * n};
+  if (wave.axis) return {{{0, -4 * n}, {2, 4 * n}}, {{0, -3.7 * n}, {2, -0.3 * n}}, 2 * n, 4 * n};
   return {{{-4 * n, -1}, {4 * n, 1}}, box(-3.7, -0.3, 1), 2 * n, 4 * n}; // a strip between rollers
 }
 
@@ -54,20 +58,25 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   const double own = wave.into ? 1 : 1.0 / wave.ratio; // cell where the packet starts
   LevelsRun run;
   PetscFunctionBeginUser;
-  if (!wave.shear && wave.angle == 0) run.model.sides[kYLower] = run.model.sides[kYUpper] = BoundaryKind::kSymmetry;
+  if (wave.axis) {
+    run.model.geometry.kind = GeometryKind::kAxisymmetric;
+    run.model.sides[kXLower] = run.model.sides[kXUpper] = BoundaryKind::kSymmetry;
+  } else if (!wave.shear && wave.angle == 0)
+    run.model.sides[kYLower] = run.model.sides[kYUpper] = BoundaryKind::kSymmetry;
   run.SetScheme(kDefaultScheme);
   // Without lateral contraction shear waves are quick against pressure waves, which come from the sides.
   AddBody(run.model, CreateBoxRegion(domain), "neo_hookean", {1e7, wave.shear ? 0 : 0.3, 1000, NAN, NAN});
   const Material &material = *run.model.materials[0];
   const double lambda = material.Lambda(), mu = material.Mu();
   const double c = wave.shear ? std::sqrt(mu / material.Density()) : material.SpeedOfSound();
-  const Box fine = wave.into ? Box{{0, domain.lower[1]}, domain.upper} : Box{domain.lower, {0, domain.upper[1]}};
+  Box fine = domain;
+  (wave.into ? fine.lower : fine.upper)[wave.axis] = 0;
   PetscCall(run.Create(two_levels ? NestedLevels(run.model, domain, 1, wave.ratio, {fine}) : OneLevel(run.model, domain, own)));
   const int steps = static_cast<int>(std::ceil(course.path / c * material.SpeedOfSound() / 0.4)),
             parts = two_levels || wave.into ? 1 : wave.ratio;
   run.dt = course.path / c / steps / parts;
 
-  const double angle = wave.angle * M_PI / 180;
+  const double angle = wave.axis ? M_PI / 2 : wave.angle * M_PI / 180;
   const Vec3 along = {std::cos(angle), std::sin(angle)}, motion = wave.shear ? Vec3{-along[1], along[0]} : along;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     const double s = (Dot(along, {a.position[2 * p], a.position[2 * p + 1]}) + course.distance) / wave.length + 1.5;
@@ -144,18 +153,19 @@ PetscErrorCode Table(bool plane_only)
   for (int ratio : {2, 3, 4}) PetscCall(TableRows("pressure, 0 degrees", {16, true, ratio}, {8, 12, 16, 24, 32}));
   if (plane_only) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TableRows("shear, 0 degrees", {16, true, 2, true}, {8, 12, 16, 24}));
+  PetscCall(TableRows("pressure, along the axis", {16, true, 2, false, 0, true}, {8, 16, 32}));
   PetscCall(TableRows("pressure, 30 degrees", {16, true, 2, false, 30}, {8, 12, 16, 24}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TestReflection(bool into)
+PetscErrorCode TestReflection(bool into, bool axis = false)
 {
-  const std::string name =
-      std::string("pressure wave ") + (into ? "into" : "out of") + " the fine level: reflected, of the packet, ";
+  const std::string name = std::string("pressure wave ") + (axis ? "along the axis " : "") + (into ? "into" : "out of") +
+                           " the fine level: reflected, of the packet, ";
   Reflection longer, shorter;
   PetscFunctionBeginUser;
-  PetscCall(Reflect({16, into}, &shorter));
-  PetscCall(Reflect({32, into}, &longer));
+  PetscCall(Reflect({16, into, 2, false, 0, axis}, &shorter));
+  PetscCall(Reflect({32, into, 2, false, 0, axis}, &longer));
   ExpectAtMost(name + "wavelength of 16 coarse cells", shorter.difference, 0.01);
   ExpectAtMost(name + "wavelength of 32 coarse cells", longer.difference, 0.003);
   ExpectTrue(name + "falls with refinement", longer.difference < 0.5 * shorter.difference);
@@ -165,6 +175,11 @@ PetscErrorCode TestReflection(bool into)
 TEST(LevelsWaves, IntoTheFineLevel) { EXPECT_EQ(TestReflection(true), PETSC_SUCCESS); }
 
 TEST(LevelsWaves, OutOfTheFineLevel) { EXPECT_EQ(TestReflection(false), PETSC_SUCCESS); }
+
+TEST(LevelsWaves, AlongTheAxis)
+{
+  for (bool into : {true, false}) EXPECT_EQ(TestReflection(into, true), PETSC_SUCCESS);
+}
 
 } // namespace
 

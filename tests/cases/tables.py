@@ -74,17 +74,21 @@ def verify_manufactured(study):
 def verify_manufactured_levels(study):
     """Manufactured solution across borders of levels
 
-    The same solution with a finer level in half of the square, in its middle, and with three levels; n counts coarse cells.
+    The same solution with a finer level in half of the square, in its middle, and with three levels, and in space; n counts
+    coarse cells.
     """
     check(study, "test_levels_manufactured")
     largest, rms = {}, {}
     for levels, ratio, scheme, n, largest_error, _, rms_error, *_ in table(study, "test_levels_manufactured", 64)[1]:
-        name = levels if levels == "one level" else f"{levels}, ratio {ratio}"
+        name = levels if "one level" in levels else f"{levels}, ratio {ratio}"
         largest.setdefault((name, scheme), {})[int(n)] = float(largest_error)
         rms.setdefault((name, scheme), {})[int(n)] = float(rms_error)
-    study.table("Errors and orders", ["levels", "scheme", "max error at n = 64", "its order, n = 16..64", "rms error at n = 64", "its order"],
-                 [[*case, f"{largest[case][64]:.1e}", f"{order(largest[case], 16, 64):.2f}", f"{rms[case][64]:.1e}",
-                   f"{order(rms[case], 16, 64):.2f}"] for case in rms])
+    study.table("Errors and orders", ["levels", "scheme", "n", "max error at the largest n", "its order", "rms error", "its order"],
+                [[*case, f"{min(of)}..{max(of)}", *(cell for errors in (largest[case], of) for cell in
+                                                    (f"{errors[max(of)]:.1e}", f"{order(errors, min(of), max(of)):.2f}"))]
+                 for case, of in rms.items()])
+    for name in ("space, one level", "space, two, centred, ratio 2"):
+        study.expect(f"manufactured, {name}, default: order of the rms error, n = 8..32", order(rms[name, "default"], 8, 32), at_least=ORDER_GOAL)
     default = {name: (largest[name, scheme], rms[name, scheme]) for name, scheme in rms if scheme == "default"}
     drawn = [name for name in default if name == "one level" or name.endswith("ratio 2")]
     plot_errors(study, "Levels, default settings", *({name: default[name][kind] for name in drawn} for kind in (0, 1)))

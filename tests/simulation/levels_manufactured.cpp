@@ -1,6 +1,8 @@
-// The axis-aligned manufactured solution (see manufactured.cpp) across the borders of finer levels: order of convergence.
+// The axis-aligned manufactured solution (see manufactured.cpp) across the borders of finer levels, in the plane and in space:
+// order of convergence.
 //
-// Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells.
+// Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells, in space to half as
+// many.
 #include "simulation/setup.hpp"
 
 #include <cmath>
@@ -13,19 +15,21 @@ namespace
 
 constexpr double kE = 1e7, kNu = 0.3, kRho = 1000, kA = 0.05, kPeriod = 0.02;
 const double kC = std::sqrt(kE / kRho);
-const Box kSquare = {{0, 0}, {1, 1}};
 
-/// Displacement and acceleration in reference coordinates along one axis; the other axis has the phase shifted by pi.
+/// The unit square or cube.
+Box Unit(int dim) { return {{0, 0, 0}, {1, 1, dim == 3 ? 1.0 : 0}}; }
+/// Displacement and acceleration in reference coordinates along axis d, whose phase is that of the first plus d pi; J:
+/// determinant of F.
 double Displacement(double X, double phase) { return kA * std::sin(2 * M_PI * X) * std::sin(phase); }
 double Stretch(double X, double phase) { return 1 + 2 * M_PI * kA * std::cos(2 * M_PI * X) * std::sin(phase); }
 
-double BodyForce(double X, double phase, double own, double other, const Material &material)
+double BodyForce(double X, double phase, double J, const Material &material)
 {
-  const double lambda = material.Lambda(), mu = material.Mu(), u = Displacement(X, phase);
-  return M_PI * M_PI * u * (4 * mu / kRho - kC * kC - 4 * (lambda * (std::log(own * other) - 1) - mu) / (kRho * own * own));
+  const double lambda = material.Lambda(), mu = material.Mu(), u = Displacement(X, phase), own = Stretch(X, phase);
+  return M_PI * M_PI * u * (4 * mu / kRho - kC * kC - 4 * (lambda * (std::log(J) - 1) - mu) / (kRho * own * own));
 }
 
-/// Rectangles of the undeformed square by the points' numbers; those of children are parts of their parent's.
+/// Tiles of the undeformed body by the points' numbers; those of children are parts of their parent's.
 class Reference
 {
 public:
@@ -36,11 +40,10 @@ public:
     PetscFunctionBeginUser;
     for (const LevelGeometry &level : settings.levels)
       seeds = Seeding(run.model, level.grid, level.sides, {}, settings.ratio, seeds).EndId();
-    numbers_ = PointNumbers(seeds, settings.ratio * settings.ratio);
     ratio_ = settings.ratio;
-    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-      tiles_[a.id[p]] = {{a.position[2 * p], a.position[2 * p + 1]}, {a.half_size[2 * p], a.half_size[2 * p + 1]}};
-    }));
+    children_ = run.model.geometry.Dim() == 3 ? ratio_ * ratio_ * ratio_ : ratio_ * ratio_;
+    numbers_ = PointNumbers(seeds, children_);
+    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) { tiles_[a.id[p]] = {a.Position(p), a.HalfSize(p)}; }));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Tile &At(std::int64_t id)
@@ -49,8 +52,8 @@ public:
     if (found != tiles_.end()) return found->second;
     if (numbers_.Parent(id) < 0) return tiles_[id] = Whole(id);
     Tile tile = At(numbers_.Parent(id));
-    const int place[2] = {numbers_.ChildIndex(id) % ratio_, numbers_.ChildIndex(id) / ratio_};
-    for (int d = 0; d < 2; ++d) {
+    const int child = numbers_.ChildIndex(id), place[3] = {child % ratio_, child / ratio_ % ratio_, child / (ratio_ * ratio_)};
+    for (int d = 0; d < 3; ++d) {
       tile.center[d] += ((2 * place[d] + 1.0) / ratio_ - 1) * tile.half_size[d];
       tile.half_size[d] /= ratio_;
     }
@@ -61,12 +64,12 @@ private:
   /// A seed that was split before the first step and has been put together again.
   Tile Whole(std::int64_t id)
   {
-    const Tile &first = At(numbers_.Child(id, 0)), &last = At(numbers_.Child(id, ratio_ * ratio_ - 1));
+    const Tile &first = At(numbers_.Child(id, 0)), &last = At(numbers_.Child(id, children_ - 1));
     return {0.5 * (first.center + last.center), static_cast<double>(ratio_) * first.half_size};
   }
   std::unordered_map<std::int64_t, Tile> tiles_;
   PointNumbers numbers_{1, 4};
-  int ratio_ = 2;
+  int ratio_ = 2, children_ = 4;
 };
 
 struct Case {
@@ -74,15 +77,18 @@ struct Case {
   std::vector<Box> boxes;
   int ratio = 2;
   bool merge = false;
+  int dim = 2;
 };
 
 const Case kOne = {"one level", {}}, kHalf = {"two, half", {{{0.5, 0}, {1, 1}}}},
            kInside = {"two, centred", {{{0.25, 0.25}, {0.75, 0.75}}}},
            kSmall = {"two, small box", {{{0.3125, 0.3125}, {0.625, 0.625}}}},
-           kThree = {"three, centred", {{{0.125, 0.125}, {0.875, 0.875}}, {{0.375, 0.375}, {0.625, 0.625}}}};
+           kThree = {"three, centred", {{{0.125, 0.125}, {0.875, 0.875}}, {{0.375, 0.375}, {0.625, 0.625}}}},
+           kSpace = {"space, one level", {}, 2, false, 3},
+           kSpaceInside = {"space, two, centred", {{{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}}}, 2, false, 3};
 
 struct Errors {
-  double largest = 0, rms = 0; ///< over points (by mass), the worst of all steps, in lengths of the square's side
+  double largest = 0, rms = 0; ///< over points (by mass), the worst of all steps, in lengths of the side
   double split = 0;
 };
 
@@ -91,20 +97,22 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
   LevelsRun run;
   Reference reference;
   PetscFunctionBeginUser;
+  const int dim = levels.dim;
+  if (dim == 3) run.model.geometry.kind = GeometryKind::kSpatial;
   run.model.sides.fill(BoundaryKind::kSymmetry);
   run.SetScheme(scheme);
-  AddBody(run.model, CreateBoxRegion(kSquare), "neo_hookean", {kE, kNu, kRho, NAN, NAN});
+  AddBody(run.model, CreateBoxRegion(Unit(dim)), "neo_hookean", {kE, kNu, kRho, NAN, NAN});
   const Material &material = *run.model.materials[0];
   run.model.acceleration = [&](double time, int count, const std::int64_t *id, const double *, double *a) {
     const double phase = kC * M_PI * time;
     for (int p = 0; p < count; ++p) {
       const Vec3 X = reference.At(id[p]).center;
-      const double Fxx = Stretch(X[0], phase), Fyy = Stretch(X[1], phase + M_PI);
-      a[2 * p] = BodyForce(X[0], phase, Fxx, Fyy, material);
-      a[2 * p + 1] = BodyForce(X[1], phase + M_PI, Fyy, Fxx, material);
+      double J = 1;
+      for (int d = 0; d < dim; ++d) J *= Stretch(X[d], phase + d * M_PI);
+      for (int d = 0; d < dim; ++d) a[dim * p + d] = BodyForce(X[d], phase + d * M_PI, J, material);
     }
   };
-  HierarchySettings settings = NestedLevels(run.model, kSquare, 1.0 / n, levels.ratio, levels.boxes);
+  HierarchySettings settings = NestedLevels(run.model, Unit(dim), 1.0 / n, levels.ratio, levels.boxes);
   settings.merge_siblings = levels.merge;
   PetscCall(run.Create(settings));
   PetscCall(reference.Take(run, settings));
@@ -113,8 +121,8 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     // The scheme's velocities belong to half steps of the level.
     const double phase = -0.5 * kC * M_PI * run.dt / std::pow(levels.ratio, l);
-    a.velocity[2 * p] = kA * kC * M_PI * std::sin(2 * M_PI * a.position[2 * p]) * std::cos(phase);
-    a.velocity[2 * p + 1] = -kA * kC * M_PI * std::sin(2 * M_PI * a.position[2 * p + 1]) * std::cos(phase);
+    for (int d = 0; d < dim; ++d)
+      a.velocity[dim * p + d] = kA * kC * M_PI * std::sin(2 * M_PI * a.position[dim * p + d]) * std::cos(phase + d * M_PI);
   }));
   *errors = {};
   for (int step = 0; step < steps && !run.Failed(); ++step) {
@@ -123,8 +131,8 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
     double sum = 0, mass = 0;
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
       const Vec3 X = reference.At(a.id[p]).center;
-      const Vec3 error = {a.position[2 * p] - X[0] - Displacement(X[0], phase),
-                          a.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
+      Vec3 error = a.Position(p) - X;
+      for (int d = 0; d < dim; ++d) error[d] -= Displacement(X[d], phase + d * M_PI);
       errors->largest = std::max(errors->largest, Norm(error));
       sum += a.mass[p] * Dot(error, error);
       mass += a.mass[p];
@@ -148,19 +156,23 @@ PetscErrorCode Table(int largest_n)
                         {"two, centred", kInside.boxes, 3},
                         {"two, half", kHalf.boxes, 4},
                         {"two, centred", kInside.boxes, 4},
-                        {"two, centred, merging", kInside.boxes, 2, true}};
+                        {"two, centred, merging", kInside.boxes, 2, true},
+                        kSpace,
+                        kSpaceInside};
   PetscFunctionBeginUser;
   std::printf("| levels | ratio | scheme | n | max error | order | rms error | order | points split |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Case &levels : cases)
     for (const Scheme &scheme : {kUsl, kXpic10, kDefaultScheme}) {
+      if (levels.dim == 3 && scheme.name != kDefaultScheme.name) continue;
+      const int first = levels.dim == 3 ? 8 : 16, last = levels.dim == 3 ? largest_n / 2 : largest_n;
       Errors previous;
-      for (int n = 16; n <= largest_n; n *= 2) {
+      for (int n = first; n <= last; n *= 2) {
         Errors e;
         PetscCall(Solve(n, levels, scheme, &e));
         std::printf("| %s | %d | %s | %d | %.2e | %.2f | %.2e | %.2f | %.0f |\n", levels.name, levels.ratio, scheme.name, n,
-                    e.largest, n > 16 ? std::log2(previous.largest / e.largest) : NAN, e.rms,
-                    n > 16 ? std::log2(previous.rms / e.rms) : NAN, e.split);
+                    e.largest, n > first ? std::log2(previous.largest / e.largest) : NAN, e.rms,
+                    n > first ? std::log2(previous.rms / e.rms) : NAN, e.split);
         std::fflush(stdout);
         previous = e;
       }
@@ -191,6 +203,22 @@ TEST(LevelsManufactured, ThreeLevels)
   const Case three = {"three, small boxes", {{{0.1875, 0.1875}, {0.8125, 0.8125}}, {{0.4375, 0.4375}, {0.5625, 0.5625}}}};
   EXPECT_EQ(TestOrder(three, kDefaultScheme), PETSC_SUCCESS);
 }
+
+PetscErrorCode TestOrderInSpace(const Case &levels)
+{
+  const std::string name = std::string("manufactured, ") + levels.name;
+  Errors coarse, fine;
+  PetscFunctionBeginUser;
+  PetscCall(Solve(8, levels, kDefaultScheme, &coarse));
+  PetscCall(Solve(16, levels, kDefaultScheme, &fine));
+  ExpectAtLeast(name + ": order, n = 8..16, of the rms error", std::log2(coarse.rms / fine.rms), 1.8);
+  ExpectTrue(name + ": points split where there are levels", (fine.split > 0) == !levels.boxes.empty());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+TEST(LevelsManufactured, Space) { EXPECT_EQ(TestOrderInSpace(kSpace), PETSC_SUCCESS); }
+
+TEST(LevelsManufactured, SpaceOnLevels) { EXPECT_EQ(TestOrderInSpace(kSpaceInside), PETSC_SUCCESS); }
 
 } // namespace
 

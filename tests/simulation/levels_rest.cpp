@@ -1,4 +1,5 @@
-// A block under uniform stress between rollers stays at rest, also where points of several levels meet.
+// A block under uniform stress between rollers stays at rest, also where points of several levels meet; in the plane and in
+// space.
 #include "simulation/setup.hpp"
 
 #include <cmath>
@@ -8,35 +9,36 @@ using namespace mlgimp;
 namespace
 {
 
-constexpr int kCells = 12;
-const Box kSquare = {{0, 0}, {1, 1}};
-
-/// The largest speed after 200 steps, relative to the wave speed times the strain.
+/// The largest speed after 200 steps, in space 60, relative to the wave speed times the strain. stretch: in space with a third component.
 PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec3 stretch, double *speed)
 {
+  const bool space = stretch[2] > 0;
+  const int dim = space ? 3 : 2, cells = space ? 8 : 12;
+  const Box whole = {{}, {1, 1, space ? 1.0 : 0}};
   LevelsRun run;
   PetscFunctionBeginUser;
+  if (space) run.model.geometry.kind = GeometryKind::kSpatial;
   run.model.sides.fill(BoundaryKind::kSymmetry);
   run.SetScheme(scheme);
-  AddBody(run.model, CreateBoxRegion(kSquare), "neo_hookean", {1e7, 0.3, 1000, NAN, NAN});
+  AddBody(run.model, CreateBoxRegion(whole), "neo_hookean", {1e7, 0.3, 1000, NAN, NAN});
   const Material &material = *run.model.materials[0];
-  PetscCall(run.Create(NestedLevels(run.model, kSquare, 1.0 / kCells, ratio, boxes)));
-  const double J = stretch[0] * stretch[1], volumetric = material.Lambda() * std::log(J) / J;
+  PetscCall(run.Create(NestedLevels(run.model, whole, 1.0 / cells, ratio, boxes)));
+  const double J = stretch[0] * stretch[1] * (space ? stretch[2] : 1), volumetric = material.Lambda() * std::log(J) / J;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     // The points' rectangles tile the square as they are: they were smaller before.
     a.mass[p] /= J;
-    for (int d = 0; d < 2; ++d) {
-      a.half_size[2 * p + d] /= stretch[d];
-      a.F[4 * p + 3 * d] = stretch[d];
-      a.stress[4 * p + d] = material.Mu() / J * (stretch[d] * stretch[d] - 1) + volumetric;
+    if (!space) a.stress[4 * p + 2] = volumetric;
+    for (int d = 0; d < dim; ++d) {
+      a.half_size[dim * p + d] /= stretch[d];
+      a.F[dim * dim * p + (dim + 1) * d] = stretch[d];
+      a.stress[a.stress_components * p + d] = material.Mu() / J * (stretch[d] * stretch[d] - 1) + volumetric;
     }
-    a.stress[4 * p + 2] = volumetric;
   }));
-  run.dt = 0.4 / kCells / material.SpeedOfSound();
-  for (int step = 0; step < 200; ++step) PetscCall(run.Advance());
+  run.dt = 0.4 / cells / material.SpeedOfSound();
+  for (int step = 0; step < (space ? 60 : 200); ++step) PetscCall(run.Advance());
   *speed = run.Failed() ? NAN : 0;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-    const double v = std::hypot(a.velocity[2 * p], a.velocity[2 * p + 1]) / (material.SpeedOfSound() * std::abs(stretch[0] - 1));
+    const double v = Norm(a.Velocity(p)) / (material.SpeedOfSound() * std::abs(stretch[0] - 1));
     if (!(v <= *speed)) *speed = v;
   }));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -63,6 +65,19 @@ PetscErrorCode TestRest()
 }
 
 TEST(LevelsRest, UnderStress) { EXPECT_EQ(TestRest(), PETSC_SUCCESS); }
+
+TEST(LevelsRest, UnderStressInSpace)
+{
+  const std::vector<Box> half = {{{0.5, 0, 0}, {1, 1, 1}}}, inside = {{{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}}},
+                         nested = {{{0.125, 0, 0}, {1, 1, 1}}, {{0.75, 0, 0.625}, {1, 1, 1}}};
+  double speed;
+  ASSERT_EQ(Rest(half, 2, kDefaultScheme, {0.99, 1.01, 1.005}, &speed), PETSC_SUCCESS);
+  ExpectAtMost("at rest under stress in space, border across: v/(c strain)", speed, 1e-12);
+  ASSERT_EQ(Rest(inside, 2, kUsl, {1.01, 0.98, 0.99}, &speed), PETSC_SUCCESS);
+  ExpectAtMost("at rest under stress in space, box inside: v/(c strain)", speed, 1e-12);
+  ASSERT_EQ(Rest(nested, 2, kDefaultScheme, {0.99, 1.005, 1.01}, &speed), PETSC_SUCCESS);
+  ExpectAtMost("at rest under stress in space, three levels: v/(c strain)", speed, 1e-12);
+}
 
 } // namespace
 

@@ -1,6 +1,7 @@
 """Pressures under indenters, from checkpoints: levels against one level, Hertz and Sneddon in all geometries."""
 import itertools
 import math
+from collections import namedtuple
 
 import h5py
 import numpy
@@ -25,32 +26,34 @@ def segments(level, axisymmetric):
     return places.reshape(-1, dim - 1), numpy.repeat(area / len(offsets), len(offsets))
 
 
-def nodal_pressure(result, lower, spacing, nodes, width=1, axisymmetric=False):
-    """(places, pressures, areas) of the columns of the finest level in the last checkpoint, by their load over their area.
+Pressed = namedtuple("Pressed", "places pressures areas moment")  # moment: root of the mean of r^2 under the pressure
 
-    lower, spacing, nodes: of that level's grid along the first axis and its lower corner.
+
+def nodal_pressure(result, lower, spacing, nodes=0, width=1, axisymmetric=False):
+    """What presses the columns of the finest level in the last checkpoint: load over area of each that is loaded.
+
+    lower, spacing, nodes: of that level's grid, the last along its first axis (in space).
     """
     with h5py.File(sorted(result.folder.glob("checkpoint_*.h5"))[-1], "r") as file:
         level = file[max(name for name in file if name.startswith("level_"))]
         places, weights = segments(level, axisymmetric)
         keys, solved = (level[name][:].ravel() for name in ("pressure_keys", "pressures"))
     axes = places.shape[1]
-    cell = numpy.floor((places - numpy.array(lower)[:axes]) / spacing).astype(int)
-    part = (places - numpy.array(lower)[:axes]) / spacing - cell
-    key = lambda at: at[:, 0] + (nodes * at[:, 1] if axes > 1 else 0)
-    hat = lambda corner, half: numpy.prod(numpy.maximum(0, 1 - numpy.abs(part - corner) / half), axis=1)
-    unknowns = dict(zip(keys.astype(int), solved))
-    pressure = numpy.zeros(len(places))
+    lower, unknowns = numpy.array(lower)[:axes], dict(zip(keys.astype(int), solved))
+    cell = numpy.floor((places - lower) / spacing).astype(int)
     corners = [numpy.array(corner) for corner in itertools.product((0, 1), repeat=axes)]
-    for corner in corners:
-        pressure += hat(corner, width) * numpy.array([unknowns.get(k, 0) for k in key(cell + corner)])
-    area, load, column = {}, {}, {}
-    for corner in corners:
-        for k, at, share, total in zip(key(cell + corner), cell + corner, hat(corner, 1) * weights * pressure, hat(corner, 1) * weights):
-            area[k], load[k], column[k] = area.get(k, 0) + total, load.get(k, 0) + share, at
-    under = sorted(k for k in area if load[k] > 0)
-    return (numpy.array([numpy.array(lower)[:axes] + spacing * column[k] for k in under]),
-            numpy.array([load[k] / area[k] for k in under]), numpy.array([area[k] for k in under]))
+    columns = [cell + corner for corner in corners]
+    offsets = [numpy.abs(places - lower - spacing * column) / spacing for column in columns]
+    pressure = sum(numpy.prod(numpy.maximum(0, 1 - offset / width), axis=1) *
+                   numpy.array([unknowns.get(at[0] + (nodes * at[1] if axes > 1 else 0), 0) for at in column])
+                   for column, offset in zip(columns, offsets))
+    area, load = {}, {}
+    for column, offset in zip(columns, offsets):
+        for at, share, force in zip(map(tuple, column), numpy.prod(1 - offset, axis=1) * weights, pressure):
+            area[at], load[at] = area.get(at, 0) + share, load.get(at, 0) + share * force
+    under = sorted(at for at in area if load[at] > 0)
+    return Pressed(lower + spacing * numpy.array(under), numpy.array([load[at] / area[at] for at in under]), numpy.array([area[at] for at in under]),
+                   math.sqrt(numpy.average((places**2).sum(axis=1), weights=pressure * weights)))
 
 
 def deviation(values, others):
@@ -85,7 +88,7 @@ def compare_cone(expect, width, height, depth, level_1, level_2, hold):
     expect("cone on three levels: load against one level, from a contact radius of 4 cells on",
            deviation(*(smooth_load(result.history, depths) for result in (levels, uniform))), at_most=0.01)
     lower = (0, (height - level_2[1]) * 1e-6)
-    pressures = [nodal_pressure(result, low, FINE, 0, axisymmetric=True)[1] for result, low in ((levels, lower), (uniform, (0, 0)))]
+    pressures = [nodal_pressure(result, low, FINE, axisymmetric=True).pressures for result, low in ((levels, lower), (uniform, (0, 0)))]
     expect("cone on three levels: loaded columns", len(pressures[0]), at_least=5)
     expect("cone on three levels: pressures p_i against one level", deviation(*pressures), at_most=0.02)
     expect("cone: largest of them against peak_pressure", deviation(pressures[1].max(), uniform.history["peak_pressure"][-1]), at_most=0.01)
@@ -105,3 +108,31 @@ def verify_cone_on_levels(study):
     study.plot("Load against depth", "depth (nm)", "load (mN)",
                *(page.curve(name, 1e9 * result.history["depth"], 1e3 * result.history["load"])
                  for name, result in (("three levels", levels), ("one level", uniform))))
+
+
+# ---- Hertz ----
+
+# Lengths in cells of the finest level, E* = 1; the indenter comes down within three and a half transits of a wave and holds.
+BLOCK = {"cell_size": 1, "boundary_x_upper": "symmetry", "materials": "m", "m_youngs_modulus": 0.91, "m_poissons_ratio": 0.3, "m_density": 1,
+         "bodies": "block", "damping": 0.06, "frames": 0, "checkpoint_interval": 20}
+
+
+def pressed(depth, height):
+    """Motion to a depth, slow to start and to end, on a block of a height; no shorter than a few steps."""
+    ramp = 3.5 * height / 1.16
+    return {"indenter_times": f"0,{0.15 * ramp},{0.85 * ramp},{ramp}", "indenter_velocities": [0, depth / (0.85 * ramp), depth / (0.85 * ramp), 0],
+            "end_time": 1.7 * ramp}
+
+
+def hertz(expect, name, result, at, radius, load, tolerances, plane=False):
+    """Width from the second moment and pressures at r < 0.8 a, for the half width that Hertz has at this load; returns it and the errors."""
+    a = math.sqrt(4 * load * radius / math.pi) if plane else (0.75 * load * radius) ** (1 / 3)
+    largest = a / (2 * radius) if plane else 2 * a / (math.pi * radius)
+    r = numpy.sqrt((at.places**2).sum(axis=1))
+    inside = r < 0.8 * a
+    error = at.pressures[inside] / largest - numpy.sqrt(1 - (r[inside] / a) ** 2)
+    rms, moment = math.sqrt(numpy.mean(error**2)), math.sqrt(4 if plane else 2.5) * at.moment / a - 1
+    expect(f"{name}: half width {a:.3g} cells, that from the second moment", 1 + moment, near=1, tolerance=tolerances[0])
+    expect(f"{name}: rms error of p_i, r < 0.8 a", rms, at_most=tolerances[1])
+    expect(f"{name}: largest p_i", at.pressures.max() / largest, near=1, tolerance=tolerances[2])
+    return a, rms, moment

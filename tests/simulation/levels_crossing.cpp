@@ -1,5 +1,5 @@
-// A block that flies obliquely into, through and out of finer levels: points, mass and momentum; the energy of one that
-// vibrates as it flies. With "table": that energy for all levels and schemes.
+// A block that flies obliquely into, through and out of finer levels, in the plane and in space: points, mass and momentum; the
+// energy of one that vibrates as it flies. With "table": that energy for all levels and schemes.
 #include "simulation/setup.hpp"
 
 #include <cmath>
@@ -14,15 +14,18 @@ const MaterialConstants kMaterial = {4e6, 0.3, 1000, NAN, NAN};
 constexpr double kSpeed = 0.1;                                                // of the wave speed, along x
 const Box kDomain = {{0, 0}, {37, 28}}, kRagged = {{2.13, 2.71}, {8.4, 8.1}}, // m
     kWhole = {{1, 2}, {9, 8}};                                                // cut into whole tiles
+const Box kSpace = {{0, 0, 0}, {34, 25, 16}}, kBlock = {{2.13, 2.71, 1.9}, {6.4, 6.1, 5.3}};
 
 struct Case {
   const char *name;
   std::vector<Box> boxes;
   int ratio = 2;
   bool merge = false;
+  int dim = 2;
 };
 
-const std::vector<Box> kBox = {{{13, 6}, {23, 20}}}, kBoxes = {{{11, 4}, {25, 22}}, {{16, 9}, {20, 17}}};
+const std::vector<Box> kBox = {{{13, 6}, {23, 20}}}, kBoxes = {{{11, 4}, {25, 22}}, {{16, 9}, {20, 17}}},
+                       kSpaceBox = {{{11, 5, 2}, {20, 20, 13}}};
 
 struct Flight {
   double stress = 0;            ///< largest, of Young's modulus
@@ -34,7 +37,8 @@ struct Flight {
 
 double Vibration(const Budgets &b)
 {
-  return b.kinetic_energy + b.strain_energy - 0.5 * (b.momentum[0] * b.momentum[0] + b.momentum[1] * b.momentum[1]) / b.mass;
+  const Vec3 momentum = {b.momentum[0], b.momentum[1], b.momentum[2]};
+  return b.kinetic_energy + b.strain_energy - 0.5 * Dot(momentum, momentum) / b.mass;
 }
 
 /// From the lower left corner to the upper right one; amplitude: of the vibration's strain.
@@ -44,17 +48,19 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
   Budgets first, budgets;
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
-  const double c = CreateMaterial("neo_hookean", kMaterial, GeometryKind::kPlaneStrain)->SpeedOfSound();
-  const Vec3 velocity = {kSpeed * c, 0.68 * kSpeed * c};
+  const bool space = levels.dim == 3;
+  if (space) run.model.geometry.kind = GeometryKind::kSpatial;
+  const double c = CreateMaterial("neo_hookean", kMaterial, run.model.geometry.kind)->SpeedOfSound();
+  const Vec3 velocity = {kSpeed * c, 0.68 * kSpeed * c, space ? 0.3 * kSpeed * c : 0};
   const double h = amplitude == 0 ? 1 : 0.5; // m; the vibration needs the finer one
-  const Box body = amplitude == 0 ? kRagged : kWhole;
+  const Box body = space ? kBlock : amplitude == 0 ? kRagged : kWhole;
   AddBody(run.model, CreateBoxRegion(body), "neo_hookean", kMaterial, velocity);
-  HierarchySettings settings = NestedLevels(run.model, kDomain, h, levels.ratio, levels.boxes);
+  HierarchySettings settings = NestedLevels(run.model, space ? kSpace : kDomain, h, levels.ratio, levels.boxes);
   settings.merge_siblings = levels.merge;
   PetscCall(run.Create(settings));
   const Vec3 middle = 0.5 * (body.lower + body.upper), size = body.upper - body.lower;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-    a.velocity[2 * p] += amplitude * c * std::sin(M_PI * (a.position[2 * p] - middle[0]) / size[0]);
+    a.velocity[a.dim * p] += amplitude * c * std::sin(M_PI * (a.position[a.dim * p] - middle[0]) / size[0]);
   }));
   PetscCall(run.hierarchy.ReduceBudgets(&first));
   run.dt = 0.4 * h / (run.model.materials[0]->SpeedOfSound() * (1 + kSpeed));
@@ -65,9 +71,9 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
     PetscCall(run.Advance());
     if (amplitude == 0)
       PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
-        for (int k = 0; k < 4; ++k)
-          if (!(std::abs(a.stress[4 * p + k]) <= f->stress * kMaterial.youngs_modulus))
-            f->stress = std::abs(a.stress[4 * p + k]) / kMaterial.youngs_modulus;
+        for (int k = a.stress_components * p; k < a.stress_components * (p + 1); ++k)
+          if (!(std::abs(a.stress[k]) <= f->stress * kMaterial.youngs_modulus))
+            f->stress = std::abs(a.stress[k]) / kMaterial.youngs_modulus;
       }));
     else if (step > 0.9 * steps) {
       PetscCall(run.hierarchy.ReduceBudgets(&budgets));
@@ -80,9 +86,9 @@ PetscErrorCode Fly(const Case &levels, const Scheme &scheme, double amplitude, F
   std::set<std::int64_t> ids;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int l) {
     ids.insert(a.id[p]);
-    f->arrived += (l == 0 && a.position[2 * p] > (levels.boxes.empty() ? 23 : levels.boxes[0].upper[0])) / budgets.points;
+    f->arrived += (l == 0 && a.position[a.dim * p] > (levels.boxes.empty() ? 23 : levels.boxes[0].upper[0])) / budgets.points;
   }));
-  const int children = levels.ratio * levels.ratio;
+  const int children = levels.ratio * levels.ratio * (space ? levels.ratio : 1);
   f->energy /= std::max(samples, 1), f->vibration /= std::max(samples, 1);
   f->mass = std::abs(budgets.mass / first.mass - 1);
   f->split = budgets.points_split, f->left = budgets.points_left, f->merged = budgets.points_merged;
@@ -184,6 +190,12 @@ TEST(LevelsCrossing, ThreeLevels)
 }
 
 TEST(LevelsCrossing, RatioThree) { EXPECT_EQ(TestFlight({"ratio 3", kBox, 3}, kUsl), PETSC_SUCCESS); }
+
+TEST(LevelsCrossing, Space)
+{
+  EXPECT_EQ(TestFlight({"space", kSpaceBox, 2, false, 3}, kDefaultScheme), PETSC_SUCCESS);
+  EXPECT_EQ(TestFlight({"space, merging", kSpaceBox, 2, true, 3}, kDefaultScheme), PETSC_SUCCESS);
+}
 
 TEST(LevelsCrossing, VelocityOfChildren)
 {

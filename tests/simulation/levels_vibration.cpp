@@ -1,4 +1,5 @@
-// A free block that vibrates across the border of a finer level: energy and momentum over many periods.
+// A free block that vibrates across the border of a finer level, in the plane and in space: energy and momentum over many
+// periods.
 //
 // Without arguments: the tests. With "table": all borders, ratios, updates and laws.
 #include "simulation/setup.hpp"
@@ -17,9 +18,14 @@ struct Case {
   const char *name;
   std::vector<Box> boxes; ///< of the finer levels; none for one level
   int ratio = 2;
+  double across = 0; ///< in space: half of the block's size along y and z, which are sides of symmetry
 };
 
 const Case kOne = {"one level", {}}, kAcross = {"half", {kHalf}}, kInside = {"centred box", {kCentred}},
+           kBar = {"bar in space, one level", {}, 2, 1.0 / 12},
+           kBarAcross = {"bar in space, half", {{{0.5, 0, 0}, {1.5, 1.0 / 3, 1.0 / 3}}}, 2, 1.0 / 12},
+           kSpace = {"space, one level", {}, 2, 0.5}, kSpaceAcross = {"space, half", {{{0.5, 0, 0}, {1.5, 0.75, 0.75}}}, 2, 0.5},
+           kSpaceInside = {"space, centred box", {{{0.25, 0, 0}, {0.75, 0.25, 0.25}}}, 2, 0.5},
            kThree = {"three levels, half", {{{-0.25, -0.5}, {1.5, 1.5}}, {{0.5, -0.5}, {1.5, 1.5}}}};
 
 /// After 20 and 80 periods. Momenta are relative to sqrt(2 E m): mean of the period, largest value up to then, and largest
@@ -40,9 +46,14 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
   Budgets budgets;
   PetscFunctionBeginUser;
   run.SetScheme(scheme);
-  AddBody(run.model, CreateBoxRegion({{0, upper_half ? 0.5 : 0}, {1, 1}}), law, kMaterial);
+  Box body = {{0, upper_half ? 0.5 : 0}, {1, 1}}, domain = kDomain;
+  if (levels.across > 0) {
+    run.model.geometry.kind = GeometryKind::kSpatial;
+    run.model.sides[kYLower] = run.model.sides[kZLower] = BoundaryKind::kSymmetry;
+    for (int d : {1, 2}) body.upper[d] = levels.across, domain.lower[d] = 0, domain.upper[d] = levels.across + 0.25;
+  }
+  AddBody(run.model, CreateBoxRegion(body), law, kMaterial);
   const double c = run.model.materials[0]->SpeedOfSound();
-  Box domain = kDomain;
   std::vector<Box> boxes = levels.boxes;
   if (upper_half) {
     run.model.sides[kYLower] = BoundaryKind::kSymmetry;
@@ -50,8 +61,9 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
     for (Box &box : boxes) box.lower[1] = 0.5;
   }
   PetscCall(run.Create(NestedLevels(run.model, domain, 1.0 / cells, levels.ratio, boxes)));
-  PetscCall(run.ForEachPoint(
-      [&](const PointArrays &a, int p, int) { a.velocity[2 * p] = kStrain * c * std::sin(M_PI * (a.position[2 * p] - 0.5)); }));
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+    a.velocity[a.dim * p] = kStrain * c * std::sin(M_PI * (a.position[a.dim * p] - 0.5));
+  }));
   PetscCall(run.hierarchy.ReduceBudgets(&budgets));
   const double start = budgets.momentum[0];
   const double scale = std::sqrt(2 * (budgets.kinetic_energy + budgets.strain_energy) * budgets.mass);
@@ -106,6 +118,8 @@ PetscErrorCode Table(int periods)
   for (int cells : {16, 32})
     for (const Case &levels : {kOne, kAcross}) PetscCall(TableRow(levels, kMusl, "neo_hookean", cells, std::min(periods, 20)));
   PetscCall(TableRow(kOne, kMusl, "neo_hookean", 48, periods)); // the finer level's cells everywhere
+  for (const Case &levels : {kSpace, kSpaceAcross, kSpaceInside})
+    PetscCall(TableRow(levels, kDefaultScheme, "neo_hookean", 24, std::min(periods, 20)));
   for (int ratio : {3, 4})
     for (const Scheme &scheme : {kMusl, kDefaultScheme})
       PetscCall(TableRow({"half", {kHalf}, ratio}, scheme, "neo_hookean", 24, std::min(periods, 20)));
@@ -141,6 +155,22 @@ PetscErrorCode TestVibration(const Scheme &scheme)
 TEST(LevelsVibration, Musl) { EXPECT_EQ(TestVibration(kMusl), PETSC_SUCCESS); }
 
 TEST(LevelsVibration, Default) { EXPECT_EQ(TestVibration(kDefaultScheme), PETSC_SUCCESS); }
+
+PetscErrorCode TestVibrationInSpace(const Case &one_level, const Case &levels, int cells)
+{
+  Result one, r;
+  PetscFunctionBeginUser;
+  PetscCall(Vibrate(one_level, kDefaultScheme, "neo_hookean", cells, 20, &one));
+  PetscCall(Vibrate(levels, kDefaultScheme, "neo_hookean", cells, 20, &r));
+  const std::string name = std::string("vibrating ") + levels.name;
+  ExpectAtMost(std::string("vibrating ") + one_level.name + ": |E/E0 - 1|, 20 periods", std::abs(one.energy[0] - 1), 0.03);
+  ExpectAtMost(name + ": |E/E0 - 1|, 20 periods", std::abs(r.energy[0] - 1), 0.03);
+  ExpectAtMost(name + ": mean momentum of a period, of sqrt(2 E m), 20 periods", r.drift[0], 2e-3);
+  ExpectAtMost(name + ": momentum less the stagger, 20 periods", r.rest[0], 1e-9);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+TEST(LevelsVibration, Space) { EXPECT_EQ(TestVibrationInSpace(kBar, kBarAcross, 24), PETSC_SUCCESS); }
 
 } // namespace
 

@@ -29,15 +29,15 @@ def segments(level, axisymmetric):
 Pressed = namedtuple("Pressed", "places pressures areas moment")  # moment: root of the mean of r^2 under the pressure
 
 
-def nodal_pressure(result, lower, spacing, nodes=0, width=1, axisymmetric=False):
+def nodal_pressure(result, lower, spacing, width=1, axisymmetric=False):
     """What presses the columns of the finest level in the last checkpoint: load over area of each that is loaded.
 
-    lower, spacing, nodes: of that level's grid, the last along its first axis (in space).
+    lower, spacing: of that level's grid.
     """
     with h5py.File(sorted(result.folder.glob("checkpoint_*.h5"))[-1], "r") as file:
         level = file[max(name for name in file if name.startswith("level_"))]
         places, weights = segments(level, axisymmetric)
-        keys, solved = (level[name][:].ravel() for name in ("pressure_keys", "pressures"))
+        keys, solved, nodes = (level[name][:].ravel() for name in ("pressure_keys", "pressures", "columns"))
     axes = places.shape[1]
     lower, unknowns = numpy.array(lower)[:axes], dict(zip(keys.astype(int), solved))
     cell = numpy.floor((places - lower) / spacing).astype(int)
@@ -45,7 +45,7 @@ def nodal_pressure(result, lower, spacing, nodes=0, width=1, axisymmetric=False)
     columns = [cell + corner for corner in corners]
     offsets = [numpy.abs(places - lower - spacing * column) / spacing for column in columns]
     pressure = sum(numpy.prod(numpy.maximum(0, 1 - offset / width), axis=1) *
-                   numpy.array([unknowns.get(at[0] + (nodes * at[1] if axes > 1 else 0), 0) for at in column])
+                   numpy.array([unknowns.get(at[0] + (nodes.sum() * at[1] if axes > 1 else 0), 0) for at in column])
                    for column, offset in zip(columns, offsets))
     area, load = {}, {}
     for column, offset in zip(columns, offsets):
@@ -124,7 +124,7 @@ def pressed(depth, height):
             "end_time": 1.7 * ramp}
 
 
-def hertz(expect, name, result, at, radius, load, tolerances, plane=False):
+def hertz(expect, name, at, radius, load, tolerances, plane=False):
     """Width from the second moment and pressures at r < 0.8 a, for the half width that Hertz has at this load; returns it and the errors."""
     a = math.sqrt(4 * load * radius / math.pi) if plane else (0.75 * load * radius) ** (1 / 3)
     largest = a / (2 * radius) if plane else 2 * a / (math.pi * radius)
@@ -136,3 +136,39 @@ def hertz(expect, name, result, at, radius, load, tolerances, plane=False):
     expect(f"{name}: rms error of p_i, r < 0.8 a", rms, at_most=tolerances[1])
     expect(f"{name}: largest p_i", at.pressures.max() / largest, near=1, tolerance=tolerances[2])
     return a, rms, moment
+
+
+# A sphere on three levels of which the finest has the contact, in both geometries; the blocks have the same section.
+SPHERE = {**BLOCK, **pressed(0.5, 56), "cell_size": 4, "levels": 3, "blend_width": 2, "indenter": "sphere", "indenter_radius": 120}
+ROUND = {**SPHERE, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "72,64", "boundary_y_lower": "symmetry",
+         "block_lower": "0,0", "block_upper": "72,56", "indenter_tip": "0,56", "level_1_lower": "0,28", "level_1_upper": "32,64",
+         "level_2_lower": "0,44", "level_2_upper": "16,64"}
+SPACE = {**SPHERE, "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "64,64,64", "boundary_x_lower": "symmetry",
+         "boundary_y_lower": "symmetry", "boundary_y_upper": "symmetry", "boundary_z_lower": "symmetry", "block_lower": "0,0,0",
+         "block_upper": "64,64,56", "indenter_tip": "0,0,56", "level_1_lower": "0,0,28", "level_1_upper": "32,32,64",
+         "level_2_lower": "0,0,44", "level_2_upper": "16,16,64"}
+
+
+def round_sphere(expect):
+    result = harness.run(ROUND)
+    hertz(expect, "axisymmetric sphere", nodal_pressure(result, (0, 44), 1, axisymmetric=True), 120, result.history["load"][-1], (0.02, 0.02, 0.04))
+    return result
+
+
+def test_sphere_on_levels(expect):
+    round_sphere(expect)
+
+
+def verify_sphere_on_levels(study):
+    """Hertz's sphere on three levels, in axisymmetry and in space
+
+    Radius of 120 of the finest cells, contact radius of 8, on blocks of equal section; a quarter of the block in space.
+    """
+    flat, space = round_sphere(study.expect), harness.run(SPACE)
+    load = 4 * space.history["load"]
+    hertz(study.expect, "sphere in space", nodal_pressure(space, (0, 0, 44), 1), 120, load[-1], (0.015, 0.02, 0.04))
+    depths = numpy.linspace(0.25, 0.49, 9)
+    loads = [numpy.interp(depths, history["depth"], scale * history["load"]) for history, scale in ((flat.history, 1), (space.history, 4))]
+    study.expect("sphere: load in axisymmetry against space at equal depth", deviation(*loads), at_most=0.015)
+    study.plot("Load against depth", "depth (cells)", "load (E* h2)", page.curve("axisymmetric", flat.history["depth"], flat.history["load"]),
+               page.curve("space", space.history["depth"], load))

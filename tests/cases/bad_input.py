@@ -29,6 +29,11 @@ VERTICES = {"block_shape": "polygon", "block_lower": None, "block_upper": None}
 TWO = {"bodies": "block,ball", "ball_shape": "disk", "ball_center": "6,10", "ball_radius": "1.5"}
 J2 = {"al_model": "j2", "al_yield_stress": "1e6", "al_hardening_modulus": "0"}
 
+AXIS = {"geometry": "axisymmetric"}
+CONE = {**WEDGE, **AXIS, "indenter": "cone", "indenter_tip": "0,8"}
+SPACE = {"geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "12,12,12", "block_lower": "0,0,0", "block_upper": "8,8,8"}
+PYRAMID = {**WEDGE, **SPACE, "indenter": "pyramid", "indenter_tip": "4,4,8"}
+
 
 def without(*names):
     return {name: None for name in names}
@@ -92,6 +97,34 @@ CASES = [
     ("vectors of another geometry", {"geometry": "3d"}, ["-domain_lower", "must be 3 numbers"]),
     ("boundary unknown", {"boundary_x_lower": "sticky"}, ["-boundary_x_lower sticky:", "free, symmetry, fixed"]),
     ("thickness zero", {"thickness": "0"}, ["-thickness 0:", "> 0"]),
+    # Axisymmetry and space
+    ("radii below zero", {**AXIS, "domain_lower": "-1,0"}, ["-domain_lower -1,0:", "axis"]),
+    ("domain off the axis", {**AXIS, "domain_lower": "1,0", "block_lower": "1,0"}, ["-domain_lower 1,0:", "axis"]),
+    ("axis that is held", {**AXIS, "boundary_x_lower": "fixed"}, ["-boundary_x_lower", "axis"]),
+    ("thickness of a solid of revolution", {**AXIS, "thickness": "1"}, ["-thickness"]),
+    ("body beyond the axis", {**AXIS, "block_lower": "-1,0"}, ["-block_lower -1,0:", "inside the domain"]),
+    ("disk across the axis", {**AXIS, **DISK, "block_center": "1,4"}, ["-block_center:", "inside the domain"]),
+    ("tip off the axis", {**CONE, "indenter_tip": "1,8"}, ["-indenter_tip 1,8:", "on the axis"]),
+    ("level's border near the tip on the axis", {**CONE, "levels": "2", "level_1_lower": "1,4", "level_1_upper": "6,12"},
+     ["-level_1_lower 1,4:", "tip"]),
+    ("copies of points in axisymmetry", {**AXIS, "levels": "2", "level_1_lower": "0,4", "level_1_upper": "6,12", "level_coupling": "points"},
+     ["-level_coupling points:", "plane strain"]),
+    ("pyramid on the axis", {**CONE, "indenter": "pyramid"}, ["-indenter pyramid:", "cone, sphere"]),
+    ("wedge on the axis", {**CONE, "indenter": "wedge"}, ["-indenter wedge:", "cone, sphere"]),
+    ("three components of a velocity in axisymmetry", {**AXIS, "block_velocity": "0,0,1"}, ["-block_velocity 0,0,1:", "2 numbers"]),
+    ("three components in axisymmetry", {**CONE, "indenter_tip": "0,8,0"}, ["-indenter_tip 0,8,0:", "2 numbers"]),
+    ("pyramid with two faces", {**PYRAMID, "indenter_faces": "2"}, ["-indenter_faces 2:", "[3, 360]"]),
+    ("two components of a tip in space", {**PYRAMID, "indenter_tip": "4,8"}, ["-indenter_tip 4,8:", "3 numbers"]),
+    ("two components of gravity in space", {**SPACE, "gravity": "0,-1"}, ["-gravity 0,-1:", "3 numbers"]),
+    ("two components of a velocity in space", {**SPACE, "block_velocity": "0,1"}, ["-block_velocity 0,1:", "3 numbers"]),
+    ("two components of a box in space", {**SPACE, "levels": "2", "level_1_lower": "0,0", "level_1_upper": "8,8,8"},
+     ["-level_1_lower 0,0:", "3 numbers"]),
+    ("wedge in space", {**PYRAMID, "indenter": "wedge"}, ["-indenter wedge:", "berkovich"]),
+    ("multi-mesh contact in space", {**PYRAMID, "contact": "multimesh"}, ["-contact multimesh:", "pressure"]),
+    ("copies of points in space", {**SPACE, "levels": "2", "level_1_lower": "0,0,4", "level_1_upper": "6,6,12", "level_coupling": "points"},
+     ["-level_coupling points:", "plane strain"]),
+    ("disk in space", {**SPACE, **DISK, "block_center": "4,4,4"}, ["-block_shape disk:", "ball"]),
+    ("thickness in space", {**SPACE, "thickness": "1"}, ["-thickness"]),
     # Materials
     ("Poisson 0.5", {"al_poissons_ratio": "0.5"}, ["-al_poissons_ratio 0.5: must be in (-1, 0.5)"]),
     ("Poisson -1", {"al_poissons_ratio": "-1"}, ["-al_poissons_ratio -1: must be in (-1, 0.5)"]),

@@ -172,3 +172,35 @@ def verify_sphere_on_levels(study):
     study.expect("sphere: load in axisymmetry against space at equal depth", deviation(*loads), at_most=0.015)
     study.plot("Load against depth", "depth (cells)", "load (E* h2)", page.curve("axisymmetric", flat.history["depth"], flat.history["load"]),
                page.curve("space", space.history["depth"], load))
+
+
+# ---- cone and pyramids ----
+
+WIDE = {**SPACE, "domain_lower": "-64,0,0", "boundary_x_lower": "symmetry", "block_lower": "-64,0,0", "level_1_lower": "-32,0,28",
+        "level_2_lower": "-16,0,44"}
+BLOCK_STIFFNESS = -0.5  # of depth = half space's + this P/(E* L), L the block's half width: from the sphere's load and depth
+
+
+def load_over_depth(case, tip, depth, parts):
+    """P/(E* d^2) of a sharp tip held at a depth, which is put right for what the block is stiffer than the half space."""
+    options = {name: value for name, value in {**case, **pressed(depth, 56), "checkpoint_interval": 0, "indenter_radius": None, **tip}.items() if value is not None}
+    load = parts * numpy.mean(harness.run(options).history["load"][-10:])
+    return load / (depth - BLOCK_STIFFNESS * load / 64) ** 2
+
+
+def verify_pyramids(study):
+    """Cone, Vickers and Berkovich pyramids in elastic blocks
+
+    P/(E* d^2), with the depth put right for the finite block, on three levels: faces at 0.1 to the surface against boundary
+    elements of the linear half space, the real angles (3.5 of the finest cells deep) against published finite elements.
+    """
+    flat = {"indenter_half_angle": math.degrees(math.atan(10))}
+    for name, case, faces, parts, expected in (("four", SPACE, 4, 4, 0.7375), ("three", WIDE, 3, 2, 0.8824)):
+        seen = 0.1 * load_over_depth(case, {"indenter": "pyramid", "indenter_faces": faces, **flat}, 0.8, parts)
+        study.expect(f"pyramid with {name} faces at 0.1: P tan b/(E* d^2) over that of the half space", seen / expected, near=1, tolerance=0.03)
+    cone = load_over_depth(ROUND, {"indenter": "cone", "indenter_half_angle": 70.3}, 3.5, 1)
+    study.figure("cone of 70.3 degrees: P/(E* d^2)", cone)
+    for name, case, parts, expected, of_cone in (("vickers", SPACE, 4, 1.929, 1.027), ("berkovich", WIDE, 2, 2.025, 1.078)):
+        seen = load_over_depth(case, {"indenter": name}, 3.5, parts)
+        study.expect(f"{name}: P/(E* d^2)", seen, near=expected, tolerance=0.05 * expected)
+        study.expect(f"{name}: over that of the cone", seen / cone, near=of_cone, tolerance=0.03 * of_cone)

@@ -1,9 +1,8 @@
-"""Three dimensions: Hertz's sphere on one level, budgets of a Berkovich tip on three levels, refusals."""
+"""Three dimensions: Hertz's sphere on one level, budgets of a Berkovich tip on three levels."""
 import functools
 import math
 
 import numpy
-import pytest
 
 import harness
 from ranks import BERKOVICH
@@ -51,16 +50,3 @@ def berkovich():
 def test_budgets_on_levels(expect):
     expect("load at the end", berkovich().history["load"][-1], at_least=0.1)
     expect_budgets(expect, berkovich(), 0.05)
-
-
-@pytest.mark.parametrize("change, word", [
-    ({"indenter": "pyramid", "indenter_half_angle": 68, "indenter_faces": 2, "indenter_radius": None}, "-indenter_faces"),
-    ({"indenter": "wedge"}, "-indenter"), ({"domain_lower": "0,0"}, "-domain_lower"), ({"thickness": 1}, "-thickness"),
-    ({"levels": 2, "level_1_lower": "0,0,8", "level_1_upper": "8,8,17", "level_coupling": "points"}, "-level_coupling"),
-    ({"contact": "multimesh"}, "-contact"), ({"block_shape": "disk"}, "-block_shape")])
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_refused(change, word, ranks):
-    case = {name: value for name, value in {**SPHERE, **change}.items() if value is not None}
-    result = harness.run(case, ranks=ranks, must_succeed=False)
-    lines = [line for line in result.stderr.splitlines() if line.startswith("mlgimp: error:")]
-    assert result.status != 0 and len(lines) == 1 and word in lines[0], result.stderr

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A convergence study of a case: runs it on cells of its own size, half of it, a quarter ..., and says what follows.
 
-usage: scripts/converge.py options/CASE.opts [-refine N] [-quantity NAME] [-depth D | -maximum] [-place X,Y] [-ranks N]
+usage: scripts/converge.py options/CASE.opts [-refine N] [-quantity NAME] [-depth D | -maximum] [-place X,Y[,Z]] [-ranks N]
                            [options of mlgimp, on all resolutions]
 
     scripts/converge.py options/wedge_500nm.opts -refine 3 -quantity load -depth 200e-9 -ranks 2 -indenter_max_depth 250e-9
@@ -32,6 +32,7 @@ from bench import ENVIRONMENT, ROOT
 Study = namedtuple("Study", "file refine quantity depth maximum place ranks")
 Resolution = namedtuple("Resolution", "cell_size folder points steps value")
 METHOD_ORDER = 2
+STRESSES = {**plot.STRESS_COLUMN, "yz": 4, "xz": 5}
 NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
 COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
 
@@ -42,9 +43,16 @@ def fail(message):
 
 
 def read_place(text):
-    """X,Y as an array of two numbers."""
-    x, y = text.split(",")
-    return np.array([float(x), float(y)])
+    """X,Y or X,Y,Z as an array."""
+    place = np.array([float(part) for part in text.split(",")])
+    if len(place) not in (2, 3):
+        raise ValueError
+    return place
+
+
+def written(place):
+    """A place as it is given."""
+    return ",".join(f"{x:g}" for x in place)
 
 
 def whole_number_from(least):
@@ -75,7 +83,7 @@ def parse(words):
     if not file.is_file():
         fail(f"{file}: there is no such options file")
     own = Study(file, take(passed, "refine", whole_number_from(2), 3, "a whole number >= 2"), take(passed, "quantity", str, "load", "a name"),
-                take(passed, "depth", float, None, "a number"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y"),
+                take(passed, "depth", float, None, "a number"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
                 take(passed, "ranks", whole_number_from(1), 1, "a whole number >= 1"))
     if passed.pop("maximum", None) is not None:
         fail("-maximum: must stand without a value")
@@ -86,10 +94,10 @@ def parse(words):
 def check(own):
     """Refuses what does not fit together."""
     is_stress = own.quantity.startswith("stress_")
-    if is_stress and own.quantity.removeprefix("stress_") not in plot.STRESS_COLUMN:
-        fail(f"-quantity {own.quantity}: must be stress_xx, stress_yy, stress_zz or stress_xy")
+    if is_stress and own.quantity.removeprefix("stress_") not in STRESSES:
+        fail(f"-quantity {own.quantity}: must be {', '.join('stress_' + name for name in STRESSES)}")
     if is_stress and own.place is None:
-        fail(f"-quantity {own.quantity}: needs -place X,Y")
+        fail(f"-quantity {own.quantity}: needs -place")
     if not is_stress and own.place is not None:
         fail(f"-quantity {own.quantity}: is not at a place; leave -place out")
     if (own.depth is not None) + own.maximum + is_stress > 1:
@@ -168,21 +176,23 @@ def column(history, quantity):
     if quantity == "energy":
         return history["kinetic_energy"] + history["strain_energy"]
     if quantity not in history:
-        fail(f"-quantity {quantity}: must be energy, stress_xx .. stress_xy or one of {', '.join(history)}")
+        fail(f"-quantity {quantity}: must be energy, a stress or one of {', '.join(history)}")
     return history[quantity]
 
 
 def stress_at(folder, component, place):
     """A component of the stress at a place at the end: that of a plane through the points next to it."""
     points = results.all_points(results.read_frame(results.find_frame(folder)).levels)
+    if points["position"].shape[1] != len(place) or points["stress"].shape[1] <= STRESSES[component]:
+        fail(f"-place {written(place)}, -quantity stress_{component}: must be those of the case's geometry")
     away = points["position"] - place
-    distance = np.hypot(*away.T)
+    distance = np.linalg.norm(away, axis=1)
     next_to = np.argsort(distance)[:NEIGHBOURS]
     reach = 2 * points["half_size"][next_to].max()
     if distance[next_to[0]] > reach:
-        fail(f"-place {place[0]:g},{place[1]:g}: must be inside a body at the end of the run")
+        fail(f"-place {written(place)}: must be inside a body at the end of the run")
     planes = np.column_stack([np.ones(len(next_to)), away[next_to] / reach])
-    return np.linalg.lstsq(planes, plot.stress_of(points, component)[next_to], rcond=None)[0][0]
+    return np.linalg.lstsq(planes, points["stress"][next_to, STRESSES[component]], rcond=None)[0][0]
 
 
 def resolve(own, case, passed, folder, factor):
@@ -221,7 +231,7 @@ def print_row(row):
 def what(own):
     """The quantity in words."""
     if own.place is not None:
-        return f"{own.quantity} at ({own.place[0]:g}, {own.place[1]:g}) at the end"
+        return f"{own.quantity} at {written(own.place)} at the end"
     return own.quantity + (", largest" if own.maximum else f" at depth {own.depth:g} m" if own.depth is not None else " at the end")
 
 

@@ -45,6 +45,22 @@ def test_cylinder_under_pressure(expect):
         expect(f"momentum along {axis} less impulses", momentum_left(result.history, axis), at_most=1e-12)
 
 
+def test_ring_under_inner_pressure(expect):
+    """Lame's ring, b = 2 a, a of 16 cells: u = (k/2 mu)((1 - 2 nu) r + b^2/r), stresses k (1 -+ b^2/r^2)."""
+    pressure, inner, outer = 1e-5, 16, 32
+    case = {**CYLINDER, "domain_lower": "0,0", "domain_upper": f"{outer + 4},4", "rod_lower": f"{inner},0", "rod_upper": f"{outer},4",
+            "p_side": "x_lower", "p_times": "0,300,301", "p_pressures": [0, pressure, pressure], "damping": 0.08, "end_time": 900}
+    frame = harness.run(case).frame()
+    radius = numpy.round(2 * frame["position"][:, 0] - 0.5) / 2 + 0.25  # of the points at the start
+    k, mu = pressure * inner**2 / (outer**2 - inner**2), 1 / 2.6
+    displacement = k / (2 * mu) * (0.4 * radius + outer**2 / radius)
+    error = numpy.abs(frame["position"][:, 0] - radius - displacement) / numpy.max(displacement)
+    expect("displacement, of the largest", numpy.max(error), at_most=5e-4)
+    for component, sign, name in ((0, -1, "radial"), (2, 1, "hoop")):
+        exact = k * (1 + sign * (outer / radius) ** 2)
+        expect(f"{name} stress: rms error, of the pressure", numpy.sqrt(numpy.mean((frame["stress"][:, component] - exact) ** 2)) / pressure, at_most=0.04)
+
+
 def test_sphere(expect):
     """Hertz from the load: width, largest pressure; what the block adds to the depth is left out."""
     history = harness.run(SPHERE).history

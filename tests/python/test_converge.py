@@ -125,6 +125,18 @@ class Cases(unittest.TestCase):
         for row in rows:
             self.assertAlmostEqual(row["value"] / 1e5, 1, delta=0.02)
 
+    def test_stress_in_other_geometries(self):
+        space = ("-geometry", "3d", "-domain_lower", "0,0,0", "-domain_upper", "24,4,4", "-bar_lower", "0,0,0", "-bar_upper", "16,4,4",
+                 "-boundary_z_lower", "symmetry", "-boundary_z_upper", "symmetry", "-max_steps", "400")
+        for component, place, options in (("xx", "12.3,1.7,2.2", space), ("xx", "7.3,1.7", ("-geometry", "axisymmetric")),
+                                          ("zz", "7.3,1.7", ("-geometry", "axisymmetric"))):
+            _, rows = self.study(f"{component}{len(place)}", "-refine", "2", "-quantity", f"stress_{component}", "-place", place, *options)
+            for row in rows:
+                self.assertAlmostEqual(row["value"] / 1e5, 1, delta=0.02)
+        with self.assertRaises(SystemExit) as caught:
+            self.study("missing", "-refine", "2", "-quantity", "stress_xz", "-place", "12.3,1.7", "-max_steps", "3")
+        self.assertRegex(caught.exception.code, "^error: -place 12.3,1.7, -quantity stress_xz: must be those of the case's geometry")
+
     def test_wrong_arguments_are_one_line(self):
         file = str(self.file)
         bare = self.root / "bare.opts"

@@ -204,3 +204,42 @@ def verify_pyramids(study):
         seen = load_over_depth(case, {"indenter": name}, 3.5, parts)
         study.expect(f"{name}: P/(E* d^2)", seen, near=expected, tolerance=0.05 * expected)
         study.expect(f"{name}: over that of the cone", seen / cone, near=of_cone, tolerance=0.03 * of_cone)
+
+
+# ---- the width of the kernel ----
+
+WEDGE_LOADS = {50: 454e-6, 100: 921e-6, 200: 1859e-6}  # N by nm, half of the workpiece: finite elements of 31 nm
+BOTH_HALVES = {"domain_lower": "-31e-6,0", "level_1_lower": "-16e-6,24e-6", "level_2_lower": "-8e-6,32e-6",
+               "workpiece_lower": "-30e-6,0", "boundary_x_lower": "free"}
+CYLINDER = {**BLOCK, **pressed(0.6, 64), "domain_lower": "0,0", "domain_upper": "64,68", "boundary_x_lower": "symmetry",
+            "boundary_y_lower": "symmetry", "block_lower": "0,0", "block_upper": "64,64", "indenter": "cylinder",
+            "indenter_radius": 100, "indenter_tip": "0,64"}
+
+
+def verify_contact_width(study):
+    """Half width of the kernel of a contact pressure
+
+    Wedge of 70.3 degrees on three levels, 125 nm: load against finite elements of 31 nm, for a tip on a column of nodes, a quarter
+    of a cell and half a cell beside it. Cylinder and sphere of Hertz at half widths of six to eight cells.
+    """
+    cells = []
+    for shift in (0, 0.25, 0.5):
+        for width in (1, 0.75, 0.5, 0.35):
+            place = {**BOTH_HALVES, "indenter_tip": f"{shift * 125e-9},40e-6"} if shift else {}
+            history = harness.run({"frames": 0, "contact_width": width, "indenter_max_depth": "210e-9", **place}, file="wedge_3level.opts").history
+            loads = smooth_load(history, numpy.array(list(WEDGE_LOADS)) * 1e-9, 3e-9) / (2 if shift else 1)
+            kept = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+            cells.append([f"{shift:g} h", f"{width:g}", *(f"{100 * (load / expected - 1):+.1f} %" for load, expected in zip(loads, WEDGE_LOADS.values())),
+                          f"{history['depth'][numpy.argmax(history['load'] > 0)] / 125e-9:.3f}", f"{history['penetration'].max() / 125e-9:.3f}",
+                          f"{kept / history['indenter_work'][-1]:.4f}"])
+    study.table("Wedge", ["tip beside a column", "half width", *(f"load at {depth} nm" for depth in WEDGE_LOADS), "first load, cells", "penetration, cells",
+                          "energy over work"], cells)
+    cells = []
+    for width in (1, 0.75, 0.5, 0.35):
+        flat, curved = harness.run({**CYLINDER, "contact_width": width}), harness.run({**ROUND, "contact_width": width})
+        _, flat_rms, flat_moment = hertz(study.expect, f"cylinder, half width {width:g}", nodal_pressure(flat, (0, 0), 1, width), 100,
+                                         2 * flat.history["load"][-1], (0.02, 0.02, 0.04), plane=True)
+        _, rms, moment = hertz(study.expect, f"sphere, half width {width:g}", nodal_pressure(curved, (0, 44), 1, width, axisymmetric=True), 120,
+                               curved.history["load"][-1], (0.02, 0.02, 0.04))
+        cells.append([f"{width:g}", *(f"{100 * error:.2f} %" for error in (flat_rms, flat_moment, rms, moment))])
+    study.table("Hertz", ["half width", "cylinder: rms error of p_i", "half width of contact", "sphere: rms error of p_i", "half width of contact"], cells)

@@ -22,8 +22,10 @@ struct Case {
 };
 
 const Case kOne = {"one level", {}}, kAcross = {"half", {kHalf}}, kInside = {"centred box", {kCentred}},
-           kSpace = {"space, one level", {}, 2, 0.25}, kSpaceAcross = {"space, half", {{{0.5, 0, 0}, {1.5, 0.5, 0.5}}}, 2, 0.25},
-           kSpaceInside = {"space, box inside", {{{0.25, 0, 0}, {0.75, 0.25, 0.25}}}, 2, 0.5},
+           kSpace = {"block in space, one level", {}, 2, 0.25},
+           kSpaceAcross = {"block in space, half", {{{0.5, 0, 0}, {1.5, 0.5, 0.5}}}, 2, 0.25},
+           kCube = {"cube, one level", {}, 2, 0.5},
+           kCubeInside = {"cube, box inside", {{{0.25, 0, 0}, {0.75, 0.25, 0.25}}}, 2, 0.5},
            kThree = {"three levels, half", {{{-0.25, -0.5}, {1.5, 1.5}}, {{0.5, -0.5}, {1.5, 1.5}}}};
 
 /// After 20 and 80 periods. Momenta are relative to sqrt(2 E m): mean of the period, largest value up to then, and largest
@@ -109,7 +111,7 @@ PetscErrorCode Table(int periods)
       "| levels | ratio | cells | scheme | law | E/E0, 20 periods | 80 periods | momentum, 20 | 80 | swing | less stagger |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   if (periods < 0) {
-    for (const Case &levels : {kSpace, kSpaceAcross, kSpaceInside})
+    for (const Case &levels : {kSpace, kSpaceAcross, kCube, kCubeInside})
       PetscCall(TableRow(levels, kDefaultScheme, "neo_hookean", 24, -periods));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -9,7 +9,8 @@ using namespace mlgimp;
 namespace
 {
 
-/// The largest speed after 200 steps, in space 60, relative to the wave speed times the strain. stretch: in space with a third component.
+/// The largest speed after 200 steps, in space 60, relative to the wave speed times the strain. stretch: in space with a third
+/// component.
 PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec3 stretch, double *speed)
 {
   const bool space = stretch[2] > 0;

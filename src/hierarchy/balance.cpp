@@ -204,11 +204,9 @@ PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, G
   const GridGeometry &geometry = grid.Geometry();
   const IndexBox nodes = geometry.NodeBox();
   std::vector<double> counts(static_cast<std::size_t>(nodes.Count()), 0.0);
-  PointArrays points;
-  PetscMPIInt ranks;
+  const PetscMPIInt ranks = RanksOf(world);
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(world, &ranks));
-  PetscCall(level.PointStore().Arrays(&points));
+  const PointArrays points = level.PointStore().Arrays();
   for (int p = 0; p < points.count; ++p) {
     const Index at = grid.Nearest(points.Position(p)) - nodes.lower;
     ++counts[at[0] + nodes.Size(0) * (at[1] + nodes.Size(1) * static_cast<std::size_t>(at[2]))];

@@ -153,7 +153,6 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
 
 PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
 {
-  PointArrays arrays;
   PetscMPIInt rank;
   int count = points.Count();
   PetscFunctionBeginUser;
@@ -165,7 +164,7 @@ PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
   int p = count;
   ForEachSeed(cells, [&](const Seed &seed) { count += mine(seed); }); // counted first: a list would be most of the memory
   PetscCall(points.Resize(count));
-  PetscCall(points.Arrays(&arrays));
+  const PointArrays arrays = points.Arrays();
   ForEachSeed(cells, [&](const Seed &seed) {
     if (mine(seed)) MakePoint(seed, arrays, p++);
   });

@@ -34,17 +34,15 @@ public:
 
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
   {
-    const std::vector<int> *surface = nullptr;
-    PointArrays points;
     std::vector<PressedPoint> pressed;
     std::vector<ContactUnknown> unknowns;
     std::vector<SurfaceRange> ranges;
     PetscFunctionBeginUser;
     couplings_.clear();
     *report = {};
-    PetscCall(view.points.Arrays(&points));
-    PetscCall(view.points.SurfacePoints(&surface));
-    for (int p : *surface)
+    const PointArrays points = view.points.Arrays();
+    const std::vector<int> &surface = view.points.SurfacePoints();
+    for (int p : surface)
       if (!FarFromIndenter(view, points, p)) AddPoint(view, points, p, &pressed, report);
     std::vector<std::int64_t> own;
     for (const PressedPoint &point : pressed) own.push_back(point.unknown.key);

@@ -10,20 +10,9 @@
 namespace mlgimp
 {
 
-static PetscDataType PetscType(FieldType type)
-{
-  switch (type) {
-  case FieldType::kInt32:
-    return PETSC_INT;
-  case FieldType::kInt64:
-    return PETSC_INT64;
-  default:
-    return PETSC_REAL;
-  }
-}
-
 PetscErrorCode Points::Create(GeometryKind geometry, int loads, int history_components)
 {
+  constexpr PetscDataType kPetscTypes[] = {PETSC_REAL, PETSC_INT, PETSC_INT64}; // by FieldType
   static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
   PetscFunctionBeginUser;
   table_ = PointFieldTable(geometry, loads, history_components);
@@ -35,7 +24,8 @@ PetscErrorCode Points::Create(GeometryKind geometry, int loads, int history_comp
   PetscCall(DMSwarmInitializeFieldRegister(swarm_));
   for (const PointFieldInfo &field : table_)
     if (field.components)
-      PetscCall(DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, PetscType(field.type)));
+      PetscCall(
+          DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, kPetscTypes[static_cast<int>(field.type)]));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm_));
   PetscCall(DMSwarmSetLocalSizes(swarm_, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -174,21 +164,18 @@ static PetscErrorCode SendPoints(MPI_Comm comm, const Points &from, const Migran
 {
   const std::size_t n = migrants.points.size(), bytes = sizeof(PetscSFNode) + from.RecordBytes();
   std::vector<std::size_t> order(n);
-  std::vector<PetscMPIInt> ranks;
-  std::vector<int> counts;
+  std::vector<PetscMPIInt> ranks(n);
   std::vector<char> records(n * bytes);
   PetscFunctionBeginUser;
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return migrants.ranks[a] < migrants.ranks[b]; });
   for (std::size_t k = 0; k < n; ++k) {
-    const PetscMPIInt rank = migrants.ranks[order[k]];
     const PetscSFNode origin = {RankIn(comm), static_cast<PetscInt>(k)};
-    if (ranks.empty() || ranks.back() != rank) ranks.push_back(rank), counts.push_back(0);
-    ++counts.back();
+    ranks[k] = migrants.ranks[order[k]];
     std::memcpy(&records[k * bytes], &origin, sizeof origin);
     from.Pack(migrants.points[order[k]], &records[k * bytes + sizeof origin]);
   }
-  PetscCall(ExchangeGroups(comm, bytes, ranks, counts, records.data(), incoming));
+  PetscCall(ExchangeBytes(comm, bytes, ranks, records.data(), incoming));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -109,7 +109,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
     AddDerived(file, group, points, model_, slab);
     frame.counts.push_back(slab.total);
   }
-  const std::string problem = file.Finish();
+  std::string problem = file.Finish();
   if (!problem.empty()) return problem;
   frames_.push_back(frame);
   return WriteSeries(hierarchy.Comm());

@@ -11,10 +11,24 @@
 namespace mlgimp
 {
 
-/// Sends groups of records, `bytes` each: counts[k] of them to ranks[k], one group after the other in `outgoing`. What comes is
+/// Sends records of `bytes` each, one after the other in `outgoing`: the k-th to ranks[k], which do not fall. What comes is
 /// ordered by the ranks it comes from. Collective.
-PetscErrorCode ExchangeGroups(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks,
-                              const std::vector<int> &counts, const void *outgoing, std::vector<char> *incoming);
+PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, const void *outgoing,
+                             std::vector<char> *incoming);
+
+/// The records of all ranks, ordered by rank, on every rank. Collective.
+template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
+{
+  static_assert(std::is_trivially_copyable_v<Record>, "records travel as bytes");
+  const int bytes = static_cast<int>(mine.size() * sizeof(Record));
+  std::vector<int> counts(RanksOf(comm)), starts(counts.size() + 1, 0);
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
+  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  all->resize(static_cast<std::size_t>(starts.back()) / sizeof(Record));
+  PetscCallMPI(MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all->data(), counts.data(), starts.data(), MPI_BYTE, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /// Sends every record to the rank that `rank_of(record)` names, and drops it where that is negative. On return `records` are
 /// those that have come, ordered by the ranks they come from and as they stood there, so that a fixed number of ranks repeats bit
@@ -23,20 +37,14 @@ template <class Record, class RankOf> PetscErrorCode ExchangeRecords(MPI_Comm co
 {
   static_assert(std::is_trivially_copyable_v<Record>, "records travel as bytes");
   std::vector<PetscMPIInt> ranks;
-  std::vector<int> counts;
   std::vector<char> incoming;
-  PetscMPIInt size;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   records->erase(std::remove_if(records->begin(), records->end(), [&](const Record &r) { return rank_of(r) < 0; }),
                  records->end());
-  if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (RanksOf(comm) == 1) PetscFunctionReturn(PETSC_SUCCESS);
   std::stable_sort(records->begin(), records->end(), [&](const Record &a, const Record &b) { return rank_of(a) < rank_of(b); });
-  for (const Record &record : *records) {
-    if (ranks.empty() || ranks.back() != rank_of(record)) ranks.push_back(rank_of(record)), counts.push_back(0);
-    ++counts.back();
-  }
-  PetscCall(ExchangeGroups(comm, sizeof(Record), ranks, counts, records->data(), &incoming));
+  for (const Record &record : *records) ranks.push_back(rank_of(record));
+  PetscCall(ExchangeBytes(comm, sizeof(Record), ranks, records->data(), &incoming));
   records->resize(incoming.size() / sizeof(Record));
   std::copy(incoming.begin(), incoming.end(), static_cast<char *>(static_cast<void *>(records->data())));
   PetscFunctionReturn(PETSC_SUCCESS);

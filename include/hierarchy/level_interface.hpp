@@ -77,8 +77,8 @@ private:
   IndexBox MassNodes() const;
   bool IsInterface(Index node) const;
   void ListInterface();
-  PetscErrorCode ListKnown(std::map<Index, int> *place);
-  PetscErrorCode ListBand();
+  void ListKnown(std::map<Index, int> *place);
+  void ListBand();
   BlendNode Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place);
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();

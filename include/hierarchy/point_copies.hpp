@@ -48,10 +48,10 @@ public:
   long Rebuilds() const { return rebuilds_; }
 
 private:
-  PetscErrorCode FindSources(Migrants *found);
+  Migrants FindSources();
   PetscErrorCode Rebuild();
   PetscErrorCode PackState(double step, double dt_shift, bool smooth);
-  PetscErrorCode UnpackState();
+  void UnpackState();
   int StateSize() const;
 
   MPI_Comm world_ = MPI_COMM_NULL;
@@ -78,9 +78,9 @@ public:
   /// whose copy and owner disagree. Collective.
   PetscErrorCode DecideByPlace();
   /// Mass of this rank's points that have copies, kg.
-  PetscErrorCode RingMass(double *mass);
+  double RingMass();
   /// Adds a velocity to the points that have copies.
-  PetscErrorCode CorrectMomentum(Vec3 dv);
+  void CorrectMomentum(Vec3 dv);
   long Rebuilds() const { return to_fine_.Rebuilds() + to_coarse_.Rebuilds(); }
 
 private:

@@ -11,6 +11,9 @@ namespace mlgimp
 /// The box of a level, moved outwards by a distance in m where its sides are borders, open where they are the domain's.
 Box WidenedBox(const LevelGeometry &geometry, double distance);
 
+/// The points inside or outside a box.
+std::vector<int> PointsIn(const PointArrays &points, const Box &box, bool inside);
+
 /// When points change levels, and what happens to them then.
 struct PointTransferRule {
   double enter, leave; ///< distances from the finer level's box, its cells: points nearer than `enter` go to it, points
@@ -68,8 +71,7 @@ public:
   Budgets &Totals() { return budgets_; }
 
 private:
-  PetscErrorCode Select(Level &level, const Box &box, bool inside, std::vector<int> *points);
-  PetscErrorCode FindParents(const std::vector<int> &points, std::vector<int> *parents);
+  std::vector<int> FindParents(const std::vector<int> &points);
   PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
   void MakeChild(const PointArrays &a, int target, int child, const VelocitySample &sample) const;
   Vec3 MeanOffset(const PointArrays &a, int parent) const;

@@ -22,23 +22,33 @@ public:
   const std::array<PointFieldInfo, kPointFields> &Table() const { return table_; }
 
   /// The fields as arrays; valid until the next Resize.
-  PetscErrorCode Arrays(PointArrays *arrays);
-  PetscErrorCode Field(PointField field, void **data);
+  PointArrays Arrays();
+  void *Field(PointField field) { return data_[field]; }
 
   /// Keeps the first `count` points, or adds uninitialised ones. Storage grows by a tenth at a time.
   PetscErrorCode Resize(int count);
 
   /// Removes points, given in ascending order; the last points take their places.
-  PetscErrorCode Remove(const std::vector<int> &points);
+  void Remove(const std::vector<int> &points);
 
   /// Makes point `target` equal to point `source`.
-  PetscErrorCode Copy(int source, int target);
+  void Copy(int source, int target);
 
   /// Reorders the points so that point k is the one that was at order[k].
-  PetscErrorCode Reorder(const std::vector<int> &order);
+  void Reorder(const std::vector<int> &order);
 
   /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.
-  PetscErrorCode SurfacePoints(const std::vector<int> **indices);
+  const std::vector<int> &SurfacePoints();
+
+  /// A whole point as a record of so many bytes.
+  std::size_t RecordBytes() const
+  {
+    std::size_t bytes = 0;
+    for (const PointFieldInfo &field : table_) bytes += FieldBytes(field);
+    return bytes;
+  }
+  void Pack(int point, char *record) const;
+  void Unpack(const char *record, int point);
 
   ~Points();
   Points() = default;
@@ -46,13 +56,20 @@ public:
   Points &operator=(const Points &) = delete;
 
 private:
+  /// A field as bytes.
+  struct FieldMemory {
+    char *data;
+    std::size_t bytes; ///< of a point
+    char *Of(int point) const { return data + bytes * point; }
+  };
+  std::vector<FieldMemory> Memory() const;
   PetscErrorCode ReleaseFields();
+  void NoteChange();
   int dim_ = 2;
 
   DMHandle swarm_;
   std::array<PointFieldInfo, kPointFields> table_{};
   std::array<void *, kPointFields> data_{};
-  bool have_fields_ = false;
   int count_ = 0, capacity_ = 0;
   long version_ = 0;
   std::vector<int> surface_;

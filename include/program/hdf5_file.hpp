@@ -20,14 +20,7 @@ namespace mlgimp
 /// The native type of a point field's numbers.
 inline hid_t H5Type(FieldType type)
 {
-  switch (type) {
-  case FieldType::kInt32:
-    return H5T_NATIVE_INT;
-  case FieldType::kInt64:
-    return H5T_NATIVE_INT64;
-  default:
-    return H5T_NATIVE_DOUBLE;
-  }
+  return type == FieldType::kReal ? H5T_NATIVE_DOUBLE : type == FieldType::kInt32 ? H5T_NATIVE_INT : H5T_NATIVE_INT64;
 }
 
 /// Call before MPI_Init. Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards

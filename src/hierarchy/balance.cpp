@@ -29,6 +29,7 @@ public:
   }
   int Dim() const { return dim_; }
   int Size(int axis) const { return size_[axis]; }
+  IndexBox All() const { return {{}, size_}; }
   /// Number of points in a box of nodes.
   double In(const IndexBox &box) const
   {
@@ -48,7 +49,7 @@ public:
   std::vector<double> Marginal(int axis) const
   {
     std::vector<double> sums;
-    IndexBox layer{{}, size_};
+    IndexBox layer = All();
     for (int k = 0; k < size_[axis]; ++k) {
       layer.lower[axis] = k, layer.upper[axis] = k + 1;
       sums.push_back(In(layer));
@@ -102,15 +103,12 @@ double LargestWork(const PointMap &map, const GridLayout &layout, int fixed, Ind
   return largest;
 }
 
-double LargestWork(const PointMap &map, const GridLayout &layout)
-{
-  return LargestWork(map, layout, -1, {{}, {map.Size(0), map.Size(1), map.Size(2)}});
-}
+double LargestWork(const PointMap &map, const GridLayout &layout) { return LargestWork(map, layout, -1, map.All()); }
 
 /// Work of the layers [start, start + width) along an axis in the busiest of the blocks that `layout` makes of them.
 double LargestWork(const PointMap &map, const GridLayout &layout, int axis, int start, int width)
 {
-  IndexBox box{{}, {map.Size(0), map.Size(1), map.Size(2)}};
+  IndexBox box = map.All();
   box.lower[axis] = start, box.upper[axis] = start + width;
   return LargestWork(map, layout, axis, box);
 }
@@ -204,11 +202,9 @@ PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, G
   const GridGeometry &geometry = grid.Geometry();
   const IndexBox nodes = geometry.NodeBox();
   std::vector<double> counts(static_cast<std::size_t>(nodes.Count()), 0.0);
-  PointArrays points;
-  PetscMPIInt ranks;
+  const PetscMPIInt ranks = RanksOf(world);
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(world, &ranks));
-  PetscCall(level.PointStore().Arrays(&points));
+  const PointArrays points = level.PointStore().Arrays();
   for (int p = 0; p < points.count; ++p) {
     const Index at = grid.Nearest(points.Position(p)) - nodes.lower;
     ++counts[at[0] + nodes.Size(0) * (at[1] + nodes.Size(1) * static_cast<std::size_t>(at[2]))];

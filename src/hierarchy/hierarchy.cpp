@@ -79,11 +79,9 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 
 PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
 {
-  PetscMPIInt ranks;
   GridLayout layout;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
-  FirstLayout(ranks, settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid, &layout);
+  FirstLayout(RanksOf(comm_), settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid, &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
@@ -112,10 +110,8 @@ RankMap Hierarchy::RanksInUse() const
 /// Gives the blocks of all levels to the ranks that save most messages between levels.
 PetscErrorCode Hierarchy::MapRanks()
 {
-  PetscMPIInt ranks;
+  const RankMap map = RanksInUse(), better = ImproveMap(Traffic(), RanksOf(comm_), map);
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
-  const RankMap map = RanksInUse(), better = ImproveMap(Traffic(), ranks, map);
   for (int l = 0; l < Levels(); ++l) {
     if (better[l] == map[l]) continue;
     GridLayout layout = levels_[l]->Mesh().Layout();
@@ -245,8 +241,7 @@ PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
   PetscFunctionBeginUser;
   for (auto &level : levels_) {
     const Budgets &budgets = level->Totals();
-    PointArrays a;
-    PetscCall(level->PointStore().Arrays(&a));
+    const PointArrays a = level->PointStore().Arrays();
     for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
     *left = *left - budgets.support_impulse - budgets.gravity_impulse - budgets.load_impulse - budgets.damping_impulse -
             budgets.contact_impulse;
@@ -262,14 +257,10 @@ PetscErrorCode Hierarchy::CorrectMomentum()
   double mass = 0;
   PetscFunctionBeginUser;
   PetscCall(MeasureMomentum(&left));
-  for (auto &ghosts : ghosts_) {
-    double ring = 0;
-    PetscCall(ghosts->RingMass(&ring));
-    mass += ring;
-  }
+  for (auto &ghosts : ghosts_) mass += ghosts->RingMass();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm_));
   if (mass == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (auto &ghosts : ghosts_) PetscCall(ghosts->CorrectMomentum((1 / mass) * (copies_.momentum_left - left)));
+  for (auto &ghosts : ghosts_) ghosts->CorrectMomentum((1 / mass) * (copies_.momentum_left - left));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -312,14 +303,12 @@ PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt
 /// Cuts a level anew where a rank has too many of its points, or its points have become too many or too few for its ranks.
 PetscErrorCode Hierarchy::RebalanceIfNeeded(int l)
 {
-  PetscMPIInt ranks;
   double total = 0, largest = 0;
   PetscFunctionBeginUser;
   PetscCall(PointsOn(l, &total, &largest));
-  PetscCallMPI(MPI_Comm_size(comm_, &ranks));
   const int blocks = levels_[l]->Mesh().Layout().Blocks();
   if (largest * blocks > settings_.rebalance_threshold * total ||
-      NeedsOtherRanks(total, blocks, ranks, settings_.points_per_rank))
+      NeedsOtherRanks(total, blocks, RanksOf(comm_), settings_.points_per_rank))
     PetscCall(Rebalance(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

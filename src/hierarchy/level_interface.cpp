@@ -23,7 +23,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   dim_ = fine.Geometry().grid.dim;
   velocity_size_ = NodeLayout::Velocity(dim_);
   ListInterface();
-  PetscCall(ListBand());
+  ListBand();
   if (fine.Mesh().Participates()) PetscCall(CreateExchange());
   PetscCall(CreateTransfer());
   coarse_sums_.assign(owned_, {});
@@ -112,13 +112,11 @@ void LevelInterface::ListInterface()
 }
 
 /// The interface nodes that this rank owns on the coarse level, and those that it advances.
-PetscErrorCode LevelInterface::ListKnown(std::map<Index, int> *place)
+void LevelInterface::ListKnown(std::map<Index, int> *place)
 {
   const Grid &mesh = fine_->Mesh(), &coarse = coarse_->Mesh();
-  PetscMPIInt block = -1;
-  PetscFunctionBeginUser;
+  const PetscMPIInt block = mesh.Participates() ? RankIn(mesh.Comm()) : -1;
   local_.clear(), held_axes_.clear(), coarse_nodes_.clear();
-  if (mesh.Participates()) PetscCallMPI(MPI_Comm_rank(mesh.Comm(), &block));
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
     if (coarse.Participates() && coarse.Owns(node.at)) coarse_nodes_.push_back({coarse.Place(node.at), true});
@@ -130,24 +128,21 @@ PetscErrorCode LevelInterface::ListKnown(std::map<Index, int> *place)
       if (coarse_->Geometry().sides.Constrains(node.at, axis)) held_axes_.back() |= 1 << axis;
   }
   owned_ = static_cast<int>(local_.size());
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelInterface::ListBand()
+void LevelInterface::ListBand()
 {
   const Grid &mesh = fine_->Mesh();
   std::map<Index, int> number, place; // of interface nodes: among all, among those known here
-  PetscFunctionBeginUser;
   band_.clear(), fine_nodes_.clear();
-  PetscCall(ListKnown(&place));
+  ListKnown(&place);
   for (std::size_t k = 0; k < interface_.size(); ++k) number[interface_[k].at] = static_cast<int>(k);
-  if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!mesh.Participates()) return;
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
     band_.push_back(Blend(node, number, place));
     fine_nodes_.push_back({band_.back().node, band_.back().beta == 0});
   });
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// The weights N_I(x_i) of a fine node; interface nodes that other ranks advance become known here.

@@ -1,6 +1,8 @@
 // Families of siblings: found on all ranks, gathered on one, averaged.
 #include "hierarchy/merging.hpp"
 
+#include "base/exchange.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,16 +20,15 @@ struct Sibling {
 using Families = std::map<std::int64_t, std::vector<Sibling>>; ///< by the parent's number
 
 /// This rank's points that are smaller than usual on their level and were made by splitting.
-PetscErrorCode FindSmall(Level &level, const PointNumbers &numbers, PetscMPIInt rank, std::vector<Sibling> *found)
+std::vector<Sibling> FindSmall(Level &level, const PointNumbers &numbers, PetscMPIInt rank)
 {
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(level.PointStore().Arrays(&a));
+  const PointArrays a = level.PointStore().Arrays();
+  std::vector<Sibling> found;
   for (int p = 0; p < a.count; ++p) {
     const double usual = 0.5 * level.Geometry().grid.spacing / level.Physics().bodies[a.body[p]].points_per_cell;
-    if (LargestComponent(a.HalfSize(p)) < 0.75 * usual && numbers.Parent(a.id[p]) >= 0) found->push_back({a.id[p], rank, p});
+    if (LargestComponent(a.HalfSize(p)) < 0.75 * usual && numbers.Parent(a.id[p]) >= 0) found.push_back({a.id[p], rank, p});
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return found;
 }
 
 /// Groups siblings, each family in the order of its numbers, and keeps whole families only.
@@ -40,20 +41,6 @@ Families WholeFamilies(const std::vector<Sibling> &siblings, const PointNumbers 
   for (auto &[parent, family] : families)
     std::sort(family.begin(), family.end(), [](const Sibling &s, const Sibling &t) { return s.id < t.id; });
   return families;
-}
-
-PetscErrorCode GatherSiblings(MPI_Comm world, const std::vector<Sibling> &mine, std::vector<Sibling> *all)
-{
-  PetscMPIInt size;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(world, &size));
-  const int bytes = static_cast<int>(mine.size() * sizeof(Sibling));
-  std::vector<int> counts(size), starts(size + 1, 0);
-  PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, world));
-  for (int k = 0; k < size; ++k) starts[k + 1] = starts[k] + counts[k];
-  all->resize(starts[size] / sizeof(Sibling));
-  PetscCallMPI(MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all->data(), counts.data(), starts.data(), MPI_BYTE, world));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Makes the field of the first of a family what the rule says of all; mass: of points, before it is merged itself.
@@ -106,18 +93,15 @@ void SetVolumeRatio(const PointArrays &a, int parent, double volume_ratio)
 }
 
 /// The first of a family becomes its parent.
-PetscErrorCode MakeParent(const Model &model, Points &points, const std::vector<Sibling> &family, std::int64_t id, int ratio)
+void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &family, std::int64_t id, int ratio)
 {
   const int first = family.front().point;
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(points.Arrays(&a));
+  const PointArrays a = points.Arrays();
   const double volume_ratio = MeanVolumeRatio(a, family), radius = MeanInitialRadius(a, family);
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
-    void *data = nullptr;
+    void *const data = points.Field(static_cast<PointField>(k));
     if (k == kMass || field.components == 0) continue; // the mass comes last: means are by it
-    PetscCall(points.Field(static_cast<PointField>(k), &data));
     if (field.merge == MergeRule::kBits)
       for (const Sibling &s : family) static_cast<int *>(data)[first] |= static_cast<int *>(data)[s.point];
     else if (field.type == FieldType::kReal)
@@ -128,7 +112,6 @@ PetscErrorCode MakeParent(const Model &model, Points &points, const std::vector<
   for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
   if (a.initial_radius) SetRadius(a, first, radius, volume_ratio);
   if (model.materials[model.bodies[a.body[first]].material]->IsMetal()) SetVolumeRatio(a, first, volume_ratio);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace
@@ -136,15 +119,12 @@ PetscErrorCode MakeParent(const Model &model, Points &points, const std::vector<
 PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, Budgets *budgets)
 {
   const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
-  std::vector<Sibling> mine, all;
+  const PetscMPIInt rank = RankIn(world);
+  std::vector<Sibling> all;
   std::vector<std::pair<int, PetscMPIInt>> leaving;
   Migrants migrants;
-  PetscMPIInt rank;
-  PointArrays a;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(world, &rank));
-  PetscCall(FindSmall(level, numbers, rank, &mine));
-  PetscCall(GatherSiblings(world, mine, &all));
+  PetscCall(GatherRecords(world, FindSmall(level, numbers, rank), &all));
   const Families everywhere = WholeFamilies(all, numbers, children);
   if (everywhere.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   for (const auto &[parent, family] : everywhere)
@@ -154,23 +134,20 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   for (const auto &[point, to] : leaving) migrants.points.push_back(point), migrants.ranks.push_back(to);
   PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), migrants));
 
-  mine.clear();
-  PetscCall(FindSmall(level, numbers, rank, &mine));
-  PetscCall(level.PointStore().Arrays(&a));
   std::vector<int> spent;
-  for (const auto &[parent, family] : WholeFamilies(mine, numbers, children)) {
+  for (const auto &[parent, family] : WholeFamilies(FindSmall(level, numbers, rank), numbers, children)) {
     std::vector<int> points;
     Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
-    PetscCall(MakeParent(level.Physics(), level.PointStore(), family, parent, ratio));
+    MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
     PetscCall(level.SumPoints({points.front()}, &after));
     AddChange(before, after, budgets);
     spent.insert(spent.end(), points.begin() + 1, points.end());
     budgets->points_merged += 1;
   }
   std::sort(spent.begin(), spent.end());
-  PetscCall(level.PointStore().Remove(spent));
+  level.PointStore().Remove(spent);
   PetscCall(level.Migrate(true));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

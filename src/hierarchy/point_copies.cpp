@@ -39,27 +39,24 @@ int PointCopies::StateSize() const
 }
 
 /// The points to copy and the ranks they go to, ordered by rank.
-PetscErrorCode PointCopies::FindSources(Migrants *found)
+Migrants PointCopies::FindSources()
 {
-  PointArrays a;
+  const PointArrays a = from_->PointStore().Arrays();
   std::vector<std::pair<PetscMPIInt, int>> list;
-  PetscFunctionBeginUser;
-  PetscCall(from_->PointStore().Arrays(&a));
+  Migrants found;
   for (int p = 0; p < a.count; ++p) {
     const Vec3 x = a.Position(p);
-    if (!outer_.Contains(x) || inner_.Contains(x)) continue;
-    list.emplace_back(to_->OwnerOf(a, p), p);
+    if (outer_.Contains(x) && !inner_.Contains(x)) list.emplace_back(to_->OwnerOf(a, p), p);
   }
   std::sort(list.begin(), list.end());
-  for (const auto &[rank, p] : list) found->Add(p, rank);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (const auto &[rank, p] : list) found.Add(p, rank);
+  return found;
 }
 
 PetscErrorCode PointCopies::Renew(double step, double dt_shift, bool smooth)
 {
-  Migrants found;
+  Migrants found = FindSources();
   PetscFunctionBeginUser;
-  PetscCall(FindSources(&found));
   int changed = found.points != sources_.points || found.ranks != sources_.ranks || from_->PointStore().Version() != version_ ||
                 to_->CopyStore(origin_).Version() != copy_version_;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, world_));
@@ -70,7 +67,7 @@ PetscErrorCode PointCopies::Renew(double step, double dt_shift, bool smooth)
   PetscCall(PackState(step, dt_shift, smooth));
   PetscCall(PetscSFBcastBegin(exchange_, unit_, state_.data(), copies_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(exchange_, unit_, state_.data(), copies_.data(), MPI_REPLACE));
-  PetscCall(UnpackState());
+  UnpackState();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,19 +91,16 @@ PetscErrorCode PointCopies::Rebuild()
 }
 
 /// Calls work(data, components, place) for each field that evolves, with its place in a point's state.
-template <class Work> static PetscErrorCode ForEachEvolving(Points &points, Work work)
+template <class Work> static void ForEachEvolving(Points &points, Work work)
 {
   int place = 0;
-  PetscFunctionBeginUser;
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
-    void *data = nullptr;
+    const PointField which = static_cast<PointField>(k);
     if (!field.evolves || field.components == 0) continue;
-    PetscCall(points.Field(static_cast<PointField>(k), &data));
-    work(static_cast<PointField>(k), static_cast<double *>(data), field.components, place);
+    work(which, static_cast<double *>(points.Field(which)), field.components, place);
     place += field.components;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
@@ -118,7 +112,7 @@ PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
   PetscFunctionBeginUser;
   if (dt_shift != 0) PetscCall(from_->SampleVelocity(points, &samples));
   if (smooth) PetscCall(from_->SmoothTensors(points, &tensors));
-  PetscCall(ForEachEvolving(from_->PointStore(), [&](PointField field, const double *data, int components, int place) {
+  ForEachEvolving(from_->PointStore(), [&](PointField field, const double *data, int components, int place) {
     for (std::size_t k = 0; k < points.size(); ++k) {
       double *const to = &state_[size * k + place];
       const bool tensor = smooth && (field == kDeformation || field == kStress);
@@ -126,20 +120,18 @@ PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
                   components, to);
       for (int d = 0; field == kVelocity && dt_shift != 0 && d < components; ++d) to[d] += dt_shift / step * samples[k].change[d];
     }
-  }));
+  });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PointCopies::UnpackState()
+void PointCopies::UnpackState()
 {
   Points &copies = to_->CopyStore(origin_);
   const int size = StateSize();
-  PetscFunctionBeginUser;
-  PetscCall(ForEachEvolving(copies, [&](PointField, double *data, int components, int place) {
+  ForEachEvolving(copies, [&](PointField, double *data, int components, int place) {
     for (int p = 0; p < copies.Count(); ++p)
       std::copy_n(&copies_[static_cast<std::size_t>(size) * p + place], components, data + PointArrays::At(p, components));
-  }));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  });
 }
 
 PetscErrorCode CopyBorder::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, const CopyRepairs &repairs,
@@ -164,26 +156,13 @@ PetscErrorCode CopyBorder::Exchange(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Points of a store inside or outside a box.
-static PetscErrorCode Select(Points &points, const Box &box, bool inside, std::vector<int> *list)
-{
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(points.Arrays(&a));
-  for (int p = 0; p < a.count; ++p)
-    if (box.Contains(a.Position(p)) == inside) list->push_back(p);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// A level's own points on the wrong side go, its copies on the right side become its own.
 static PetscErrorCode KeepByPlace(Level &level, int origin, const Box &box, bool inside)
 {
-  std::vector<int> wrong;
   Migrants right;
   PetscFunctionBeginUser;
-  PetscCall(Select(level.PointStore(), box, !inside, &wrong));
-  PetscCall(level.PointStore().Remove(wrong));
-  PetscCall(Select(level.CopyStore(origin), box, inside, &right.points));
+  level.PointStore().Remove(PointsIn(level.PointStore().Arrays(), box, !inside));
+  right.points = PointsIn(level.CopyStore(origin).Arrays(), box, inside);
   right.ranks.assign(right.points.size(), 0);
   PetscCall(MovePoints(PETSC_COMM_SELF, level.CopyStore(origin), level.PointStore(), right));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -200,28 +179,23 @@ PetscErrorCode CopyBorder::DecideByPlace()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CopyBorder::CorrectMomentum(Vec3 dv)
+void CopyBorder::CorrectMomentum(Vec3 dv)
 {
-  PetscFunctionBeginUser;
   for (PointCopies *copies : {&to_fine_, &to_coarse_}) {
-    PointArrays a;
-    PetscCall(copies->Owner().PointStore().Arrays(&a));
+    const PointArrays a = copies->Owner().PointStore().Arrays();
     for (int p : copies->Sources())
       for (int d = 0; d < a.dim; ++d) a.velocity[PointArrays::At(p, a.dim) + d] += dv[d];
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CopyBorder::RingMass(double *mass)
+double CopyBorder::RingMass()
 {
-  PetscFunctionBeginUser;
-  *mass = 0;
+  double mass = 0;
   for (PointCopies *copies : {&to_fine_, &to_coarse_}) {
-    PointArrays a;
-    PetscCall(copies->Owner().PointStore().Arrays(&a));
-    for (int p : copies->Sources()) *mass += a.mass[p];
+    const PointArrays a = copies->Owner().PointStore().Arrays();
+    for (int p : copies->Sources()) mass += a.mass[p];
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return mass;
 }
 
 } // namespace mlgimp

@@ -48,13 +48,10 @@ std::int64_t PointNumbers::Parent(std::int64_t id) const
 
 int PointNumbers::ChildIndex(std::int64_t id) const { return static_cast<int>((id - RangeOf(id).start) % children_); }
 
-/// The points of a level inside or outside a box; in most blocks there are none.
-PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, std::vector<int> *points)
+std::vector<int> PointsIn(const PointArrays &a, const Box &box, bool inside)
 {
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(level.PointStore().Arrays(&a));
-  for (int first = 0; first < a.count; first += kBlock) {
+  std::vector<int> points;
+  for (int first = 0; first < a.count; first += kBlock) { // in most blocks there are none
     const int count = std::min(kBlock, a.count - first);
     const double *const x = a.position + PointArrays::At(first, a.dim);
     const auto selected = [=, third = a.dim - 1](int p) {
@@ -65,9 +62,9 @@ PetscErrorCode PointTransfer::Select(Level &level, const Box &box, bool inside, 
 #pragma omp simd reduction(+ : found)
     for (int p = 0; p < count; ++p) found += selected(p) ? 1.0 : 0.0;
     for (int p = 0; found > 0 && p < count; ++p)
-      if (selected(p)) points->push_back(first + p);
+      if (selected(p)) points.push_back(first + p);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return points;
 }
 
 void AddChange(const Budgets &before, const Budgets &after, Budgets *budgets)
@@ -83,19 +80,17 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
   const double h = fine_.Geometry().grid.spacing;
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
-  std::vector<int> entering, leaving;
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
-  PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.enter * h), true, &entering));
-  PetscCall(Select(fine_, WidenedBox(fine_.Geometry(), rule_.leave * h), false, &leaving));
+  std::vector<int> entering = PointsIn(coarse_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.enter * h), true);
+  const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.leave * h), false);
   int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));
   budgets_.points_entered += static_cast<double>(entering.size());
   budgets_.points_left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
-    std::vector<int> parents;
+    const std::vector<int> parents = FindParents(entering);
     std::vector<VelocitySample> samples;
-    PetscCall(FindParents(entering, &parents));
     PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
     if (border) {
       PetscCall(coarse_.GatherForcesOf(entering, -1));
@@ -117,12 +112,12 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 
 PetscErrorCode PointTransfer::SplitRing()
 {
-  std::vector<int> near, parents;
+  const Box box = WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing);
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Select(coarse_, WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing), true, &near));
-  PetscCall(FindParents(near, &parents));
+  std::vector<int> near = PointsIn(coarse_.PointStore().Arrays(), box, true);
+  const std::vector<int> parents = FindParents(near);
   PetscCall(coarse_.SampleVelocity(parents, &samples));
   PetscCall(Split(parents, samples, &near));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -132,10 +127,9 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
 {
   Migrants migrants;
   std::vector<VelocitySample> samples;
-  PointArrays a;
   PetscFunctionBeginUser;
   if (shift != 0) PetscCall(from.SampleVelocity(points, &samples));
-  PetscCall(from.PointStore().Arrays(&a));
+  const PointArrays a = from.PointStore().Arrays();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
     migrants.Add(p, to.OwnerOf(a, p));
@@ -156,21 +150,20 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
 }
 
 /// Those of some points of the coarser level that are of its size.
-PetscErrorCode PointTransfer::FindParents(const std::vector<int> &points, std::vector<int> *parents)
+std::vector<int> PointTransfer::FindParents(const std::vector<int> &points)
 {
   const double h = fine_.Geometry().grid.spacing;
-  PointArrays a;
-  PetscFunctionBeginUser;
-  PetscCall(coarse_.PointStore().Arrays(&a));
+  const PointArrays a = coarse_.PointStore().Arrays();
+  std::vector<int> parents;
   for (int p : points) {
     const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
     if (LargestComponent(a.HalfSize(p)) <= 0.75 * ratio_ * usual) continue;
     if (numbers_.CanSplit(a.id[p]))
-      parents->push_back(p);
+      parents.push_back(p);
     else
       budgets_.points_unsplit += 1;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return parents;
 }
 
 /// Splits the parents among some points of the coarser level, and adds the children to the points.
@@ -180,19 +173,18 @@ PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::
   const Index per_axis{ratio_, ratio_, coarse_.Geometry().grid.dim == 3 ? ratio_ : 1};
   const int children = per_axis[0] * per_axis[1] * per_axis[2];
   Budgets before, after;
-  PointArrays a;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(coarse_.SumPoints(*points, &before));
   Points &store = coarse_.PointStore();
   int next = store.Count();
   PetscCall(store.Resize(next + static_cast<int>(parents.size()) * (children - 1)));
-  PetscCall(store.Arrays(&a));
+  const PointArrays a = store.Arrays();
   for (std::size_t k = 0; k < parents.size(); ++k)
     for (int child = children - 1; child >= 0; --child) { // the first takes the parent's place, last
       const int parent = parents[k], target = child ? next++ : parent;
       if (child) points->push_back(target);
-      if (child) PetscCall(store.Copy(parent, target));
+      if (child) store.Copy(parent, target);
       MakeChild(a, target, child, samples[k]);
     }
   PetscCall(coarse_.SumPoints(*points, &after));

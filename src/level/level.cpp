@@ -64,11 +64,10 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
   PetscFunctionBeginUser;
   for (int k = 0; k < 3; ++k) {
     const bool owned = k == 0;
-    PointArrays points;
     PointFailure failure;
     Budgets discarded;
     if (!owned && stores[k]->Count() == 0) continue;
-    PetscCall(stores[k]->Arrays(&points));
+    const PointArrays points = stores[k]->Arrays();
     grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
     if (model_.VolumeAverages() > 0) gradient_[k].resize(grid_velocity_[k].size() * points.dim);
     sweep(SweepView{*grid_, points, grid_velocity_[k].data(), gradient_[k].data(), bodies_, owned}, owned ? budgets_ : discarded,
@@ -276,7 +275,6 @@ PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
 PetscErrorCode Level::Migrate(bool everywhere)
 {
   const IndexBox allowed = geometry_.PointNodes();
-  PointArrays points;
   PetscMPIInt rank;
   Migrants migrants;
   PointFailure failure;
@@ -284,7 +282,7 @@ PetscErrorCode Level::Migrate(bool everywhere)
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCall(points_.Arrays(&points));
+  const PointArrays points = points_.Arrays();
   clock_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
     const Index nearest = grid_->Nearest(points.Position(p));
@@ -311,8 +309,7 @@ PetscErrorCode Level::MigrateCopies()
   PetscFunctionBeginUser;
   for (Points &copies : copies_) {
     Migrants migrants;
-    PointArrays points;
-    PetscCall(copies.Arrays(&points));
+    const PointArrays points = copies.Arrays();
     for (int p = 0; p < points.count; ++p) migrants.Add(p, OwnerOf(points, p));
     PetscCall(MovePoints(world_, copies, copies, migrants));
   }
@@ -351,11 +348,10 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
 
 PetscErrorCode Level::Sort()
 {
-  PointArrays points;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  PetscCall(points_.Arrays(&points));
+  const PointArrays points = points_.Arrays();
   std::vector<int> start(grid_->GhostedNodes() + 1, 0), key(points.count), order(points.count);
   for (int p = 0; p < points.count; ++p) {
     key[p] = static_cast<int>(grid_->Place(grid_->Nearest(points.Position(p))));
@@ -363,7 +359,7 @@ PetscErrorCode Level::Sort()
   }
   for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
   for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
-  PetscCall(points_.Reorder(order));
+  points_.Reorder(order);
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -371,7 +367,6 @@ PetscErrorCode Level::Sort()
 PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)
 {
   const std::size_t nodes = grid_->GhostedNodes();
-  PointArrays arrays;
   PetscFunctionBeginUser;
   tensors->resize(8 * points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -390,7 +385,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
     const double mass = std::max(grid_->Sums()[node].mass, nodal_.mass_cutoff);
     for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
   }
-  PetscCall(points_.Arrays(&arrays));
+  const PointArrays arrays = points_.Arrays();
   for (std::size_t k = 0; k < points.size(); ++k)
     kernels_->TensorsAt({*grid_, arrays, nullptr, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);

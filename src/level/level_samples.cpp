@@ -9,12 +9,11 @@ namespace mlgimp
 
 PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples)
 {
-  PointArrays arrays;
   PetscFunctionBeginUser;
   samples->resize(points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(grid_->BroadcastSums()); // nodes without mass have no velocity
-  PetscCall(points_.Arrays(&arrays));
+  const PointArrays arrays = points_.Arrays();
   const SweepView view = {*grid_, arrays, nullptr, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -22,11 +21,10 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
 
 PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
 {
-  PointArrays all;
   Budgets discarded;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.Arrays(&all));
+  const PointArrays all = points_.Arrays();
   grid_->ClearSums();
   for (int p : points) {
     double mass = sign * all.mass[p];
@@ -76,9 +74,8 @@ static void AddPoints(const PointArrays &points, const Material &material, Budge
 
 PetscErrorCode Level::SumPoints(Budgets *sums)
 {
-  PointArrays points;
   PetscFunctionBeginUser;
-  PetscCall(points_.Arrays(&points));
+  const PointArrays points = points_.Arrays();
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
     AddPoints(Slice(points, first, end), bodies_.Of(points, first), sums);
@@ -88,33 +85,29 @@ PetscErrorCode Level::SumPoints(Budgets *sums)
 
 PetscErrorCode Level::SumPoints(const std::vector<int> &list, Budgets *sums)
 {
-  PointArrays points;
   PetscFunctionBeginUser;
-  PetscCall(points_.Arrays(&points));
+  const PointArrays points = points_.Arrays();
   for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), sums);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::IndenterDistance(double time, double *distance)
 {
-  const std::vector<int> *surface = nullptr;
-  PointArrays points;
   PetscFunctionBeginUser;
   *distance = HUGE_VAL;
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.Arrays(&points));
-  PetscCall(points_.SurfacePoints(&surface));
-  for (int p : *surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), time).distance);
+  const PointArrays points = points_.Arrays();
+  const std::vector<int> &surface = points_.SurfacePoints();
+  for (int p : surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), time).distance);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
 {
-  PointArrays points;
   double speed2[kBlock], hoop[kBlock];
   PetscFunctionBeginUser;
   *wave = *point = 0;
-  PetscCall(points_.Arrays(&points));
+  const PointArrays points = points_.Arrays();
   for (int first = 0, end; first < points.count; first = end) {
     end = bodies_.BlockEnd(points, first);
     const PointArrays block = Slice(points, first, end);

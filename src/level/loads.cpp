@@ -42,16 +42,14 @@ static bool PlaceFace(const Grid &grid, const Face &face, FaceForce *placed)
 PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
                         double time, std::vector<FaceForce> &applied, PointFailure &failure)
 {
-  const std::vector<int> *surface = nullptr;
   const int dim = grid.Geometry().dim;
-  PointArrays arrays;
   std::vector<double> pressure;
   PetscFunctionBeginUser;
   if (loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   for (const Load &load : loads) pressure.push_back(load.pressure.Value(time));
-  PetscCall(points.Arrays(&arrays));
-  PetscCall(points.SurfacePoints(&surface));
-  for (int p : *surface)
+  const PointArrays arrays = points.Arrays();
+  const std::vector<int> &surface = points.SurfacePoints();
+  for (int p : surface)
     for (int k = 0; k < arrays.loads; ++k) {
       const double share = arrays.load_share[PointArrays::At(p, arrays.loads) + k];
       if (share == 0) continue;

@@ -153,19 +153,17 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
 
 PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
 {
-  PointArrays arrays;
-  PetscMPIInt rank;
   int count = points.Count();
   PetscFunctionBeginUser;
   if (!grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(grid.Comm(), &rank));
+  const PetscMPIInt rank = RankIn(grid.Comm());
   IndexBox cells = grid.Owned();
   for (int d = 0; d < geometry_.dim; ++d) cells.lower[d] -= 2, ++cells.upper[d]; // a point may lie beyond a cell with a sliver
   const auto mine = [&](const Seed &seed) { return grid.BlockOfNode(grid.Nearest(seed.tile.center)) == rank; };
   int p = count;
   ForEachSeed(cells, [&](const Seed &seed) { count += mine(seed); }); // counted first: a list would be most of the memory
   PetscCall(points.Resize(count));
-  PetscCall(points.Arrays(&arrays));
+  const PointArrays arrays = points.Arrays();
   ForEachSeed(cells, [&](const Seed &seed) {
     if (mine(seed)) MakePoint(seed, arrays, p++);
   });

@@ -3,6 +3,8 @@
 
 #include "program/errors.hpp"
 
+#include <utility>
+
 #ifdef MLGIMP_FAULTS
 #include <cstdio>
 #include <cstdlib>
@@ -54,7 +56,7 @@ std::string Agree(MPI_Comm comm, [[maybe_unused]] const char *place, std::string
 #endif
   PetscMPIInt first = problem.empty() ? ranks : RankIn(comm);
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  return first < ranks ? ShareText(comm, problem, first) : "";
+  return first < ranks ? ShareText(comm, std::move(problem), first) : "";
 }
 
 } // namespace mlgimp

@@ -30,9 +30,8 @@ static void WritePoints(H5Writer &file, MPI_Comm comm, const std::string &group,
   file.List(group + "/counts", Numbers(counts));
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
-    void *data = nullptr;
     if (field.components == 0) continue;
-    EndOn(points.Field(static_cast<PointField>(k), &data));
+    void *const data = points.Field(static_cast<PointField>(k));
     file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
   }
 }

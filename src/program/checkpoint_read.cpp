@@ -188,7 +188,6 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
 {
   std::vector<double> counts;
   hsize_t total = 0;
-  PointArrays arrays;
   if (FoundList(group + "/counts", &counts) && Found(file_.Rows(group + "/id", H5T_NATIVE_INT64, 1, &total), group + "/id"))
     Note(WrongCounts(counts, writers_, static_cast<double>(total)));
   for (const PointFieldInfo &field : points.Table()) {
@@ -202,13 +201,12 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
     const std::string name = group + "/" + field.name;
-    void *data = nullptr;
     if (field.components == 0) continue;
-    EndOn(points.Field(static_cast<PointField>(k), &data));
+    void *const data = points.Field(static_cast<PointField>(k));
     Found(file_.Dataset(name, H5Type(field.type), field.components, slab, data), name);
   }
   Settle("checkpoint_fields");
-  EndOn(points.Arrays(&arrays));
+  const PointArrays arrays = points.Arrays();
   Note(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
   Note(WrongPlaces(arrays, level, same_ranks_));
   Settle("checkpoint_values");
@@ -271,8 +269,7 @@ void CheckpointReader::CheckWhole(const RunState &state)
   std::vector<std::int64_t> ids;
   Budgets budgets;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    PointArrays points;
-    EndOn(hierarchy_.At(l).PointStore().Arrays(&points));
+    const PointArrays points = hierarchy_.At(l).PointStore().Arrays();
     ids.insert(ids.end(), points.id, points.id + points.count);
   }
   EndOn(hierarchy_.ReduceBudgets(&budgets));

@@ -97,21 +97,19 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   file.Attribute("/", "step", {static_cast<double>(step)});
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
-    PointArrays points;
-    EndOn(hierarchy.At(l).PointStore().Arrays(&points));
+    const PointArrays points = hierarchy.At(l).PointStore().Arrays();
     const Slab slab = MakeSlab(hierarchy.Comm(), points.count);
     file.Group(group);
     for (int k = 0; k < kPointFields; ++k) {
       const PointFieldInfo &field = hierarchy.At(l).PointStore().Table()[k];
-      void *data = nullptr;
       if (!field.in_frames || field.components == 0) continue;
-      EndOn(hierarchy.At(l).PointStore().Field(static_cast<PointField>(k), &data));
+      void *const data = hierarchy.At(l).PointStore().Field(static_cast<PointField>(k));
       file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
     AddDerived(file, group, points, model_, slab);
     frame.counts.push_back(slab.total);
   }
-  const std::string problem = file.Finish();
+  std::string problem = file.Finish();
   if (!problem.empty()) return problem;
   frames_.push_back(frame);
   return WriteSeries(hierarchy.Comm());

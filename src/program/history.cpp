@@ -63,7 +63,7 @@ std::string History::Open(MPI_Comm comm, const std::string &directory, const Geo
   comm_ = comm;
   path_ = directory + "/history.csv";
   columns_ = Columns(geometry);
-  const std::string problem = OnFirstRank(comm, "history_open", [&] {
+  std::string problem = OnFirstRank(comm, "history_open", [&] {
     const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
     const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);
     if (wrong.empty()) file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
@@ -86,7 +86,7 @@ std::string History::Append(const std::string &text) const
 
 std::string History::Write(long step, const Budgets &budgets)
 {
-  const std::string problem = OnFirstRank(comm_, "history_row", [&] {
+  std::string problem = OnFirstRank(comm_, "history_row", [&] {
     std::string text = std::to_string(step);
     for (const HistoryColumn &column : columns_) {
       char number[32];

@@ -139,7 +139,7 @@ bool OutputFolder::IsStale(const std::string &name, long step, int frames) const
 
 std::string OutputFolder::Claim(MPI_Comm comm)
 {
-  const std::string problem = OnFirstRank(comm, "folder_claim", [&] {
+  std::string problem = OnFirstRank(comm, "folder_claim", [&] {
     std::error_code error, unknown;
     fs::create_directories(settings_.directory, error);
     if (!fs::is_directory(settings_.directory, unknown))

@@ -187,8 +187,7 @@ void Simulation::SettleState()
 {
   std::string message;
   for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {
-    PointArrays points;
-    EndOn(hierarchy_.At(l).PointStore().Arrays(&points));
+    const PointArrays points = hierarchy_.At(l).PointStore().Arrays();
     const std::string wrong = WrongValues(points, static_cast<int>(case_.model.bodies.size()));
     if (!wrong.empty()) message = "level " + std::to_string(l) + ": " + wrong + "; try a smaller -cfl or -time_step";
   }

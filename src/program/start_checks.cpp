@@ -31,8 +31,7 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
   bodies->assign(model.bodies.size(), {});
   loads->assign(model.loads.size(), 0.0);
   for (int l = 0; l < hierarchy.Levels(); ++l) {
-    PointArrays a;
-    EndOn(hierarchy.At(l).PointStore().Arrays(&a));
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
     for (int p = 0; p < a.count; ++p) {
       BodySums &body = (*bodies)[a.body[p]];
       ++body.points;
@@ -143,11 +142,9 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
   double deepest = 0;
   if (!c.model.indenter) return;
   for (int l = 0; l < hierarchy.Levels(); ++l) {
-    PointArrays a;
-    const std::vector<int> *surface = nullptr;
-    EndOn(hierarchy.At(l).PointStore().Arrays(&a));
-    EndOn(hierarchy.At(l).PointStore().SurfacePoints(&surface));
-    for (int p : *surface)
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
+    const std::vector<int> &surface = hierarchy.At(l).PointStore().SurfacePoints();
+    for (int p : surface)
       for (int corner = 0; corner < 1 << a.dim; ++corner) {
         Vec3 x = a.Position(p);
         for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * a.HalfSize(p)[d];

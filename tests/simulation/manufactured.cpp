@@ -63,7 +63,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   PetscCall(RegisterLogEvents(&events));
   PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, square, 1.0 / n), events, true));
   PointArrays points;
-  PetscCall(hierarchy.At(0).PointStore().Arrays(&points));
+  points = hierarchy.At(0).PointStore().Arrays();
   const int steps = static_cast<int>(std::ceil(kPeriod * n * material.SpeedOfSound() * 1.2 / cfl));
   const double dt = kPeriod / steps;
   for (int p = 0; p < points.count; ++p) {
@@ -80,7 +80,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
       *errors = {NAN, NAN};
       break;
     }
-    PetscCall(hierarchy.At(0).PointStore().Arrays(&points));
+    points = hierarchy.At(0).PointStore().Arrays();
     const double phase = kC * M_PI * (step + 1) * dt;
     double sum = 0;
     for (int p = 0; p < points.count; ++p) {

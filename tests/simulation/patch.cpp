@@ -60,7 +60,6 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   Model model;
   Hierarchy hierarchy;
   LogEvents events;
-  PointArrays a;
   PetscFunctionBeginUser;
   const double middle = Random(2, 3); // the bodies meet within a cell
   const MaterialConstants constants = {1e7, 0.3, 1000, NAN, NAN};
@@ -73,7 +72,7 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   const Box grid = {domain.lower, domain.lower + Vec3{40 * kH, 32 * kH}};
   PetscCall(RegisterLogEvents(&events));
   PetscCall(hierarchy.Create(PETSC_COMM_WORLD, model, OneLevel(model, grid, kH), events, true));
-  PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
+  const PointArrays a = hierarchy.At(0).PointStore().Arrays();
   const Vec3 shift = {Random(0, 3 * kH), Random(0, 3 * kH)};
   for (int p = 0; p < a.count; ++p) {
     const Vec3 x = Multiply(patch.F, {a.position[2 * p], a.position[2 * p + 1]}) + shift;

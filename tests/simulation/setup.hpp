@@ -117,8 +117,7 @@ struct LevelsRun {
   {
     PetscFunctionBeginUser;
     for (int l = 0; l < hierarchy.Levels(); ++l) {
-      PointArrays a;
-      PetscCall(hierarchy.At(l).PointStore().Arrays(&a));
+      const PointArrays a = hierarchy.At(l).PointStore().Arrays();
       for (int p = 0; p < a.count; ++p) work(a, p, l);
     }
     PetscFunctionReturn(PETSC_SUCCESS);

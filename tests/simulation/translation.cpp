@@ -29,9 +29,8 @@ struct State {
 
 PetscErrorCode Take(Hierarchy &hierarchy, State *state)
 {
-  PointArrays a;
   PetscFunctionBeginUser;
-  PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
+  const PointArrays a = hierarchy.At(0).PointStore().Arrays();
   *state = {};
   state->count = a.count;
   for (int p = 0; p < a.count; ++p) {
@@ -54,7 +53,6 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   Hierarchy hierarchy;
   LogEvents events;
   State before, after;
-  PointArrays a;
   Budgets point_sums;
   PetscFunctionBeginUser;
   model.shape_function = variant.shape;
@@ -74,7 +72,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   *errors = {};
   for (int step = 0; step < steps; ++step) {
     PetscCall(hierarchy.Advance(step * dt, dt));
-    PetscCall(hierarchy.At(0).PointStore().Arrays(&a));
+    const PointArrays a = hierarchy.At(0).PointStore().Arrays();
     for (int k = 0; k < 4 * a.count; ++k)
       errors->stress = std::max(errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus);
     for (int p = 0; p < a.count; ++p)

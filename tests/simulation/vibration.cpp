@@ -58,7 +58,6 @@ PetscErrorCode VibratingBar()
   constexpr double kLength = 1, kSpeed = 1e-5; // of the wave speed
   constexpr int kCells = 32;
   LevelsRun run;
-  PointArrays a;
   PetscFunctionBeginUser;
   run.model.sides = {BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kSymmetry, BoundaryKind::kSymmetry};
   run.SetScheme(kUpdates[0]);
@@ -72,7 +71,7 @@ PetscErrorCode VibratingBar()
     double *v = points.velocity + 2 * p;
     v[0] = V * std::sin(0.5 * M_PI * x[0] / kLength) * std::cos(0.5 * w * run.dt);
   }));
-  PetscCall(run.hierarchy.At(0).PointStore().Arrays(&a));
+  const PointArrays a = run.hierarchy.At(0).PointStore().Arrays();
   int end = 0;
   for (int p = 0; p < a.count; ++p)
     if (a.position[2 * p] > a.position[2 * end]) end = p;

@@ -22,7 +22,7 @@ void MakePoint(const std::vector<double> &shares, Points &points, PointArrays *a
 {
   ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, static_cast<int>(shares.size()), 0), PETSC_SUCCESS);
   ASSERT_EQ(points.Resize(1), PETSC_SUCCESS);
-  ASSERT_EQ(points.Arrays(a), PETSC_SUCCESS);
+  *a = points.Arrays();
   for (int d = 0; d < 2; ++d) a->position[d] = Random(4 * kH, 12 * kH), a->half_size[d] = kH * Random(0.05, 0.4);
   for (int c = 0; c < 4; ++c) a->F[c] = (c % 3 == 0) + Random(-0.2, 0.2);
   a->body[0] = 0;
@@ -155,13 +155,12 @@ TEST(Faces, OuterAndLoadedFaces)
   model.loads.push_back({1, kYUpper, {{-HUGE_VAL, 4 * kH}, {}}, PiecewiseLinear({0}, {1})});
   Grid grid;
   Points points;
-  PointArrays a;
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
   ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
   const Seeding seeding(
       model, geometry, sides, [](Vec3) { return kH; }, 2, 0);
   ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
-  ASSERT_EQ(points.Arrays(&a), PETSC_SUCCESS);
+  const PointArrays a = points.Arrays();
   ASSERT_EQ(a.count, 3 * 4 * 4 + 2 * 2 * 9);
   for (int p = 0; p < a.count; ++p) {
     const double x = a.position[2 * p] / kH, y = a.position[2 * p + 1] / kH;

@@ -49,12 +49,10 @@ private:
 
   static PetscErrorCode CountPoints(const ContactView &view, bool touching, ContactReport *report)
   {
-    const std::vector<int> *surface = nullptr;
-    PointArrays points;
     PetscFunctionBeginUser;
-    PetscCall(view.points.Arrays(&points));
-    PetscCall(view.points.SurfacePoints(&surface));
-    for (int p : *surface) {
+    const PointArrays points = view.points.Arrays();
+    const std::vector<int> &surface = view.points.SurfacePoints();
+    for (int p : surface) {
       const double distance = view.indenter.Gap(points.Position(p), view.time).distance;
       report->local_points += touching && distance < view.grid.Geometry().spacing;
       report->penetration = std::max(report->penetration, -distance);

@@ -3,12 +3,13 @@
 //   V^c_p = dt sum_i S_ip/m_i sum_q T_iq P_q,  T_iq = int_face S_i ds,  gap at the point's centre (its Fig. 2).
 // With several points per cell the matrix is rank deficient, so 1e-2 of its diagonal is added.
 #include "level/contact/methods.hpp"
+
+#include "base/exchange.hpp"
 #include "level/contact/system.hpp"
 #include "level/contact/width.hpp"
 #include "level/face.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace mlgimp
 {
@@ -34,17 +35,15 @@ public:
 
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
   {
-    const std::vector<int> *surface = nullptr;
-    PointArrays points;
     std::vector<PressedPoint> pressed;
     std::vector<ContactUnknown> unknowns;
     std::vector<SurfaceRange> ranges;
     PetscFunctionBeginUser;
     couplings_.clear();
     *report = {};
-    PetscCall(view.points.Arrays(&points));
-    PetscCall(view.points.SurfacePoints(&surface));
-    for (int p : *surface)
+    const PointArrays points = view.points.Arrays();
+    const std::vector<int> &surface = view.points.SurfacePoints();
+    for (int p : surface)
       if (!FarFromIndenter(view, points, p)) AddPoint(view, points, p, &pressed, report);
     std::vector<std::int64_t> own;
     for (const PressedPoint &point : pressed) own.push_back(point.unknown.key);
@@ -88,16 +87,9 @@ private:
   /// The points of all ranks, by their keys. Collective.
   static PetscErrorCode GatherByKey(MPI_Comm comm, std::vector<PressedPoint> *pressed)
   {
-    PetscMPIInt size;
     std::vector<PressedPoint> all;
     PetscFunctionBeginUser;
-    PetscCallMPI(MPI_Comm_size(comm, &size));
-    std::vector<int> bytes(size), starts(size);
-    const int own = static_cast<int>(pressed->size() * sizeof(PressedPoint));
-    PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, bytes.data(), 1, MPI_INT, comm));
-    std::partial_sum(bytes.begin(), bytes.end() - 1, starts.begin() + 1);
-    all.resize((starts.back() + bytes.back()) / sizeof(PressedPoint));
-    PetscCallMPI(MPI_Allgatherv(pressed->data(), own, MPI_BYTE, all.data(), bytes.data(), starts.data(), MPI_BYTE, comm));
+    PetscCall(GatherRecords(comm, *pressed, &all));
     std::sort(all.begin(), all.end(), [](const PressedPoint &a, const PressedPoint &b) { return a.unknown.key < b.unknown.key; });
     *pressed = std::move(all);
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -56,15 +56,13 @@ private:
   PetscErrorCode CollectSegments(const ContactView &view, ContactReport *report)
   {
     const double range = kContactRange * view.grid.Geometry().spacing;
-    const std::vector<int> *surface = nullptr;
-    PointArrays points;
     std::vector<SurfaceSegment> all;
     PetscFunctionBeginUser;
     segments_.clear();
     point_ends_.clear();
-    PetscCall(view.points.Arrays(&points));
-    PetscCall(view.points.SurfacePoints(&surface));
-    for (int p : *surface) {
+    const PointArrays points = view.points.Arrays();
+    const std::vector<int> &surface = view.points.SurfacePoints();
+    for (int p : surface) {
       if (FarFromIndenter(view, points, p)) continue;
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);

@@ -93,10 +93,9 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
 PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                                             const std::vector<ContactCoupling> &couplings, const Layout &layout)
 {
-  PetscMPIInt rank;
+  const PetscMPIInt rank = RankIn(view.grid.Comm());
   std::vector<Term> terms;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(view.grid.Comm(), &rank));
   rows_.resize(unknowns.size());
   for (std::vector<Term> &row : rows_) row.clear();
   AddProducts(view, couplings);
@@ -133,12 +132,10 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
 PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
 {
   const MPI_Comm comm = view.grid.Comm();
-  PetscMPIInt rank, size;
+  const PetscMPIInt rank = RankIn(comm), size = RanksOf(comm);
   ActiveSetSolver parallel, *const solver = layout.ranks > 1 ? &parallel : &serial_;
   ActiveSetReport solved;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   if (layout.ranks > 1) PetscCall(parallel.Create(comm, symmetric_));
   std::vector<double> own(lambda_.begin() + layout.First(rank), lambda_.begin() + layout.First(rank + 1));
   std::vector<int> counts, starts;
@@ -160,7 +157,6 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
                                     std::vector<ContactCoupling> couplings, ContactReport *report)
 {
   const int count = static_cast<int>(unknowns.size());
-  PetscMPIInt size;
   PetscFunctionBeginUser;
   lambda_.clear();
   for (const ContactUnknown &unknown : unknowns) {
@@ -169,8 +165,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   }
   pressures_.clear();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(view.grid.Comm(), &size));
-  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : size};
+  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
   PetscCall(GatherAtNodes(view, &couplings));
   PetscCall(MakeEquations(view, unknowns, couplings, layout));
   PetscCall(FindPressures(view, layout, report));

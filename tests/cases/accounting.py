@@ -28,10 +28,13 @@ def check(expect, name, result, energy):
     expect(f"{name}: mass, to the round-off of its sum", abs(result.summary["mass_error"]), at_most=1e-13)
 
 
-@pytest.mark.parametrize("name, case", [("wedge", WEDGE), ("wedge on levels", LEVELS), ("collision", COLLISION)])
-def test_budgets(expect, name, case):
-    """Default settings; the works are those of the indenter, of gravity and loads, or the first kinetic energy."""
-    check(expect, name, harness.run({**case, "checkpoint_interval": 0}), energy=0.01)
+@pytest.mark.parametrize("name, case, energy", [
+    ("wedge", WEDGE, 0.01), ("wedge on levels", LEVELS, 0.01), ("collision", {**COLLISION, "soft_volume_average": "false"}, 0.01),
+    ("collision, volume averaged", COLLISION, 0.03)])
+def test_budgets(expect, name, case, energy):
+    """The works are those of the indenter, of gravity and loads, or the first kinetic energy. The average takes strain from the new
+    velocities as USL does, which loses energy in shocks: 3.6 % in this one."""
+    check(expect, name, harness.run({**case, "checkpoint_interval": 0}), energy)
 
 
 def test_budgets_of_tension(expect):

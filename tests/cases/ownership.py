@@ -24,7 +24,7 @@ RECUT = {"thickness": 1e-6, "domain_lower": "0,0", "domain_upper": "30e-6,12e-6"
          "level_1_lower": "3e-6,4e-6", "level_1_upper": "27e-6,8e-6", "materials": "soft", "soft_youngs_modulus": 70e9,
          "soft_poissons_ratio": 0.33, "soft_density": 2700, "bodies": "blk", "blk_lower": "4e-6,3e-6", "blk_upper": "10e-6,9e-6",
          "blk_velocity": "1500,0", "loads": "a,b", "a_side": "x_lower", "a_times": 0, "a_pressures": 1e9, "b_side": "x_upper",
-         "b_times": 0, "b_pressures": 1e9, "end_time": 8e-9, "frames": 1, "points_per_rank": 1, "rebalance_threshold": 1.5}
+         "b_times": 0, "b_pressures": 8e8, "end_time": 8e-9, "frames": 1, "points_per_rank": 1, "rebalance_threshold": 1.5}
 
 
 @pytest.mark.mpi

@@ -98,6 +98,8 @@ def scale(name, history):
     energy = max(numpy.max(history[part]) for part in ("kinetic_energy", "strain_energy"))
     if "momentum" in name or "impulse" in name:
         kind = numpy.sqrt(2 * energy * history["mass"][0])
+    elif name == "noise_energy":  # what is left of two energies
+        return energy
     elif "energy" in name or "work" in name:
         kind = energy
     else:

@@ -43,7 +43,8 @@ template <class Law> void ReturnsToFlow(const std::string &name)
     off = std::max(off, std::abs(q - three_mu * d - flow) / q);
   }
   EXPECT_LE(off, 1e-12) << name + ": stress less flow stress after the return, of the trial stress";
-  EXPECT_EQ(PlasticIncrement(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}), 0) << name + ": elastic below yield";
+  EXPECT_EQ(PlasticIncrement(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}), 0)
+      << name + ": elastic below yield";
 }
 
 TEST(Metals, EveryLawIsReturnedTo)

@@ -119,7 +119,7 @@ void LevelInterface::ListKnown(std::map<Index, int> *place)
   local_.clear(), held_axes_.clear(), coarse_nodes_.clear();
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
-    if (coarse.Participates() && coarse.Owns(node.at)) coarse_nodes_.push_back({coarse.Place(node.at), true});
+    if (coarse.Participates() && coarse.Owns(node.at)) coarse_nodes_.push_back({coarse.Place(node.at), true, 1});
     if (node.block != block) continue;
     (*place)[node.at] = static_cast<int>(local_.size());
     local_.push_back(k);
@@ -141,7 +141,7 @@ void LevelInterface::ListBand()
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
     band_.push_back(Blend(node, number, place));
-    fine_nodes_.push_back({band_.back().node, band_.back().beta == 0});
+    fine_nodes_.push_back({band_.back().node, band_.back().beta == 0, 1 - band_.back().beta});
   });
 }
 

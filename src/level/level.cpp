@@ -169,7 +169,8 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   pushed_ = report.pushed;
   for (std::size_t k = 0; k < shared.size(); ++k) {
     const std::ptrdiff_t node = coupled_nodes_[k].node;
-    budgets_.shared_contact_impulse += grid_->Sums()[node].mass * Norm(VelocityOf(*grid_, node) - shared[k]);
+    budgets_.shared_contact_impulse +=
+        coupled_nodes_[k].share * grid_->Sums()[node].mass * Norm(VelocityOf(*grid_, node) - shared[k]);
   }
   PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};

@@ -49,7 +49,7 @@ std::string OfNoise(const Case &c, const Budgets &budgets)
 /// Where levels share nodes, the pressures of contact and the coupling work against each other.
 std::string OfBorder(const Case &c, const Budgets &budgets)
 {
-  constexpr double kMost = 0.01;
+  constexpr double kMost = 0.02;
   const double all = std::abs(budgets.contact_impulse[c.Dim() - 1]);
   if (budgets.shared_contact_impulse <= kMost * all || all == 0) return "";
   return "-level_" + std::to_string(c.levels - 1) + "_lower: the indenter presses, with " +

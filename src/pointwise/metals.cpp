@@ -28,7 +28,7 @@ public:
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
-    Flow flow;
+    Flow flow = {};
     const MaterialBatch b = batch;
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) Trial(b, p, flow);

@@ -51,7 +51,7 @@ PetscErrorCode PatchForces(int points_per_cell, Vec3 stretch, double offset, For
   run.model.sides = {BoundaryKind::kSymmetry};
   AddBody(run.model, CreateBoxRegion({{0, 0}, {kRadius, kHeight}}), "neo_hookean", kMaterial, {}, points_per_cell);
   for (Side side : {kXUpper, kYLower, kYUpper})
-    run.model.loads.push_back({0, side, {-HUGE_VAL, HUGE_VAL}, PiecewiseLinear({0}, {side == kXUpper ? -kAcross : -kAlong})});
+    run.model.loads.push_back({0, side, {{-HUGE_VAL, HUGE_VAL}}, PiecewiseLinear({0}, {side == kXUpper ? -kAcross : -kAlong})});
   PetscCall(run.Create(OneLevel(run.model, {{0, -8 - offset}, {20, 24 - offset}}, 1)));
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     for (int d = 0; d < 2; ++d) {

@@ -101,7 +101,6 @@ public:
     alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
     const double counts = view.owned ? 1 : 0;
     budgets.hoop_force = 0;
-    budgets.noise_energy = 0;
     ForEachBlock(view, [&](const Block &b) {
       budgets.clamped_sizes += SetWeights(view, b, w);
       Volumes<Geometry>(b, volume);

@@ -84,6 +84,7 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   grid_->ClearSums();
   applied_.clear();
+  budgets_.noise_energy = 0;
   PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
     kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
@@ -99,6 +100,7 @@ PetscErrorCode Level::PointsToGrid(double time)
 PetscErrorCode Level::GatherForces(double time, double dt)
 {
   PetscFunctionBeginUser;
+  budgets_.noise_energy = 0; // also of a rank that has lost its part of the grid
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   time_ = time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));

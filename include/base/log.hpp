@@ -10,7 +10,7 @@ namespace mlgimp
 /// ln x of a positive normal x, to round-off: without branches or calls.
 /// x = 2^k m with m between sqrt(1/2) and sqrt(2); ln m from the odd series in s = (m - 1)/(m + 1), with the
 /// coefficients of the C library of Sun Microsystems (1993).
-inline double Log(double x)
+[[gnu::always_inline]] inline double Log(double x)
 {
   constexpr std::uint64_t kRootHalf = 0x3fe6a09e667f3bcd, kBias = 1024, kTwoTo52 = 0x4330000000000000;
   constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;

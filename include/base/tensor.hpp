@@ -31,6 +31,8 @@ inline Vec3 TurnRight(Vec3 a) { return {a[1], -a[0], 0}; }
 /// F a in the plane, for F stored as xx, xy, yx, yy.
 inline Vec3 Multiply(const double F[4], Vec3 a) { return {F[0] * a[0] + F[1] * a[1], F[2] * a[0] + F[3] * a[1], 0}; }
 
+// Loops over points vectorise only where all that they call is inlined; what GCC would leave out of large ones is told so.
+
 /// A second-order tensor by rows.
 struct Mat3 {
   double xx, xy, xz, yx, yy, yz, zx, zy, zz;
@@ -54,7 +56,7 @@ inline Sym3 operator*(double s, const Sym3 &a) { return {s * a.xx, s * a.yy, s *
 inline Sym3 Sphere(double p) { return {p, p, p, 0, 0, 0}; }
 inline double Trace(const Sym3 &a) { return a.xx + a.yy + a.zz; }
 /// a : b.
-inline double Contract(const Sym3 &a, const Sym3 &b)
+[[gnu::always_inline]] inline double Contract(const Sym3 &a, const Sym3 &b)
 {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2 * (a.xy * b.xy + a.yz * b.yz + a.xz * b.xz);
 }
@@ -74,14 +76,14 @@ inline Sym3 SymmetricPart(const Mat3 &a)
   return {a.xx, a.yy, a.zz, 0.5 * (a.xy + a.yx), 0.5 * (a.yz + a.zy), 0.5 * (a.xz + a.zx)};
 }
 /// The symmetric a b^T.
-inline Sym3 SymmetricProduct(const Mat3 &a, const Mat3 &b)
+[[gnu::always_inline]] inline Sym3 SymmetricProduct(const Mat3 &a, const Mat3 &b)
 {
   return {a.xx * b.xx + a.xy * b.xy + a.xz * b.xz, a.yx * b.yx + a.yy * b.yy + a.yz * b.yz,
           a.zx * b.zx + a.zy * b.zy + a.zz * b.zz, a.xx * b.yx + a.xy * b.yy + a.xz * b.yz,
           a.yx * b.zx + a.yy * b.zy + a.yz * b.zz, a.xx * b.zx + a.xy * b.zy + a.xz * b.zz};
 }
 /// a s a^T.
-inline Sym3 Push(const Mat3 &a, const Sym3 &s)
+[[gnu::always_inline]] inline Sym3 Push(const Mat3 &a, const Sym3 &s)
 {
   const Mat3 product = {
       a.xx * s.xx + a.xy * s.xy + a.xz * s.xz, a.xx * s.xy + a.xy * s.yy + a.xz * s.yz, a.xx * s.xz + a.xy * s.yz + a.xz * s.zz,

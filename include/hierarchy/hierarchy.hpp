@@ -66,6 +66,8 @@ public:
   PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
   /// The budgets of all levels and ranks, but what only a run knows. Collective.
   PetscErrorCode ReduceBudgets(Budgets *budgets);
+  /// Whether the next steps measure the noise of velocities, a budget that costs.
+  void MeasureNoise(bool measures);
   /// What this rank adds up: levels, borders, and points between levels.
   std::vector<Budgets *> Parts();
   /// One line about the first failure that this rank has met; empty where there is none.

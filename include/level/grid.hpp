@@ -57,7 +57,7 @@ struct NodeVelocity {
 
 /// What a cell holds of the points of a material in it.
 struct CellSums {
-  double mass, growth; ///< kg; mass times the growth of volume in the step, kg
+  double mass, growth; ///< kg; growth of volume in the step: summed up times mass, kg, then the mean
 };
 
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
@@ -138,13 +138,14 @@ public:
   /// Sums of a material over the points of the cell above a node along every axis.
   CellSums &Cell(std::ptrdiff_t place, int average) const { return cells_[cell_size_ * place + average]; }
   void ClearSums() const;
-  /// Rates and sums at cells.
+  /// Rates, and the sums of cells.
   void ClearRates() const;
 
-  /// Adds the ghosts' values to their owners; cells have their sums on all ranks then.
+  /// Adds the ghosts' values to their owners.
   PetscErrorCode ReduceSums() { return Reduce(sums_unit_, sums_); }
   PetscErrorCode ReduceRates() { return Reduce(rates_unit_, rates_); }
-  PetscErrorCode SumCells();
+  /// Leaves the mean growth of each cell on all ranks that have points in it.
+  PetscErrorCode AverageCells();
   /// Copies the owners' values to the ghosts.
   PetscErrorCode BroadcastSums() { return Broadcast(sums_unit_, sums_); }
   PetscErrorCode BroadcastVelocity() { return Broadcast(velocity_unit_, velocity_); }
@@ -170,7 +171,8 @@ private:
   NodeSums *sums_ = nullptr;
   double *velocity_ = nullptr, *rates_ = nullptr;
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
-  mutable std::vector<CellSums> cells_;
+  std::vector<CellSums> cell_memory_;
+  CellSums *cells_ = nullptr;
   std::ptrdiff_t cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
   MPI_Datatype sums_unit_ = MPI_DATATYPE_NULL, velocity_unit_ = MPI_DATATYPE_NULL, rates_unit_ = MPI_DATATYPE_NULL,

@@ -96,6 +96,8 @@ public:
   PetscErrorCode IndenterDistance(double time, double *distance);
   /// While the indenter is out of reach, contact is left out of the steps.
   void WatchContact(bool within_reach) { clock_.contact_awake = within_reach; }
+  /// Whether the next steps measure the noise of their points' velocities, for Totals.
+  void MeasureNoise(bool measures) { measures_noise_ = measures; }
   /// Contact pressures that the next step starts from, the same on every rank that holds a part of the grid.
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
@@ -130,6 +132,8 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates(double dt);
+  /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
+  double NoiseEnergy();
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not added up. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
@@ -147,7 +151,7 @@ private:
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
   std::vector<PushedNode> pushed_; ///< by contact in the step
-  bool is_coupled_ = false;
+  bool is_coupled_ = false, measures_noise_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
   std::vector<double> gradient_[3];      ///< [points][dim*dim] likewise, where a material averages its volume
   std::vector<FaceForce> applied_;       ///< by loads in the step

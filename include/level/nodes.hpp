@@ -71,9 +71,11 @@ double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, boo
 /// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
-/// v = p/m + dt f/m on owned nodes; velocity := (v, dv). Takes the kinetic energy at the start of the step from that of the
-/// points.
-void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
+/// Of owned nodes at the start of the step, the part that points of this level have in them, J.
+double KineticEnergy(const Grid &grid, const NodalSettings &settings);
+
+/// v = p/m + dt f/m on owned nodes; velocity := (v, dv).
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
 /// Holds the velocities of owned nodes at the sides, adding up the impulse on the body.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);

@@ -109,25 +109,25 @@ void AddGrowth(const Block &b, const Grid &grid, double dt, const double (*L)[Ge
   }
 }
 
-/// Against locking: replaces gradients by those whose growth of volume is the mean over the points of the cell,
+/// Against locking: the gradients `averaged` are those of L with the mean growth of volume over the points of the cell,
 /// j = (1 + g_cell)^(1 - w) (1 + g)^w with the share w of the own growth g; I + dt L keeps its form in the plane, or in space.
 template <class Geometry>
-void AverageGrowth(const Block &b, const Grid &grid, double dt, const double *grid_velocity, double (*L)[Geometry::kGradient])
+void AverageGrowth(const Block &b, const Grid &grid, double dt, const double *grid_velocity,
+                   const double (*L)[Geometry::kGradient], double (*averaged)[Geometry::kGradient])
 {
   constexpr int dim = Geometry::kDim;
+  constexpr double kLeast = 0.1; // below it the strain is refused, by a message that a logarithm of less would spoil
   double growth[kBlock], mean[kBlock];
   const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
   VolumeGrowth<Geometry>(b, dt, L, grid_velocity, growth);
-  for (int p = 0; p < b.count; ++p) {
-    const CellSums &cell = grid.Cell(CellOf<dim>(grid.IndexSpace(), b.position + dim * p), b.average);
-    mean[p] = cell.growth / cell.mass;
-  }
+  for (int p = 0; p < b.count; ++p) mean[p] = grid.Cell(CellOf<dim>(grid.IndexSpace(), b.position + dim * p), b.average).growth;
 #pragma omp simd
   for (int p = 0; p < b.count; ++p) {
-    const double stretch = exponent * Log((1 + mean[p]) / (1 + growth[p])); // of a step: small
+    const double ratio = std::max(1 + mean[p], kLeast) / std::max(1 + growth[p], kLeast);
+    const double stretch = exponent * Log(ratio); // of a step: small
     const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
 #pragma GCC unroll 9
-    for (int k = 0; k < dim * dim; ++k) L[p][k] += excess * (L[p][k] + (k % (dim + 1) == 0 ? rate : 0));
+    for (int k = 0; k < dim * dim; ++k) averaged[p][k] = L[p][k] + excess * (L[p][k] + (k % (dim + 1) == 0 ? rate : 0));
   }
 }
 

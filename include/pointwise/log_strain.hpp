@@ -37,7 +37,7 @@ struct PowerOf {
 };
 
 /// From the series of ln(1 + y).
-inline LogStrain LogarithmicStrain(const Sym3 &b)
+[[gnu::always_inline]] inline LogStrain LogarithmicStrain(const Sym3 &b)
 {
   constexpr int kTerms = 14;
   const double third = Trace(b) / 3;
@@ -57,7 +57,7 @@ inline LogStrain LogarithmicStrain(const Sym3 &b)
 }
 
 /// exp(a) of a tensor without trace, a:a at most kLargestNorm2 or little more.
-inline Sym3 Exponential(const Sym3 &a)
+[[gnu::always_inline]] inline Sym3 Exponential(const Sym3 &a)
 {
   constexpr int kTerms = 11;
   const Sym3 square = Square(a);

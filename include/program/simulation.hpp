@@ -48,7 +48,10 @@ private:
   void ShowProgress(bool last);
   void SettleFailure();
   void SettleState();
-  bool AtEnd() const;
+  /// Whether the run ends, or a row of the history is written, after a step that ends at a time.
+  bool IsEnd(long step, double time) const;
+  bool IsRowDue(long step, double time) const;
+  bool AtEnd() const { return IsEnd(state_.step, state_.time); }
   double Progress() const;
   double TimeScale(double speed) const;
   double StepLength(double speed) const;

@@ -15,6 +15,11 @@ std::vector<Budgets *> Hierarchy::Parts()
   return parts;
 }
 
+void Hierarchy::MeasureNoise(bool measures)
+{
+  for (auto &level : levels_) level->MeasureNoise(measures);
+}
+
 PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
 {
   Budgets &sum = *budgets;

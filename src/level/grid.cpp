@@ -79,7 +79,8 @@ PetscErrorCode Grid::CreateNodes()
   sums_ = reinterpret_cast<NodeSums *>(memory_[0].data());
   velocity_ = memory_[1].data()->values;
   rates_ = memory_[2].data()->values;
-  cells_.resize(cell_size_ * GhostedNodes());
+  cell_memory_.resize(cell_size_ * GhostedNodes());
+  cells_ = cell_memory_.data();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,7 +99,7 @@ void Grid::ClearSums() const { std::fill_n(sums_, GhostedNodes(), NodeSums{}); }
 void Grid::ClearRates() const
 {
   std::fill_n(rates_, rates_size_ * GhostedNodes(), 0.0);
-  std::fill(cells_.begin(), cells_.end(), CellSums{});
+  std::fill_n(cells_, cell_memory_.size(), CellSums{});
 }
 
 /// Roots are owned nodes and leaves ghost nodes, both as places in the ghosted arrays, so that the exchange is in place.
@@ -163,12 +164,14 @@ PetscErrorCode Grid::Reduce(MPI_Datatype unit, void *array)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::SumCells()
+PetscErrorCode Grid::AverageCells()
 {
   PetscFunctionBeginUser;
   if (cell_size_ == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Reduce(cells_unit_, cells_.data()));
-  PetscCall(Broadcast(cells_unit_, cells_.data()));
+  PetscCall(Reduce(cells_unit_, cells_));
+  PetscCall(Broadcast(cells_unit_, cells_));
+  for (CellSums &cell : cell_memory_)
+    if (cell.mass > 0) cell.growth /= cell.mass;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

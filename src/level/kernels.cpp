@@ -46,21 +46,6 @@ double HoopForce(const Block &b, const double *volume)
   return force;
 }
 
-/// J.
-template <int dim> double KineticEnergy(const Block &b)
-{
-  const double *const v = b.velocity, *const mass = b.mass;
-  double energy = 0;
-#pragma omp simd reduction(+ : energy)
-  for (int p = 0; p < b.count; ++p) {
-    double square = 0;
-#pragma GCC unroll 3
-    for (int d = 0; d < dim; ++d) square += v[dim * p + d] * v[dim * p + d];
-    energy += 0.5 * mass[p] * square;
-  }
-  return energy;
-}
-
 /// What a point adds to the NodeSums of its nodes: S times mass, momentum, body force and owned mass, and grad S times the
 /// stress, as a force. a: acceleration; counts: 1 for a point that the level owns, else 0; inverse_radius: 1/r in axisymmetry.
 template <class Geometry>
@@ -106,7 +91,6 @@ public:
       Volumes<Geometry>(b, volume);
       if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
       if constexpr (Geometry::kHoop) budgets.hoop_force += HoopForce(b, volume);
-      budgets.noise_energy += KineticEnergy<dim>(b);
       for (int p = 0; p < b.count; ++p) {
         const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
         const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);
@@ -202,10 +186,7 @@ public:
       double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
       SetWeights(view, b, w);
       GatherRates(view.grid, w, b, plan, grid_velocity, L, projected, smooth);
-      if (b.average >= 0) {
-        std::copy_n(GradientsOf(view, b)[0], kGradient * b.count, L[0]);
-        AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, L);
-      }
+      if (b.average >= 0) AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, GradientsOf(view, b), L);
       if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);

@@ -84,7 +84,6 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   grid_->ClearSums();
   applied_.clear();
-  budgets_.noise_energy = 0;
   PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
     kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
@@ -100,7 +99,7 @@ PetscErrorCode Level::PointsToGrid(double time)
 PetscErrorCode Level::GatherForces(double time, double dt)
 {
   PetscFunctionBeginUser;
-  budgets_.noise_energy = 0; // also of a rank that has lost its part of the grid
+  budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   time_ = time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
@@ -110,6 +109,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(grid_->ReduceSums());
   if (!model_.loads.empty()) PetscCall(grid_->BroadcastSums()); // the budgets of loads ask ghosts for mass
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
+  if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
   if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,7 +119,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateVelocities(*grid_, nodal_, dt, budgets_);
+  UpdateVelocities(*grid_, nodal_, dt);
   PetscCall(PetscLogFlops(kNodeFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -208,7 +208,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
   PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
-  PetscCall(Logged(events_.halo, [&] { return grid_->SumCells(); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->AverageCells(); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);

@@ -44,6 +44,17 @@ static const double *HoopStretch(const PointArrays &points, double *hoop)
   return hoop;
 }
 
+double Level::NoiseEnergy()
+{
+  const PointArrays points = points_.Arrays();
+  double energy = 0;
+  for (int p = 0; p < points.count; ++p) {
+    const Vec3 v = points.Velocity(p);
+    energy += 0.5 * points.mass[p] * Dot(v, v);
+  }
+  return energy - KineticEnergy(*grid_, nodal_);
+}
+
 /// Adds at most kBlock points of one material.
 static void AddPoints(const PointArrays &points, const Material &material, Budgets *sums)
 {

@@ -59,22 +59,31 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, B
   budgets.damping_impulse += damping_impulse;
 }
 
-void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
+double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 {
   const int dim = grid.Geometry().dim;
-  double kinetic = 0;
+  double energy = 0;
+  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+    const NodeSums &node = grid.Sums()[place];
+    if (node.mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < dim; ++axis)
+      energy += 0.5 * node.owned_mass / (node.mass * node.mass) * node.momentum[axis] * node.momentum[axis];
+  });
+  return energy;
+}
+
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
+{
+  const int dim = grid.Geometry().dim;
   ForEachOwned(grid, [&](std::ptrdiff_t place) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
-    const double owned = 0.5 * node.owned_mass * inverse_mass * inverse_mass;
     for (int axis = 0; axis < dim; ++axis) {
       change[axis] = dt * node.force[axis] * inverse_mass;
       velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
-      kinetic += owned * node.momentum[axis] * node.momentum[axis];
     }
   });
-  budgets.noise_energy -= kinetic;
 }
 
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)

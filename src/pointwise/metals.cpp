@@ -28,14 +28,14 @@ public:
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
-    Flow flow = {};
+    Flow flow;
     const MaterialBatch b = batch;
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p) Trial(b, p, flow);
-    for (int p = 0; p < b.count; ++p)
-      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(LoadStress<Geometry>(History(b, p)), 1), p, flow);
-    const bool flows = Return(b, flow, dissipated);
     const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, flow);
+    for (int p = 0; p < b.count; ++p)
+      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(LoadStress<Geometry>(History(b, p)), 1), p, mu2, flow);
+    const bool flows = Return(b, flow, dissipated);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow);
     if (!flows) return;
@@ -76,9 +76,9 @@ public:
 private:
   static constexpr double kHeatShare = 0.9; ///< of plastic work (Taylor & Quinney)
 
-  /// The trial state of a block, by components; kept: the part of the deviator that the flow leaves.
+  /// The trial state of a block, by components; stress: von Mises', Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) double deviator[kS][kBlock], mean[kBlock], scale[kBlock], norm2[kBlock], kept[kBlock];
+    alignas(64) double deviator[kS][kBlock], mean[kBlock], scale[kBlock], norm2[kBlock], stress[kBlock], kept[kBlock];
     Sym3 Deviator(int p) const
     {
       Sym3 e = {deviator[0][p], deviator[1][p], deviator[2][p], deviator[3][p], 0, 0};
@@ -89,40 +89,38 @@ private:
 
   static double *History(const MaterialBatch &b, int p) { return b.history + b.history_stride * p; }
 
-  static void Set(const LogStrain &e, int p, Flow &flow)
+  [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu2, Flow &flow)
   {
     const Sym3 &d = e.deviator;
     flow.deviator[0][p] = d.xx, flow.deviator[1][p] = d.yy, flow.deviator[2][p] = d.zz, flow.deviator[3][p] = d.xy;
     if constexpr (kS == 6) flow.deviator[4][p] = d.yz, flow.deviator[5][p] = d.xz;
     flow.mean[p] = e.mean, flow.scale[p] = e.scale, flow.norm2[p] = e.norm2;
+    flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(d, d)), flow.kept[p] = 1;
   }
 
   /// b_e := (I + dt L) b_e (I + dt L)^T, and its logarithm.
-  static void Trial(const MaterialBatch &b, int p, Flow &flow)
+  [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Flow &flow)
   {
     double *const history = b.history + b.history_stride * p;
     const Mat3 increment = LoadGradient<Geometry>(b.increment + Geometry::kGradient * p, Geometry::kHoop ? b.hoop_ratio[p] : 1);
     const Sym3 elastic = Push(increment, LoadStress<Geometry>(history));
     StoreStress<Geometry>(elastic, history);
-    Set(LogarithmicStrain(elastic), p, flow);
+    Set(LogarithmicStrain(elastic), p, mu2, flow);
   }
 
   /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows.
   bool Return(const MaterialBatch &b, Flow &flow, double *dissipated) const
   {
-    const double mu = elasticity_.mu, rate = rate_scale_ / b.dt;
+    const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt;
     bool any = false;
     for (int p = 0; p < b.count; ++p) {
       double *const history = History(b, p);
-      const Sym3 deviator = flow.Deviator(p);
-      const double trial = 2 * mu * std::sqrt(1.5 * Contract(deviator, deviator));
       const FlowState state = {history[kStrain], Hardening::kThermal ? history[kHeat] : 0, rate};
-      const double plastic = PlasticIncrement(hardening_, trial, 3 * mu, state);
-      flow.kept[p] = 1;
+      const double plastic = PlasticIncrement(hardening_, flow.stress[p], mu3, state);
       if (!(plastic > 0)) continue;
       const double work = PlasticWork(hardening_, plastic, state);
       any = true;
-      flow.kept[p] = 1 - 3 * mu * plastic / trial;
+      flow.kept[p] = 1 - mu3 * plastic / flow.stress[p];
       history[kStrain] += plastic;
       if constexpr (Hardening::kThermal) history[kHeat] += heating_ * work;
       dissipated[p] += work;
@@ -131,7 +129,7 @@ private:
   }
 
   /// Cauchy stress (2 mu kept e' + (3 lambda + 2 mu) mean I)/J.
-  static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow)
+  [[gnu::always_inline]] static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow)
   {
     const double inverse_J = 1 / Determinant(GradientOf<Geometry>(b.F, b.hoop, p));
     const double shear = mu2 * flow.kept[p] * inverse_J;
@@ -139,7 +137,7 @@ private:
   }
 
   /// b_e = exp(2 (kept e' + mean I)) where the point flows.
-  static void FinishElastic(const MaterialBatch &b, int p, const Flow &flow)
+  [[gnu::always_inline]] static void FinishElastic(const MaterialBatch &b, int p, const Flow &flow)
   {
     double *const history = b.history + b.history_stride * p;
     const double share = flow.kept[p] < 1 ? 1 : 0;
@@ -152,7 +150,7 @@ private:
     return 0.5 * (3 * law.lambda + 2 * law.mu) * 3 * e.mean * e.mean + law.mu * Contract(e.deviator, e.deviator);
   }
   /// -1 where the strain is too large for the series.
-  static double EnergyOf(const Elasticity &law, const double *history)
+  [[gnu::always_inline]] static double EnergyOf(const Elasticity &law, const double *history)
   {
     const LogStrain e = LogarithmicStrain(LoadStress<Geometry>(history));
     return e.norm2 <= kLargestNorm2 ? Energy(law, e) : -1;

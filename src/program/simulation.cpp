@@ -56,11 +56,13 @@ void Simulation::PrepareOutputFolder()
   check(history_.Open(comm_, case_.output.directory, case_.model.geometry, goes_on ? state_.step : -1));
 }
 
-bool Simulation::AtEnd() const
+bool Simulation::IsEnd(long step, double now) const
 {
   const TimeSettings &time = case_.time;
-  return (time.max_steps > 0 && state_.step >= time.max_steps) || state_.time >= time.end_time * (1 - 1e-12);
+  return (time.max_steps > 0 && step >= time.max_steps) || now >= time.end_time * (1 - 1e-12);
 }
+
+bool Simulation::IsRowDue(long step, double now) const { return step % case_.output.history_interval == 0 || IsEnd(step, now); }
 
 double Simulation::Progress() const
 {
@@ -142,6 +144,7 @@ void Simulation::Run()
   if (state_.step == 0) WriteHistoryRow();
   while (!AtEnd()) {
     const double begin = MPI_Wtime();
+    hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
     EndOn(hierarchy_.Advance(state_.time, state_.time_step));
     level_seconds_ += MPI_Wtime() - begin;
     for (int l = 0; l < hierarchy_.Levels(); ++l)
@@ -162,7 +165,7 @@ void Simulation::WriteDue()
   const OutputSettings &out = case_.output;
   const bool last = AtEnd();
   const int frame = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
-  const bool row_due = state_.step % out.history_interval == 0 || last, frame_due = frame > state_.frames;
+  const bool row_due = IsRowDue(state_.step, state_.time), frame_due = frame > state_.frames;
   const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
   if (state_.step % kControlInterval == 0 || row_due || frame_due || checkpoint_due) SettleFailure();
   if (frame_due || checkpoint_due) SettleState();

@@ -3,7 +3,7 @@ import subprocess
 import time
 
 import harness
-from safety import NESTED
+from checkpoints import NESTED
 
 PROGRAM = harness.BIN / "faults" / "mlgimp"  # takes orders to fail; see include/program/agree.hpp
 RANKS, FAILING = 3, 1

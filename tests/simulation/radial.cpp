@@ -149,13 +149,28 @@ struct Vibration {
   double phase = NAN;  ///< lag after 20 periods, rad
 };
 
+/// Runs `periods` of `steps` steps; ratio: mean energy of the last over that of the first, NaN where the run fails.
+PetscErrorCode EnergyRatio(LevelsRun &run, int periods, int steps, double *ratio)
+{
+  Budgets budgets;
+  double first = 0, last = 0;
+  PetscFunctionBeginUser;
+  for (int step = 0; step < periods * steps && !run.Failed(); ++step) {
+    PetscCall(run.Advance());
+    if (step >= steps && step < (periods - 1) * steps) continue;
+    PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+    (step < steps ? first : last) += budgets.kinetic_energy + budgets.strain_energy;
+  }
+  *ratio = run.Failed() ? NAN : last / first;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// u = A J1(k r) cos(w t) between the axis and a wall at r = 1, n cells, which starts from the displacement.
 PetscErrorCode BesselMode(int n, const std::vector<Box> &boxes, Vibration *result)
 {
   constexpr double k = 3.8317059702, kStrain = 0.003;
   constexpr int kPeriods = 20, kHeight = 4;
   LevelsRun run;
-  Budgets budgets;
   PetscFunctionBeginUser;
   SetUp(run.model, kDefaultScheme);
   const Box strip = {{0, 0}, {1, double(kHeight) / n}};
@@ -172,22 +187,15 @@ PetscErrorCode BesselMode(int n, const std::vector<Box> &boxes, Vibration *resul
     Displace(a, p, material, R + mode, 1 + slope);
     a.velocity[2 * p] = w * mode * std::sin(0.5 * w * run.dt / (l + 1)); // velocities are half a step older
   }));
-  double first = 0, last = 0;
-  for (int step = 0; step < kPeriods * steps && !run.Failed(); ++step) {
-    PetscCall(run.Advance());
-    if (step >= steps && step < (kPeriods - 1) * steps) continue;
-    PetscCall(run.hierarchy.ReduceBudgets(&budgets));
-    (step < steps ? first : last) += budgets.kinetic_energy + budgets.strain_energy;
-  }
+  *result = {};
+  PetscCall(EnergyRatio(run, kPeriods, steps, &result->energy));
   double displacement = 0, velocity = 0;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     const double R = a.initial_radius[p], weight = a.mass[p] * j1(k * R);
     displacement += weight * (a.position[2 * p] - R);
     velocity += weight * a.velocity[2 * p];
   }));
-  *result = {};
   if (run.Failed()) PetscFunctionReturn(PETSC_SUCCESS);
-  result->energy = last / first;
   result->phase = std::atan2(velocity / w, displacement) - 0.5 * w * run.dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,7 +228,6 @@ PetscErrorCode FreeCylinder(double strain, double *ratio)
 {
   constexpr int kCells = 24, kPeriods = 20;
   LevelsRun run;
-  Budgets budgets;
   PetscFunctionBeginUser;
   SetUp(run.model, kDefaultScheme);
   run.model.sides = {BoundaryKind::kSymmetry};
@@ -232,14 +239,7 @@ PetscErrorCode FreeCylinder(double strain, double *ratio)
   }));
   const int steps = static_cast<int>(std::ceil(2 * kCells / 0.36)); // in a period 2 L/c
   run.dt = 2 / c / steps;
-  double first = 0, last = 0;
-  for (int step = 0; step < kPeriods * steps && !run.Failed(); ++step) {
-    PetscCall(run.Advance());
-    if (step >= steps && step < (kPeriods - 1) * steps) continue;
-    PetscCall(run.hierarchy.ReduceBudgets(&budgets));
-    (step < steps ? first : last) += budgets.kinetic_energy + budgets.strain_energy;
-  }
-  *ratio = run.Failed() ? NAN : last / first;
+  PetscCall(EnergyRatio(run, kPeriods, steps, ratio));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -158,7 +158,8 @@ def draw_field(axes, points, component, boxes, window, scale, units):
     Each rectangle grows by half a dot, so that neighbours leave no white seams between them.
     """
     length, stress = units
-    seen = in_window(points, window)
+    seen = np.flatnonzero(in_window(points, window))
+    seen = seen[np.argsort(-points["half_size"][seen].prod(axis=1), kind="stable")]  # stretched points lie beneath the others
     dots = axes.get_window_extent().width
     half = points["half_size"][seen] + 0.5 * (window[1] - window[0]) / dots
     corners = points["position"][seen, None] + half[:, None] * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])

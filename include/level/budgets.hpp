@@ -93,7 +93,7 @@ struct Budgets {
   ScalarBudget hoop_impulse{"hoop_impulse_x", Adds::kTotal, Shown::kHoopColumn}; ///< of the hoop stress, along the radius
 
   ScalarBudget plastic_work{"plastic_work", Adds::kTotal, Shown::kLaterColumn};
-  ScalarBudget viscous_work{"viscous_work", Adds::kNow, Shown::kLaterColumn}; ///< of short-wave stress and XPIC, set in the sums
+  ScalarBudget viscous_work{"viscous_work", Adds::kNow, Shown::kLaterColumn}; ///< of what damps short waves, set in the sums, see Viscous
   ScalarBudget damping_work{"damping_work", Adds::kTotal, Shown::kLaterColumn};
   /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
   /// see.
@@ -117,6 +117,8 @@ struct Budgets {
   // What others are made of
   ScalarBudget short_wave_dissipation{"short_wave_dissipation", Adds::kTotal, Shown::kNowhere};
   ScalarBudget xpic_dissipation{"xpic_dissipation", Adds::kTotal, Shown::kNowhere};
+  /// Work of the stress on growth of volume that points did not take, as the mean over their cell replaced it.
+  ScalarBudget averaging_work{"averaging_work", Adds::kTotal, Shown::kSummary};
   VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC
   VectorBudget xpic_side_impulse{"xpic_side_impulse", Adds::kTotal, Shown::kNowhere}; ///< of sides on what XPIC mixes in
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
@@ -129,7 +131,7 @@ struct Budgets {
   const Budget *begin() const { return reinterpret_cast<const Budget *>(this); }
   const Budget *end() const { return begin() + sizeof(Budgets) / sizeof(Budget); }
 
-  double Viscous() const { return short_wave_dissipation + xpic_dissipation; }
+  double Viscous() const { return short_wave_dissipation + xpic_dissipation + averaging_work; }
   double Dissipated() const { return Viscous() + plastic_work + damping_work; }
   /// Adds another part's.
   void Add(const Budgets &part);

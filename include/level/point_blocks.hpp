@@ -49,11 +49,12 @@ inline void Record(PointFailure &failure, PointFailure::Kind kind, const PointAr
 
 /// Finds the point that deforms too fast or is no number.
 template <class Geometry>
-void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradient], PointFailure &failure)
+void RecordStrain(const Block &b, double dt, const double (*L)[Geometry::kGradient], const double *hoop_ratio,
+                  PointFailure &failure)
 {
   constexpr int dim = Geometry::kDim;
   for (int p = 0; p < b.count; ++p) {
-    double sum = 0, largest_row = 0;
+    double sum = 0, largest_row = Geometry::kHoop ? std::abs(hoop_ratio[p] - 1) : 0;
     for (int k = 0; k < dim * dim; ++k) sum += b.F[PointArrays::At(p, dim * dim) + k];
     for (int i = 0; i < dim; ++i) {
       double row = 0;
@@ -111,24 +112,30 @@ void AddGrowth(const Block &b, const Grid &grid, double dt, const double (*L)[Ge
 
 /// Against locking: the gradients `averaged` are those of L with the mean growth of volume over the points of the cell,
 /// j = (1 + g_cell)^(1 - w) (1 + g)^w with the share w of the own growth g; I + dt L keeps its form in the plane, or in space.
+/// Adds up the work of the stress on the difference.
 template <class Geometry>
 void AverageGrowth(const Block &b, const Grid &grid, double dt, const double *grid_velocity,
-                   const double (*L)[Geometry::kGradient], double (*averaged)[Geometry::kGradient])
+                   const double (*L)[Geometry::kGradient], double (*averaged)[Geometry::kGradient], Budgets &budgets)
 {
   constexpr int dim = Geometry::kDim;
   constexpr double kLeast = 0.1; // below it the strain is refused, by a message that a logarithm of less would spoil
-  double growth[kBlock], mean[kBlock];
+  double growth[kBlock], mean[kBlock], volume[kBlock], work = 0;
   const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
   VolumeGrowth<Geometry>(b, dt, L, grid_velocity, growth);
+  Volumes<Geometry>(b, volume);
   for (int p = 0; p < b.count; ++p) mean[p] = grid.Cell(CellOf<dim>(grid.IndexSpace(), b.position + dim * p), b.average).growth;
-#pragma omp simd
+  const double *const stress = b.stress;
+#pragma omp simd reduction(+ : work)
   for (int p = 0; p < b.count; ++p) {
     const double ratio = std::max(1 + mean[p], kLeast) / std::max(1 + growth[p], kLeast);
     const double stretch = exponent * Log(ratio); // of a step: small
     const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) averaged[p][k] = L[p][k] + excess * (L[p][k] + (k % (dim + 1) == 0 ? rate : 0));
+    const double *const s = stress + Geometry::kStress * p;
+    work -= volume[p] * excess * (s[0] + s[1] + (dim == 3 ? s[2] : 0)); // of the part I/dt, beside which L is small
   }
+  budgets.averaging_work += work;
 }
 
 /// Advances F, stress and internal variables of a block. L [kBlock][dim*dim] in 1/s; grid_velocity [count][dim], which points
@@ -139,20 +146,21 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradi
 {
   constexpr int size = Geometry::kGradient, dim = Geometry::kDim;
   alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock] = {};
-  const double largest = AdvanceDeformation<Geometry>(b.count, dt, L[0], increment[0], b.F);
+  double largest = AdvanceDeformation<Geometry>(b.count, dt, L[0], increment[0], b.F);
   const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
-  double sum = 0; // finite only if all of F is
-#pragma omp simd reduction(+ : sum)
-  for (int k = 0; k < size * b.count; ++k) sum += F[k];
-  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, failure);
   if constexpr (Geometry::kHoop) {
-#pragma omp simd
+#pragma omp simd reduction(max : largest)
     for (int p = 0; p < b.count; ++p) {
       const double r = x[dim * p] + dt * grid_velocity[dim * p];
       hoop[p] = r / radius[p];
       hoop_ratio[p] = r / x[dim * p];
+      largest = std::max(largest, std::abs(hoop_ratio[p] - 1));
     }
   }
+  double sum = 0; // finite only if all of F is
+#pragma omp simd reduction(+ : sum)
+  for (int k = 0; k < size * b.count; ++k) sum += F[k];
+  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum)) RecordStrain<Geometry>(b, dt, L, hoop_ratio, failure);
   const MaterialBatch batch = {b.count,
                                dt,
                                L[0],

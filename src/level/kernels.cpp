@@ -186,7 +186,7 @@ public:
       double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
       SetWeights(view, b, w);
       GatherRates(view.grid, w, b, plan, grid_velocity, L, projected, smooth);
-      if (b.average >= 0) AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, GradientsOf(view, b), L);
+      if (b.average >= 0) AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, GradientsOf(view, b), L, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
       if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);

@@ -164,7 +164,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
-  const ContactView view = {*grid_, points_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
+  const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
   std::vector<Vec3> shared;
   for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
   PetscCall(contact_->Apply(view, &report));

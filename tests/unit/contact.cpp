@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <random>
 
@@ -43,6 +44,7 @@ struct OnePoint {
 struct Body {
   Grid grid;
   Points points;
+  BodyTable bodies;
   BoundaryConditions sides;
   Indenter indenter;
   Geometry geometry;
@@ -62,7 +64,7 @@ struct Body {
     PetscCall(grid.Create(comm, shape, layout));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  ContactView View() { return {grid, points, sides, indenter, geometry, 0, 0, 1e-3}; }
+  ContactView View() { return {grid, points, bodies, sides, indenter, geometry, 0, 0, 1e-3}; }
 };
 
 /// Segments that cover a level surface up to the fifth column along each axis, from the first one or from minus the fifth.
@@ -77,7 +79,7 @@ std::vector<PressedSegment> LevelSurface(const Body &body, double start, Vec3 no
     for (int i = 0; i < count; ++i) {
       const Vec3 x = {start + (i + 0.5) * size, dim == 3 ? start + (j + 0.5) * size : 6.3 * kH, dim == 3 ? 6.3 * kH : 0};
       segments.push_back({Locate(body.grid, x, dim), normal, (dim == 3 ? size : body.geometry.OutOfPlane(x[0])) * size,
-                          gap + Dot(slope, x), x[0] - 0.5 * size, x[0] + 0.5 * size});
+                          gap + Dot(slope, x), x[0] - 0.5 * size, x[0] + 0.5 * size, false});
     }
   return segments;
 }
@@ -146,7 +148,7 @@ TEST(ContactColumns, PartitionOfUnity)
         Vec3 x{}, normal{};
         for (int a = 0; a < dim; ++a) x[a] = Random(2 * kH, 6 * kH), normal[a] = a < dim - 1 ? Random(-0.3, 0.3) : -1;
         normal = (1 / Norm(normal)) * normal;
-        segments.push_back({Locate(body.grid, x, dim), normal, Random(0, 1), 0, x[0], x[0]});
+        segments.push_back({Locate(body.grid, x, dim), normal, Random(0, 1), 0, x[0], x[0], false});
         area -= segments.back().area * normal[dim - 1];
       }
       ContactColumns columns;
@@ -251,6 +253,58 @@ double MassOf(Index node) { return 1 + 0.3 * std::sin(node[0] + 7.0 * node[1]); 
 Vec3 VelocityOf(Index node) { return {0.2 * std::cos(3.0 * node[0]), 1 + std::sin(2.0 * node[0] + node[1])}; }
 
 } // namespace
+
+/// A flow without growth or stretch along the axes, off the axis of rotation.
+Vec3 Flow(Vec3 x, int dim)
+{
+  return {0.3 + 0.7 * x[1], -1.1 - 0.4 * x[0] + (dim == 3 ? 0.5 * x[2] : 0), dim == 3 ? 0.2 - 0.6 * x[0] : 0};
+}
+
+/// Segments of a surface that flows as v = a + L x, without stretch along the surface, against the plane face gap = n.(x - at).
+std::vector<PressedSegment> FlowingSurface(const Body &body, double time)
+{
+  const int dim = body.geometry.Dim();
+  const Vec3 normal = dim == 3 ? Vec3{-0.36, 0.48, -0.8} : Vec3{-0.6, -0.8, 0},
+             at = {3.1 * kH, 5.9 * kH, dim == 3 ? 4.2 * kH : 0};
+  std::vector<PressedSegment> segments;
+  for (int k = 0; k < 5; ++k) {
+    Vec3 x = {kH * (3.07 + 0.29 * k), kH * (6.05 + 0.13 * k), dim == 3 ? kH * (4.33 - 0.1 * k) : 0};
+    x = x + time * Flow(x, dim);
+    const double area = 0.01 * (k + 1) * (body.geometry.HasHoop() ? x[0] : 1);
+    segments.push_back({Locate(body.grid, x, dim), normal, area, Dot(normal, x - at), x[0], x[0], true});
+  }
+  return segments;
+}
+
+/// The couplings are the rates of the columns' gaps, also as the surface flows past the columns.
+TEST(ContactColumns, GapsFollowAFlowingSurface)
+{
+  constexpr double kTime = 1e-6;
+  for (GeometryKind kind : kKinds)
+    for (double width : {1.0, 0.8}) {
+      Body body;
+      body.geometry.kind = kind;
+      ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
+      const int dim = body.geometry.Dim();
+      std::map<Index, double> gaps, rates;
+      for (double time : {-kTime, kTime})
+        for (const PressedSegment &s : FlowingSurface(body, time))
+          for (int c = 0; c < 1 << (dim - 1); ++c)
+            gaps[Corner(s.place.column, c)] +=
+                s.area * s.gap * CornerHat(s.place.part, c, dim - 1, width) * time / (2 * kTime * kTime);
+      for (const PressedSegment &s : FlowingSurface(body, 0))
+        for (int c = 0; c < 1 << (dim - 1); ++c)
+          for (int k = 0; k < 1 << dim; ++k) {
+            const Index node = Corner(s.place.cell, k);
+            rates[Corner(s.place.column, c)] +=
+                CornerHat(s.place.part, k, dim) * Dot(GapGradient(body.View(), s, c, width),
+                                                      Flow(kH * Vec3{double(node[0]), double(node[1]), double(node[2])}, dim));
+          }
+      EXPECT_GE(rates.size(), 3U);
+      for (const auto &[column, rate] : rates)
+        EXPECT_NEAR(rate, gaps[column], 1e-8) << "width " << width << ", column " << column[0];
+    }
+}
 
 /// One unknown is on one of three ranks, and none on the others.
 TEST(ContactSystemOnRanks, FewerUnknownsThanRanks)

@@ -26,12 +26,15 @@ struct PressedSegment {
   double area;        ///< of the body's surface, m2
   double gap;         ///< to the indenter at the end of the step, m
   double left, right; ///< ends along the first axis, m
+  bool flows = false; ///< its material averages its volume, as metals do
 };
 
 /// Corner c of a cell: bit a of c chooses the upper node along axis a.
 inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2 & 1)}; }
 /// Product over the first `axes` axes of hats about a corner, of half width `width` cells.
 double CornerHat(Vec3 part, int c, int axes, double width = 1);
+/// Its gradient, 1/m, for cells of a size.
+Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width);
 
 /// Sums over segments s, with H_j the hat of column j, K_j its kernel of half width alpha h, n the indenter's normal, up
 /// component z.
@@ -42,6 +45,11 @@ struct ContactColumn {
   double share[9] = {};   ///< -sum_s K_j H_i w_s n_z, i = j - 1 ... j + 1 along each axis: load on column i for lambda_j = 1, m2
   double left = HUGE_VAL, right = -HUGE_VAL; ///< ends of the surface under H_j along the first axis, m
 };
+
+/// How the weighted gap of a column at a corner of its cell changes as a segment moves, m2: w_s (K_j n + g_s grad K_j), in
+/// axisymmetry + w_s K_j g_s/r along the radius. Without the terms by the gap, where surface flows past columns, closing gaps
+/// would give work that the indenter has not done; elastic surfaces do not flow, and leave them out.
+Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int corner, double width);
 
 /// The columns under all segments within reach of the indenter, the same on all ranks of the grid.
 class ContactColumns

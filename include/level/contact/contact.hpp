@@ -2,6 +2,7 @@
 #pragma once
 
 #include "level/contact/settings.hpp"
+#include "level/kernels.hpp"
 #include "level/nodes.hpp"
 #include "level/points.hpp"
 #include "pointwise/indenter.hpp"
@@ -17,6 +18,7 @@ namespace mlgimp
 struct ContactView {
   const Grid &grid;
   Points &points;
+  const BodyTable &bodies;
   const BoundaryConditions &sides;
   const Indenter &indenter;
   Geometry geometry;

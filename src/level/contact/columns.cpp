@@ -26,6 +26,30 @@ double CornerHat(Vec3 part, int c, int axes, double width)
   return hat;
 }
 
+Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width)
+{
+  Vec3 slope{};
+  if (CornerHat(part, c, axes, width) == 0) return slope;
+  for (int a = 0; a < axes; ++a) {
+    slope[a] = (c >> a & 1 ? 1 : -1) / (width * spacing);
+    for (int b = 0; b < axes; ++b)
+      if (b != a) slope[a] *= 1 - (c >> b & 1 ? 1 - part[b] : part[b]) / width;
+  }
+  return slope;
+}
+
+Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int corner, double width)
+{
+  const int axes = view.geometry.Dim() - 1;
+  const double kernel = CornerHat(segment.place.part, corner, axes, width), spacing = view.grid.Geometry().spacing;
+  Vec3 change = kernel * segment.normal;
+  if (segment.flows) {
+    change = change + segment.gap * CornerHatSlope(segment.place.part, corner, axes, spacing, width);
+    if (view.geometry.HasHoop()) change[0] += segment.gap * kernel / (0.5 * (segment.left + segment.right));
+  }
+  return segment.area * change;
+}
+
 /// Adds columns of one rank to those of another, as MPI asks for it.
 static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
 {

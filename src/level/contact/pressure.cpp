@@ -17,7 +17,22 @@ namespace
 {
 
 constexpr double kSmallestArea = 0.05; ///< of a column's full kernel, with less of which it is left out
+constexpr double kSpare = 0.25;        ///< cells; see SpareGap
 constexpr double kCandidateGap = 0.5;  ///< cells; columns with a larger mean gap cannot touch in a step
+
+/// Cells that a column at the tip may be deeper where the surface covers little of its kernel: a tip that cuts metal takes the
+/// surface away, and a column that let go all at once would come back with a blow.
+double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered); }
+
+/// True for the columns of the cells around the tip.
+bool IsAtTip(const ContactView &view, Index column)
+{
+  const double h = view.grid.Geometry().spacing;
+  const Vec3 tip = view.indenter.Tip(view.time);
+  bool near = true;
+  for (int a = 0; a < view.geometry.Dim() - 1; ++a) near = near && std::abs(view.grid.Coordinate(a, column[a]) - tip[a]) < h;
+  return near;
+}
 
 constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
 
@@ -64,6 +79,7 @@ private:
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
       if (FarFromIndenter(view, points, p)) continue;
+      const bool flows = view.bodies.Of(points, p).AveragesVolume();
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);
       for (const SurfaceSegment &s : all) {
@@ -72,7 +88,7 @@ private:
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.time).distance);
         if (Faces(s, gap.normal))
           segments_.push_back({Locate(view.grid, s.x, view.geometry.Dim()), gap.normal, s.area, gap.distance,
-                               s.x[0] - s.half_width, s.x[0] + s.half_width});
+                               s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
       }
       point_ends_.push_back(segments_.size());
     }
@@ -82,14 +98,16 @@ private:
   void NumberUnknowns(const ContactView &view)
   {
     const double h = view.grid.Geometry().spacing;
+    const bool flows = std::any_of(view.bodies.average.begin(), view.bodies.average.end(), [](int a) { return a >= 0; });
     unknowns_.clear();
     number_.clear();
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
-      const bool kept = column.kernel_area >= kSmallestArea * FullKernelArea(view, width_, at) &&
-                        column.gap <= kCandidateGap * h * column.kernel_area;
+      const double full = FullKernelArea(view, width_, at), area = column.kernel_area;
+      const double gap = column.gap + (flows && IsAtTip(view, at) ? SpareGap(area / full) * h * area : 0);
+      const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
-      if (kept) unknowns_.push_back({at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1], column.gap});
+      if (kept) unknowns_.push_back({at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1], gap});
     });
   }
 
@@ -104,8 +122,8 @@ private:
       if (place.cell != cell.place.cell) Flush(dim, cell), cell = {place, {}};
       for (int c = 0; c < columns; ++c) {
         if (NumberOf(place, c) < 0) continue;
-        const double weight = segment.area * CornerHat(place.part, c, dim - 1, width_);
-        for (int k = 0; k < corners; ++k) cell.B[c][k] = cell.B[c][k] + weight * CornerHat(place.part, k, dim) * segment.normal;
+        const Vec3 change = GapGradient(view, segment, c, width_);
+        for (int k = 0; k < corners; ++k) cell.B[c][k] = cell.B[c][k] + CornerHat(place.part, k, dim) * change;
       }
     }
     Flush(dim, cell);

@@ -233,13 +233,13 @@ def main(arguments=None):
     fits = [oliver_pharr.fit_unloading(curve, cycle, constants.window) for curve in curves for cycle in load_depth.find_cycles(curve)]
     first = Path(options.curves[0])
     folder = Path(options.out) if options.out else first if first.is_dir() else first.parent
-    print_rows(curves, rows)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write_tables(folder, curves, rows)
     except OSError as problem:
         raise results.ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     draw(curves, rows, fits, folder / "indentation.png")
+    print_rows(curves, rows)
 
 
 if __name__ == "__main__":

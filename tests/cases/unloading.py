@@ -1,8 +1,11 @@
-"""A cone that loads and unloads an elastic block, analysed like a measurement by Oliver and Pharr."""
+"""Runs that load and unload, analysed like a measurement by Oliver and Pharr, and fitted to find the constants they were made with."""
+import json
 import math
 
 import numpy
+import pytest
 
+import fit
 import harness
 import load_depth
 import oliver_pharr
@@ -44,3 +47,30 @@ def test_elastic_cone_gives_its_modulus(expect):
     expect("plastic over total work", row["plastic_share"], near=0, tolerance=0.02)
     expect("contact radius, of the area by Oliver and Pharr", math.sqrt(row["true_area_um2"] / row["area_um2"]), near=1, tolerance=0.05)
     assert numpy.isfinite(row["pile_up_um"]) and row["pile_up_um"] < 0
+
+
+# A sphere of 15 um on a small block of a metal, to 430 nm and back out, on cells of 500 nm.
+METAL = {"m_youngs_modulus": 100e9, "m_yield_stress": 500e6}
+SPHERE = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12e-6,12e-6", "cell_size": 500e-9, "boundary_y_lower": "symmetry",
+    "boundary_x_upper": "symmetry", "materials": "m", "m_model": "j2", "m_poissons_ratio": 0.3, "m_density": 5000, "m_hardening": "power",
+    "m_hardening_exponent": 0.15, "bodies": "block", "block_lower": "0,0", "block_upper": "12e-6,10e-6", "indenter": "sphere",
+    "indenter_radius": 15e-6, "indenter_tip": "0,10e-6", "indenter_times": "0,6e-9,54e-9,60e-9,80e-9,84e-9,125e-9",
+    "indenter_velocities": "0,8,8,0,0,-2,-2", "damping": 8e7, "end_time": 125e-9, "frames": 0}
+
+
+@pytest.mark.slow
+def test_constants_from_a_curve(expect, tmp_path):
+    """Modulus and yield stress from a curve of the program with noise of 1 % of the largest load, and a first guess off by a fifth."""
+    curve = load_depth.read_run(harness.run({**SPHERE, **METAL}).folder)
+    noise = 0.01 * curve.load.max() * numpy.random.default_rng(5).normal(size=len(curve.load))
+    numpy.savetxt(tmp_path / "m.csv", numpy.column_stack([1e3 * curve.depth, curve.load + noise])[::3], delimiter=",", header="h,F", comments="")
+    guess = {"m_youngs_modulus": 80e9, "m_yield_stress": 600e6}
+    words = iter(harness.to_arguments({**SPHERE, **guess}))
+    (tmp_path / "case.opts").write_text("".join(f"{name} {value}\n" for name, value in zip(words, words)))
+    fit.main([str(word) for word in (tmp_path / "m.csv", tmp_path / "case.opts", "-vary", "E,yield_stress", "-depth", "h:nm", "-load", "F:mN",
+                                     "-output_dir", tmp_path / "fit")])
+    found = json.loads((tmp_path / "fit" / "fit.json").read_text())
+    for name, limit in (("m_youngs_modulus", 0.02), ("m_yield_stress", 0.05)):
+        expect(name, found["constants"][name]["value"] / METAL[name], near=1, tolerance=limit)
+    expect("misfit, of the largest load", found["misfit"], at_most=0.005)

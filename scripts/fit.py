@@ -155,7 +155,7 @@ class Runs:
         self.own, self.passed, self.variables = own, passed, found
         self.edges = edges_of(measured)
         self.target = profile(measured, self.edges)
-        self.scale = measured.load.max()
+        self.scale = self.target.max()
         self.rows, self.known = [], {}
 
     def values(self, x):

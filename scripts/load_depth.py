@@ -24,6 +24,7 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in 
 
 FALL, RISE = 0.3, 0.1  # of the largest load: by so much it falls in an unloading, and rises again in the next loading
 LEAST_LOAD = 0.01  # of the curve's largest: lower peaks are noise of the first contact
+SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
 
 
@@ -181,9 +182,15 @@ def noise(values):
     return 1.4826 * np.median(np.abs(np.diff(values, 3))) / math.sqrt(20) if len(values) > 3 else 0.0
 
 
+def without_spikes(load):
+    """Returns running medians over SPIKE rows, fewer in a curve of few."""
+    half = min(SPIKE, len(load) // 20) // 2
+    return np.median(np.lib.stride_tricks.sliding_window_view(np.pad(load, half, mode="edge"), 2 * half + 1), axis=1)
+
+
 def find_cycles(curve):
     """Returns the Cycles of a curve: the load falls by FALL while the tip goes back, to a lowest value."""
-    depth, load = curve.depth, curve.load
+    depth, load = curve.depth, without_spikes(curve.load)
     quiet, begin, found = 3 * noise(depth), 0, []
     for top, valley in peaks_and_valleys(load):
         if load[top] < max(LEAST_LOAD * load.max(), 10 * noise(load)):

@@ -88,6 +88,7 @@ def test_elastic_sphere_and_punch(expect):
     [punch] = oliver_pharr.analyse(curve(depth, 2 * modulus * radius * depth, tip=tips.make_tip("flat_punch", radius=radius)))
     expect("sphere", sphere["modulus_GPa"] / 70, near=1, tolerance=1e-3)
     expect("punch", punch["modulus_GPa"] / 70, near=1, tolerance=1e-6)
+    assert sphere["warnings"] == punch["warnings"] == ""
 
 
 def test_datum_of_an_open_package(expect):
@@ -159,6 +160,15 @@ def test_ringing_before_is_no_cycle():
     load = load + 0.3 * np.maximum(np.sin(400 * depth), 0) * (depth < 0.06) * (np.arange(len(depth)) < 400)
     noisy = np.append(0.02 * np.random.default_rng(3).normal(size=200), load)
     assert len(load_depth.find_cycles(curve(np.append(before, depth), noisy))) == 1
+
+
+def test_blows_are_no_peaks():
+    """Spikes of some rows, more than twice the largest load and down to zero, also shortly before the unloading."""
+    depth, load = metal()
+    for row in (200, 300, 395):
+        load[row:row + 3] = 25, 0, 2
+    [row] = oliver_pharr.analyse(curve(depth, load))
+    assert abs(row["stiffness_mN_per_um"] / STIFFNESS - 1) < 1e-6 and row["warnings"] == ""
 
 
 def test_hold_under_displacement(expect):

@@ -133,6 +133,8 @@ def doubts(curve, cycle, fit, row):
         yield f"the exponent is at its limit {fit.exponent:.3g}: the unloading is no power law"
     if fit.residual > 0.02:
         yield f"the unloading differs from its fit by {100 * fit.residual:.1f} % of the load"
+    if abs(fitted_load(fit, fit.depth) / fit.load - 1) > 0.05:
+        yield f"the fitted curve has {100 * fitted_load(fit, fit.depth) / fit.load:.0f} % of the load at its start: hold before the unloading, and begin it slowly"
     if fit.stiffness_error > 0.05 * fit.stiffness:
         yield f"the stiffness is known to {100 * fit.stiffness_error / fit.stiffness:.0f} % only"
     last_peak = np.flatnonzero(loading >= 0.99 * loading.max())[-1]

@@ -25,6 +25,7 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in 
 FALL, RISE = 0.3, 0.1  # of the largest load: by so much it falls in an unloading, and rises again in the next loading
 LEAST_LOAD = 0.01  # of the curve's largest: lower peaks are noise of the first contact
 SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
+LARGEST = 1e100  # number in a measured file, whose square is one too
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
 
 
@@ -155,12 +156,12 @@ def read_table(path):
 
 
 def to_numbers(words, mark):
-    """Returns finite numbers, or None where a word is none."""
+    """Returns numbers, or None where a word is none, or none that a curve may have."""
     try:
         row = [float(word.replace(",", ".") if mark in (";", "\t") else word) for word in words]
     except ValueError:
         return None
-    return row if all(map(math.isfinite, row)) else None
+    return row if all(abs(x) < LARGEST for x in row) else None
 
 
 def place_of(path, names, name, count):

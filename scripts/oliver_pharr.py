@@ -80,10 +80,9 @@ def reduced_modulus(stiffness, area, beta):
 
 
 def specimen_modulus(reduced, poisson, constants):
-    """Returns E (GPa) of 1/Er = (1 - nu^2)/E + (1 - nu_tip^2)/E_tip; NaN without a Poisson's ratio."""
-    if poisson is None:
-        return math.nan
-    return (1 - poisson**2) / (1 / reduced - (1 - constants.tip_poisson**2) / constants.tip_modulus)
+    """Returns E (GPa) of 1/Er = (1 - nu^2)/E + (1 - nu_tip^2)/E_tip; NaN without a Poisson's ratio, or where the tip gives way more than both."""
+    compliance = 1 / reduced - (1 - constants.tip_poisson**2) / constants.tip_modulus
+    return (1 - poisson**2) / compliance if poisson is not None and compliance > 0 else math.nan
 
 
 def work(curve, cycle, fit):
@@ -121,7 +120,7 @@ def analyse_cycle(curve, number, cycle, constants):
         true_modulus = specimen_modulus(reduced_modulus(fit.stiffness, true_area, beta), poisson, constants)
         pile_up = tips.depth_of(curve.tip, true_area, 3 * fit.depth) - fit.depth
     row |= {"true_area_um2": true_area, "true_hardness_GPa": hardness(fit.load, true_area), "true_modulus_GPa": true_modulus,
-            "pile_up_um": pile_up, "total_work_nJ": total, "elastic_work_nJ": elastic, "plastic_share": 1 - elastic / total}
+            "pile_up_um": pile_up, "total_work_nJ": total, "elastic_work_nJ": elastic, "plastic_share": 1 - elastic / total if total > 0 else math.nan}
     return row | {"warnings": "; ".join(doubts(curve, cycle, fit, row))}
 
 
@@ -137,11 +136,11 @@ def doubts(curve, cycle, fit, row):
         yield f"the fitted curve has {100 * fitted_load(fit, fit.depth) / fit.load:.0f} % of the load at its start: hold before the unloading, and begin it slowly"
     if fit.stiffness_error > 0.05 * fit.stiffness:
         yield f"the stiffness is known to {100 * fit.stiffness_error / fit.stiffness:.0f} % only"
-    last_peak = np.flatnonzero(loading >= 0.99 * loading.max())[-1]
+    last_peak = np.flatnonzero(loading >= loading.max() - 0.01 * abs(loading.max()))[-1]
     rest = 3 * load_depth.noise(curve.depth) + 1e-6 * fit.depth
     if loading[-1] < 0.97 * loading[last_peak] and curve.depth[(cycle.begin + last_peak + cycle.start) // 2] < curve.depth[cycle.start] - rest:
         yield "the depth goes on growing while the load falls (nose): hold the load longer"
     if row["area_um2"] <= 0:
         yield "the contact depth is below zero"
-    if abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
+    elif abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
         yield f"the true contact area is {row['true_area_um2'] / row['area_um2']:.2f} of that by Oliver and Pharr"

@@ -127,6 +127,12 @@ def test_pile_up(expect):
     assert "true contact area" in row["warnings"]
 
 
+def test_no_contact_left():
+    """An unloading that is softer than any contact: nothing is known of the material, and a warning says why."""
+    [row] = oliver_pharr.analyse(curve(*metal(top=0.1, final=-0.4)))
+    assert row["area_um2"] == 0 and math.isnan(row["hardness_GPa"]) and math.isnan(row["modulus_GPa"]) and "below zero" in row["warnings"]
+
+
 # ---- cycles and holds ----
 
 def cycles_of(loads):

@@ -8,7 +8,8 @@ usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:U
 
 MEASURED is a text with columns (scripts/indentation.py says which) or the folder of a run. NAME is an option of the case, with or
 without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio. The case's values are the
-first guess, and constants stay within a factor of 30 of it. -runs are made at the same time, on -ranks ranks each.
+first guess, and constants stay within a factor of 30 of it. -runs are made at the same time, on -ranks ranks each; the search takes
+at most -evaluations steps (30), each of a run and one more for each constant.
 
 The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every evaluation, fit.json with the constants, and fit.png.
 """
@@ -31,8 +32,9 @@ import plot
 from program import fail, options_of, read_options, run, take, whole_number_from
 
 Study = namedtuple("Study", "measured file vary depth load runs ranks evaluations folder")
-Fit = namedtuple("Fit", "values lower upper correlation misfit")
-Fit.__doc__ = "The constants, the ends of their 95 % confidence intervals, how errors correlate [][], and the rms misfit over the largest load."
+Fit = namedtuple("Fit", "values lower upper correlation misfit finished")
+Fit.__doc__ = """The constants, the ends of their 95 % confidence intervals, how their errors correlate [][], the rms misfit over the largest load,
+and whether the search came to its end."""
 
 SHORT = {"E": "youngs_modulus", "nu": "poissons_ratio"}
 LIMITS = {"poissons_ratio": (0.01, 0.49), "hardening_exponent": (1e-3, 1.0)}  # of constants; others: a factor of FAR from the first guess
@@ -40,6 +42,7 @@ FAR = 30.0
 STEP = 0.05  # of the logarithm of a constant, for slopes: above what corners of the curve, from columns of cells, make of a small step
 PARTS = 30  # of the loading and of the unloading whose mean loads are compared
 LEAST_DEPTH, LEAST_LOAD = 0.1, 0.2  # of the largest: where the loading begins to count, and where the unloading ends to
+LEAST_ROWS = 5  # of the measured unloading
 CONVERGED = 1e-3, 1e-3  # relative change of the constants, and of the sum of squares, which one standard error changes by 1/(2 PARTS)
 ALIKE = 0.98  # correlation of two constants that cannot be told apart
 VAGUE = 0.5  # relative half width of a confidence interval that determines nothing
@@ -124,6 +127,8 @@ def edges_of(curve):
     top, load = curve.depth[cycle.start], np.mean(curve.load[cycle.hold])
     down = slice(cycle.start, cycle.end + 1)
     counted = np.flatnonzero(curve.load[down] >= LEAST_LOAD * load)[-1]
+    if counted < LEAST_ROWS or top <= 0:
+        fail(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading above {LEAST_LOAD:g} of the load")
     return np.linspace(LEAST_DEPTH * top, top, PARTS + 1), np.linspace(0, top - curve.depth[down][counted], PARTS + 1)
 
 
@@ -231,21 +236,23 @@ def search(runs):
     lower, upper = (np.log([getattr(each, end) / each.start for each in runs.variables]) for end in ("lower", "upper"))
     found = least_squares(lambda x: runs.residuals([x])[0], np.zeros(len(lower)), lambda x: runs.slopes(x), (lower, upper), "trf", xtol=CONVERGED[0],
                           ftol=CONVERGED[1], gtol=1e-10, max_nfev=runs.own.evaluations)
-    return judged(found.x, found.fun, runs.slopes(found.x), runs.values)
+    return judged(found.x, found.fun, runs.slopes(found.x), runs.values, found.status > 0)
 
 
-def judged(x, residuals, slopes, values):
+def judged(x, residuals, slopes, values, finished):
     """The Fit at x with its confidence intervals, of Student's distribution, from residuals and slopes there."""
     freedom = len(residuals) - len(x)
     covariance = np.linalg.pinv(slopes.T @ slopes, rcond=1e-14, hermitian=True) * (residuals @ residuals) / freedom
     deviation = np.sqrt(np.diag(covariance))
     reach = np.minimum(student.ppf(0.975, freedom) * deviation, 50)
     scale = np.where(deviation > 0, deviation, 1)
-    return Fit(values(x), values(x - reach), values(x + reach), covariance / np.outer(scale, scale), misfit_of(residuals))
+    return Fit(values(x), values(x - reach), values(x + reach), covariance / np.outer(scale, scale), misfit_of(residuals), finished)
 
 
 def doubts(fit, found):
     """Yields what keeps the constants from being determined."""
+    if not fit.finished:
+        yield "the search stopped before its end: give more -evaluations, or a better first guess"
     for k, one in enumerate(found):
         if fit.upper[k] - fit.lower[k] > 2 * VAGUE * fit.values[k]:
             yield f"{one.name} is hardly determined: the curve fits with {fit.lower[k]:.3g} to {fit.upper[k]:.3g}"

@@ -96,6 +96,10 @@ def test_a_constant_that_goes_to_its_limit(fitted):
     assert any("went to its limit" in line for line in warnings)
 
 
+def test_a_search_that_is_cut_short(fitted):
+    assert any("stopped before its end" in line for line in fitted(law, "E,yield_stress", words=("-evaluations", "2"))["warnings"])
+
+
 def test_profile_does_not_depend_on_rows(expect):
     """Ten times as many rows, and a run that ends before the unloading does."""
     from test_indentation import curve
@@ -119,6 +123,7 @@ WORDS = {
     "runs": (["m.csv", "case.opts", "-vary", "E", "-runs", "0"], "-runs 0"),
     "unit": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:inch"], "-depth h:inch"),
     "no column": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:nm"], "no column h"), "empty": (["empty.csv", "case.opts", "-vary", "E"], "is empty"),
+    "a jump": (["jump.csv", "case.opts", "-vary", "E"], "5 rows of its unloading"),
     "only loading": (["loading.csv", "case.opts", "-vary", "E"], "no unloading"),
     "folder": (["m.csv", "case.opts", "-vary", "E", "-output_dir", "/dev/null/f"], "-output_dir"),
     "no results": ([".", "case.opts", "-vary", "E"], "history.csv"),
@@ -130,7 +135,7 @@ WORDS = {
 def test_one_line(tmp_path, monkeypatch, capsys, name):
     monkeypatch.chdir(tmp_path)
     table = np.column_stack(law(TRUTH))
-    for file, rows in (("m.csv", table), ("loading.csv", table[:300])):
+    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
         np.savetxt(file, rows, delimiter=",", header="depth,load", comments="")
     (tmp_path / "empty.csv").touch()
     (tmp_path / "case.opts").write_text(CASE)

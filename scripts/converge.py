@@ -17,8 +17,6 @@ error its distance from c. They are left out where the differences do not shrink
 import csv
 import math
 import re
-import shlex
-import subprocess
 import sys
 from collections import namedtuple
 from pathlib import Path
@@ -27,7 +25,7 @@ import numpy as np
 
 import plot
 import results
-from bench import ENVIRONMENT, ROOT
+from program import fail, number_of, options_of, read_options, run, take, whole_number_from
 
 Study = namedtuple("Study", "file refine quantity depth maximum place ranks")
 Resolution = namedtuple("Resolution", "cell_size folder points steps value")
@@ -35,11 +33,6 @@ METHOD_ORDER = 2
 STRESSES = {**plot.STRESS_COLUMN, "yz": 4, "xz": 5}
 NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
 COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
-
-
-def fail(message):
-    """Ends with one line, as the program does."""
-    sys.exit(f"error: {message}")
 
 
 def read_place(text):
@@ -53,28 +46,6 @@ def read_place(text):
 def written(place):
     """A place as it is given."""
     return ",".join(f"{x:g}" for x in place)
-
-
-def whole_number_from(least):
-    """Converts whole numbers from `least` on."""
-    def convert(text):
-        if int(text) < least:
-            raise ValueError
-        return int(text)
-    return convert
-
-
-def take(options, name, convert, default, allowed):
-    """Takes one of the study's own options out of all of them."""
-    if name not in options:
-        return default
-    text = options.pop(name)
-    try:
-        if text is not None:
-            return convert(text)
-    except ValueError:
-        pass
-    fail(f"-{name} {text or '(nothing)'}: must be {allowed}")
 
 
 def parse(words):
@@ -104,37 +75,6 @@ def check(own):
         fail("only one of -depth, -maximum and a stress, which is that at the end")
 
 
-def options_of(words):
-    """{name: value} of a list of words -name value; a flag has the value None."""
-    options, name = {}, None
-    for word in words:
-        if re.match(r"-[A-Za-z]", word):
-            name = word[1:]
-            options[name] = None
-        elif name is None or options[name] is not None:
-            fail(f"{word}: must follow an option")
-        else:
-            options[name] = word
-    return options
-
-
-def read_options(path):
-    """{name: value} of an options file."""
-    try:
-        words = shlex.split(path.read_text(), comments=True)
-    except (OSError, ValueError) as problem:
-        fail(f"{path}: must be a text of options ({problem})")
-    return options_of(words)
-
-
-def number_of(options, name, default):
-    """The value of an option as a number."""
-    try:
-        return float(options.get(name) or default)
-    except ValueError:
-        fail(f"-{name} {options[name]}: must be a number")
-
-
 def refined(case, factor):
     """Options that differ from the case's where its cells are `factor` times smaller."""
     changed = {"cell_size": repr(number_of(case, "cell_size", "nan") / factor),
@@ -144,16 +84,6 @@ def refined(case, factor):
     if number_of(case, "max_steps", 0) > 0:
         changed["max_steps"] = round(number_of(case, "max_steps", 0) * factor)
     return changed
-
-
-def run(file, options, ranks):
-    """Runs the program; ends with its last line where it fails."""
-    words = [word for name, value in options.items() for word in (f"-{name}", str(value))[:1 if value is None else 2]]
-    start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*start, str(ROOT / "bin/mlgimp"), "-options_file", str(file), *words], env=ENVIRONMENT, capture_output=True, text=True)
-    if done.returncode != 0:
-        lines = [line for line in done.stderr.splitlines() if "error" in line] or [f"exit status {done.returncode}"]
-        fail(f"on cells of {options['cell_size']} m: {lines[0]}")
 
 
 def history_value(folder, own):
@@ -198,7 +128,8 @@ def stress_at(folder, component, place):
 def resolve(own, case, passed, folder, factor):
     """Runs one resolution and reads what it found."""
     into = folder / f"cells_{number_of(case, 'cell_size', 'nan') / factor:.4g}"
-    run(own.file, {"frames": 1, "monitor": "false", **passed, **refined(case, factor), "output_dir": into}, own.ranks)
+    changed = refined(case, factor)
+    run(own.file, {"frames": 1, "monitor": "false", **passed, **changed, "output_dir": into}, own.ranks, f"on cells of {changed['cell_size']} m")
     summary = results.read_summary(into)
     value = stress_at(into, own.quantity.removeprefix("stress_"), own.place) if own.place is not None else history_value(into, own)
     points = sum(level["points"] for level in summary["levels"])

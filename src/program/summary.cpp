@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace mlgimp
 {
@@ -76,6 +77,17 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
           {"ranks", ranks}};
 }
 
+/// {name: value} of "name value", as text.
+Json OptionsJson(const std::vector<std::string> &options)
+{
+  Json json = Json::object();
+  for (const std::string &option : options) {
+    const std::size_t space = option.find(' ');
+    json[option.substr(0, space)] = option.substr(space + 1);
+  }
+  return json;
+}
+
 /// Those that are shown there, in the order of the table.
 Json BudgetsJson(const Budgets &budgets, Shown shown, int dim)
 {
@@ -131,6 +143,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   json["contact_excess"] = Number(budgets.contact_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
   json["warnings"] = warnings_.Lines();
+  json["options"] = OptionsJson(case_.identity);
   json["versions"] = Versions();
   return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
     return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -22,7 +22,7 @@ DATASETS = {"id": (1, "int64"), "position": (2, "float64"), "velocity": (2, "flo
             "half_size": (2, "float64"), "body": (1, "int32"), "pressure": (1, "float64"), "von_mises_stress": (1, "float64")}
 
 SUMMARY = {"status", "case", "ranks", "levels", "steps", "simulated_time", "wall_seconds", "seconds_per_point_step",
-           "contact_share", "transfer_share", "halo_share", "mass_error", "points_created", "points_lost", "versions"}
+           "contact_share", "transfer_share", "halo_share", "mass_error", "points_created", "points_lost", "options", "versions"}
 SUMMARY_LEVEL = {"points", "cells", "steps", "time_step"}
 SUMMARY_VERSIONS = {"mlgimp", "PETSc", "MPI", "HDF5"}
 
@@ -122,7 +122,8 @@ def check_summary(expect, result, ranks):
     expect.that(f"{name}: keys", not absent, ", ".join(sorted(absent)))
     expect.that(f"{name}: values", summary["status"] == "completed" and summary["ranks"] == ranks
                 and summary["steps"] == result.history["step"][-1] and summary["points_lost"] == 0
-                and summary["levels"][0]["points"] == result.history["points"][-1])
+                and summary["levels"][0]["points"] == result.history["points"][-1]
+                and summary["options"]["-geometry"] == "plane_strain" and float(summary["options"]["-cell_size"]) == 250e-9)
     shares = [summary[key] for key in ("contact_share", "transfer_share", "halo_share")]
     expect.that(f"{name}: shares", all(0 <= share <= 1 for share in shares) and sum(shares) <= 1, f"{shares}")
 

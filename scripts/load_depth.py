@@ -1,0 +1,239 @@
+"""Load-depth curves of runs and of measurements, in the units of the laboratory: mN, um, s; and the cycles in them."""
+
+import math
+import re
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+
+import results
+import tips
+
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes")
+Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
+(um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it."""
+
+Cycle = namedtuple("Cycle", "begin start end hold")
+Cycle.__doc__ = """Rows of a loading and an unloading: the first of all, the first of the unloading, at the largest depth, the last, at the
+lowest load, and the slice before the unloading in which the tip is at rest."""
+
+DEPTH_UNITS = {"nm": 1e-3, "um": 1.0, "mm": 1e3, "m": 1e6, "A": 1e-4}  # in um
+LOAD_UNITS = {"nN": 1e-6, "uN": 1e-3, "mN": 1.0, "N": 1e3, "kN": 1e6}  # in mN
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in s
+
+FALL, RISE = 0.3, 0.1  # of the largest load: by so much it falls in an unloading, and rises again in the next loading
+LEAST_LOAD = 0.01  # of the curve's largest: lower peaks are noise of the first contact
+SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
+LARGEST = 1e100  # number in a measured file, whose square is one too
+SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
+
+
+# ---- runs ----
+
+def read_run(directory):
+    """Returns the Curve of a result folder, with the load of the whole tip.
+
+    A load is the mean since the last row, so the depth beside it is that in the middle between two rows.
+    """
+    history, options = results.read_history(directory), results.read_summary(directory).get("options", {})
+    if not results.has_indenter(history):
+        raise results.ResultError(directory, "this run has no indenter")
+    try:
+        parts, tip, poisson = parts_of_tip(options), tip_of_run(options), poisson_of_run(options)
+        plane = options.get("-geometry") == "plane_strain"
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise results.ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
+    history = {name: values[np.append(True, np.diff(history["time"]) > 0)] for name, values in history.items()}
+    middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
+    area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
+    return Curve(Path(directory).resolve().name, middle["time"], 1e6 * middle["depth"], 1e3 * parts * history["load"][1:], area,
+                 None if plane else tip, poisson, plane, list(notes_on(options, parts, plane)))
+
+
+def notes_on(options, parts, plane):
+    """Yields what to know about the loads of a run."""
+    if not options:
+        yield "summary.json has no options: the load is taken for that of the whole tip"
+    if parts > 1:
+        yield f"the model is one of {parts} equal parts: loads and areas are those of all"
+    if plane:
+        yield ("plane strain: depth and stiffness grow with the logarithm of the block's size, so that only the load over the true contact "
+               "area is a property; loads are for the thickness of the run")
+
+
+def parts_of_tip(options):
+    """Returns how many models like that of a run's options make the whole tip: two for each side of symmetry that the tip is on."""
+    if not options or options.get("-geometry") == "axisymmetric":
+        return 1
+    tip, lower, upper = (numbers(options[name]) for name in ("-indenter_tip", "-domain_lower", "-domain_upper"))
+    parts = 1
+    for axis in range(len(tip) - 1):
+        for side, place in (("lower", lower), ("upper", upper)):
+            on_side = abs(tip[axis] - place[axis]) < 1e-6 * float(options["-cell_size"])
+            if on_side and options.get(f"-boundary_{'xyz'[axis]}_{side}") == "symmetry":
+                parts *= 2
+    return parts
+
+
+def tip_of_run(options):
+    """Returns the Tip of a run's options; None where they are not known."""
+    kind = options.get("-indenter")
+    if kind not in tips.NEEDS:
+        return None
+    given = {name: options.get(f"-indenter_{name}") for name in ("half_angle", "radius", "tip_radius", "faces")}
+    sizes = {name: float(text) for name, text in given.items() if text is not None}
+    sizes |= {name: 1e6 * sizes[name] for name in ("radius", "tip_radius") if name in sizes}
+    return tips.make_tip(kind, **sizes | ({"faces": int(sizes["faces"])} if "faces" in sizes else {}))
+
+
+def poisson_of_run(options):
+    """Returns the Poisson's ratio of a run's materials; None where they differ or are not known."""
+    ratios = {float(value) for name, value in options.items() if name.endswith("_poissons_ratio")}
+    return ratios.pop() if len(ratios) == 1 else None
+
+
+def numbers(text):
+    """Returns the numbers of a list with commas."""
+    return [float(part) for part in text.split(",")]
+
+
+# ---- measurements ----
+
+Column = namedtuple("Column", "name factor")  # name or number from 1 on; values x factor are in the units of Curve
+
+
+def column_argument(units):
+    """Returns a function that reads COLUMN:UNIT, for a command line."""
+    def read(text):
+        name, _, unit = text.rpartition(":")
+        if not name or unit not in units:
+            raise ValueError(f"must be COLUMN:UNIT with a unit of {', '.join(units)}")
+        return Column(name, units[unit])
+    return read
+
+
+def read_measured(path, depth, load, time=None):
+    """Returns the Curve of a text with columns, with or without lines of text above them; depth, load and time are Columns."""
+    names, table = read_table(path)
+    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in (depth, load, time)]
+    if columns[2] is not None and np.any(np.diff(columns[2]) < 0):
+        raise results.ResultError(path, f"the time falls in data row {np.argmax(np.diff(columns[2]) < 0) + 2}; rows must be in the order of the test")
+    changed = np.append(True, np.any(np.diff(np.column_stack([c for c in columns if c is not None]), axis=0) != 0, axis=1))
+    depths, loads, times = (None if each is None else each[changed] for each in columns)
+    for what, values in (("depth", depths), ("load", loads)):
+        if len(values) > 1 and np.mean(np.diff(values) ** 2) > SHUFFLED * np.var(values):
+            raise results.ResultError(path, f"the {what} jumps to and fro: rows must be in the order of the test")
+    return Curve(Path(path).name, times, depths, loads, None, None, None, False, [])
+
+
+def read_table(path):
+    """Returns the lines of words above the numbers of a text, as lists of names, and the numbers [rows][columns].
+
+    Columns are parted by semicolons, tabs, commas or spaces, whichever the last line has first; beside semicolons and tabs a comma is
+    a decimal point. Lines that begin with # are taken as names, too.
+    """
+    try:
+        lines = [line.strip().lstrip("#") for line in Path(path).read_text(encoding="utf-8-sig").splitlines()]
+    except (OSError, ValueError) as problem:
+        raise results.ResultError(path, f"cannot be read as text ({getattr(problem, 'strerror', None) or 'no text'})") from None
+    lines = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
+    if not lines:
+        raise results.ResultError(path, "is empty")
+    mark = next((mark for mark in ";\t," if mark in lines[-1][1]), None)
+    names, rows = [], []
+    for number, line in lines:
+        words = [word.strip().strip('"') for word in line.split(mark)]
+        row = to_numbers(words, mark)
+        if row is None and rows:
+            raise results.ResultError(path, f"line {number} is no row of numbers")
+        if row and rows and len(row) != len(rows[0]):
+            raise results.ResultError(path, f"line {number} has {len(row)} columns instead of {len(rows[0])}")
+        (names if row is None else rows).append(words if row is None else row)
+    if len(rows) < 10:
+        raise results.ResultError(path, f"has {len(rows)} rows of numbers; a curve needs at least 10")
+    return names, np.array(rows)
+
+
+def to_numbers(words, mark):
+    """Returns numbers, or None where a word is none, or none that a curve may have."""
+    try:
+        row = [float(word.replace(",", ".") if mark in (";", "\t") else word) for word in words]
+    except ValueError:
+        return None
+    return row if all(abs(x) < LARGEST for x in row) else None
+
+
+def place_of(path, names, name, count):
+    """Returns the place of a column by its name, to upper and lower case, or by its number."""
+    for words in reversed(names):
+        matches = [k for k, word in enumerate(words[:count]) if word.lower() == name.lower()]
+        if matches:
+            return matches[0]
+    if re.fullmatch(r"\d+", name) and 1 <= int(name) <= count:
+        return int(name) - 1
+    known = f"; there are {', '.join(max(names, key=len))}" if names else f"; columns have no names, only numbers 1 to {count}"
+    raise results.ResultError(path, f"there is no column {name}{known}")
+
+
+# ---- cycles ----
+
+def noise(values):
+    """Returns the standard deviation of what changes from row to row."""
+    return 1.4826 * np.median(np.abs(np.diff(values, 3))) / math.sqrt(20) if len(values) > 3 else 0.0
+
+
+def without_spikes(load):
+    """Returns running medians over SPIKE rows, fewer in a curve of few."""
+    half = min(SPIKE, len(load) // 20) // 2
+    return np.median(np.lib.stride_tricks.sliding_window_view(np.pad(load, half, mode="edge"), 2 * half + 1), axis=1)
+
+
+def find_cycles(curve):
+    """Returns the Cycles of a curve: the load falls by FALL while the tip goes back, to a lowest value."""
+    depth, load = curve.depth, without_spikes(curve.load)
+    quiet, begin, found = 3 * noise(depth), 0, []
+    for top, valley in peaks_and_valleys(load):
+        if load[top] < max(LEAST_LOAD * load.max(), 10 * noise(load)):
+            continue
+        highest = depth[begin:valley + 1].max()
+        rest = quiet + 1e-6 * abs(highest)
+        start = begin + np.flatnonzero(depth[begin:valley + 1] >= highest - rest)[-1]
+        if depth[valley] < depth[start] - rest and start < valley:
+            check_loading(curve, begin, start, first=not found)
+            found.append(Cycle(begin, start, valley, rows_at_rest(depth, begin, start, rest)))
+            begin = valley
+    if not found:
+        raise results.ResultError(curve.name, f"there is no unloading: the load never falls by {100 * FALL:.0f} % while the tip goes back")
+    return found
+
+
+def check_loading(curve, begin, start, first):
+    """Refuses an unloading that begins with no loading before it."""
+    if first and curve.load[begin:start + 1].min() > 0.5 * curve.load[start]:
+        raise results.ResultError(curve.name, "there is an unloading without a loading: the curve begins at more than half its load")
+
+
+def rows_at_rest(depth, begin, start, rest):
+    """Returns the last third of the rows up to start, at least one, in which the depth does not change but for noise."""
+    moving = np.flatnonzero(np.abs(depth[begin:start + 1] - depth[start]) > 2 * rest)
+    first = begin + (moving[-1] + 1 if len(moving) else 0)
+    return slice(start - (start - first) // 3, start + 1)
+
+
+def peaks_and_valleys(load):
+    """Yields (row of a peak, row of the lowest load after it), where the load falls by FALL and rises again by RISE or ends."""
+    top = bottom = 0
+    falling = False
+    for row, value in enumerate(load):
+        if falling and value > load[bottom] + RISE * load[top]:
+            yield top, bottom
+            top, falling = row, False
+        elif falling:
+            bottom = row if value < load[bottom] else bottom
+        elif value >= load[top]:
+            top = row
+        elif value < (1 - FALL) * load[top]:
+            bottom, falling = row, True
+    if falling:
+        yield top, bottom

@@ -1,0 +1,146 @@
+"""The analysis of an unloading by Oliver and Pharr, beside what the true contact area gives. Units: mN, um, GPa = mN/um^2, nJ."""
+
+import math
+import warnings
+from collections import namedtuple
+
+import numpy as np
+from scipy.optimize import curve_fit
+
+import load_depth
+import results
+import tips
+
+WINDOW = (0.5, 0.97)  # of the load at the start of the unloading: the part that is fitted
+LEAST_ROWS = 5  # in the window
+EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have 1 (flat punch) to 2 (cone)
+
+Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
+Constants.__doc__ = "What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default."
+
+Unloading = namedtuple("Unloading", "depth load stiffness stiffness_error exponent final_depth residual rows")
+Unloading.__doc__ = """Where an unloading begins (um, mN), its stiffness there with the standard error of the fit (mN/um), m and hf of
+P = A (h - hf)^m, the fit's root mean square residual over the load, and the rows that were fitted."""
+
+
+def fit_unloading(curve, cycle, window=WINDOW):
+    """Returns the Unloading of a cycle: least squares of P = A (h - hf)^m over the rows from the upper to the lower load of the window.
+
+    The unknowns are load and slope at the largest depth h1, and m: P = P1 (1 + S (h - h1)/(m P1))^m, hf = h1 - m P1/S.
+    """
+    top_depth, top_load = np.mean(curve.depth[cycle.hold]), np.mean(curve.load[cycle.hold])
+    rows = slice(cycle.start, cycle.end + 1)
+    depth, share = curve.depth[rows] - top_depth, curve.load[rows] / top_load
+    below, above = np.flatnonzero(share <= window[1]), np.flatnonzero(share >= window[0])
+    fitted = slice(below[0] if len(below) else 0, above[-1] + 1 if len(above) else 0)
+    depth, share = depth[fitted], share[fitted]
+    if len(share) < LEAST_ROWS:
+        raise results.ResultError(curve.name, f"{max(len(share), 0)} rows of the unloading lie between {window[0]:g} and {window[1]:g} of its load; "
+                                  f"the fit needs {LEAST_ROWS}: take more rows, a slower unloading or a wider window")
+    travel = -depth.min()
+    if not travel > 0:
+        raise results.ResultError(curve.name, "the tip does not go back in the fitted part of the unloading")
+
+    def law(depth, load, slope, exponent):
+        return load * np.maximum(1 + slope * depth / (exponent * load), 0) ** exponent
+
+    scaled = depth / travel
+    line = max(np.polyfit(scaled, share, 1)[0], 1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a covariance that is not known where m is at its limit
+        (load, slope, exponent), covariance = curve_fit(law, scaled, share, (1.0, line, 1.5), bounds=((0.1, 1e-6, EXPONENTS[0]), (10, np.inf, EXPONENTS[1])))
+    residual = np.sqrt(np.mean((law(scaled, load, slope, exponent) - share) ** 2))
+    stiffness = slope / travel * top_load
+    error = math.sqrt(covariance[1, 1]) / travel * top_load
+    first = cycle.start + fitted.start
+    return Unloading(top_depth, top_load, stiffness, error, exponent, top_depth - exponent * load * top_load / stiffness, residual,
+                     slice(first, first + len(share)))
+
+
+def fitted_load(fit, depth):
+    """Returns the load (mN) of an Unloading's power law at depths (um)."""
+    reach = np.maximum((depth - fit.final_depth) / (fit.depth - fit.final_depth), 0)
+    return fit.stiffness * (fit.depth - fit.final_depth) / fit.exponent * reach**fit.exponent
+
+
+def contact(tip, depth, load, stiffness, epsilon, beta):
+    """Returns contact depth (um), area (um^2), hardness and reduced modulus (GPa) of Oliver and Pharr, J. Mater. Res. 7 (1992) 1564."""
+    contact_depth = depth - epsilon * load / stiffness
+    area = float(tip.area(contact_depth))
+    return contact_depth, area, hardness(load, area), reduced_modulus(stiffness, area, beta)
+
+
+def hardness(load, area):
+    return load / area if area > 0 else math.nan
+
+
+def reduced_modulus(stiffness, area, beta):
+    """Returns Er (GPa) of S = 2 beta Er sqrt(A/pi)."""
+    return math.sqrt(math.pi / area) * stiffness / (2 * beta) if area > 0 else math.nan
+
+
+def specimen_modulus(reduced, poisson, constants):
+    """Returns E (GPa) of 1/Er = (1 - nu^2)/E + (1 - nu_tip^2)/E_tip; NaN without a Poisson's ratio, or where the tip gives way more than both."""
+    compliance = 1 / reduced - (1 - constants.tip_poisson**2) / constants.tip_modulus
+    return (1 - poisson**2) / compliance if poisson is not None and compliance > 0 else math.nan
+
+
+def work(curve, cycle, fit):
+    """Returns the work put in up to the unloading less what earlier unloadings gave back, and what this one gives back, in nJ.
+
+    What an unloading that stops above zero load would still give back is that of the fitted curve.
+    """
+    power = np.append(0, np.cumsum(np.diff(curve.depth) * (curve.load[1:] + curve.load[:-1]) / 2))
+    rest = max(curve.load[cycle.end], 0) * max(curve.depth[cycle.end] - fit.final_depth, 0) / (fit.exponent + 1)
+    return power[cycle.start], power[cycle.start] - power[cycle.end] + rest
+
+
+def analyse(curve, constants=Constants()):
+    """Returns a list with a dict of results for each cycle of a Curve; what has no meaning or is not known is NaN."""
+    return [analyse_cycle(curve, number, cycle, constants) for number, cycle in enumerate(load_depth.find_cycles(curve), start=1)]
+
+
+def analyse_cycle(curve, number, cycle, constants):
+    """Returns the results of one cycle by name and unit."""
+    fit = fit_unloading(curve, cycle, constants.window)
+    poisson = curve.poisson if constants.poisson is None else constants.poisson
+    true_area = float(np.mean(curve.area[cycle.hold])) if curve.area is not None else math.nan
+    total, elastic = work(curve, cycle, fit)
+    row = {"curve": curve.name, "cycle": number, "depth_um": fit.depth, "load_mN": fit.load, "stiffness_mN_per_um": fit.stiffness,
+           "stiffness_error_mN_per_um": fit.stiffness_error, "exponent": fit.exponent, "final_depth_um": fit.final_depth,
+           "fit_residual": fit.residual, "rows": int(fit.rows.stop - fit.rows.start)}
+    names = ("epsilon", "beta", "contact_depth_um", "area_um2", "hardness_GPa", "reduced_modulus_GPa", "modulus_GPa")
+    row |= dict.fromkeys(names, math.nan)
+    true_modulus, pile_up = math.nan, math.nan
+    if curve.tip is not None:
+        epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
+        beta = curve.tip.beta(poisson) if constants.beta is None else constants.beta
+        figures = contact(curve.tip, fit.depth, fit.load, fit.stiffness, epsilon, beta)
+        row |= dict(zip(names, (epsilon, beta, *figures, specimen_modulus(figures[-1], poisson, constants))))
+        true_modulus = specimen_modulus(reduced_modulus(fit.stiffness, true_area, beta), poisson, constants)
+        pile_up = tips.depth_of(curve.tip, true_area, 3 * fit.depth) - fit.depth
+    row |= {"true_area_um2": true_area, "true_hardness_GPa": hardness(fit.load, true_area), "true_modulus_GPa": true_modulus,
+            "pile_up_um": pile_up, "total_work_nJ": total, "elastic_work_nJ": elastic, "plastic_share": 1 - elastic / total if total > 0 else math.nan}
+    return row | {"warnings": "; ".join(doubts(curve, cycle, fit, row))}
+
+
+def doubts(curve, cycle, fit, row):
+    """Yields what makes the figures of a cycle doubtful."""
+    loading = load_depth.without_spikes(curve.load)[cycle.begin:cycle.start + 1]
+    at_limit = min(abs(fit.exponent - limit) for limit in EXPONENTS) < 1e-6
+    if at_limit and not (curve.tip and curve.tip.name == "flat_punch"):
+        yield f"the exponent is at its limit {fit.exponent:.3g}: the unloading is no power law"
+    if fit.residual > 0.02:
+        yield f"the unloading differs from its fit by {100 * fit.residual:.1f} % of the load"
+    if abs(fitted_load(fit, fit.depth) / fit.load - 1) > 0.05:
+        yield f"the fitted curve has {100 * fitted_load(fit, fit.depth) / fit.load:.0f} % of the load at its start: hold before the unloading, and begin it slowly"
+    if fit.stiffness_error > 0.05 * fit.stiffness:
+        yield f"the stiffness is known to {100 * fit.stiffness_error / fit.stiffness:.0f} % only"
+    last_peak = np.flatnonzero(loading >= loading.max() - 0.01 * abs(loading.max()))[-1]
+    rest = 3 * load_depth.noise(curve.depth) + 1e-6 * fit.depth
+    if loading[-1] < 0.97 * loading[last_peak] and curve.depth[(cycle.begin + last_peak + cycle.start) // 2] < curve.depth[cycle.start] - rest:
+        yield "the depth goes on growing while the load falls (nose): hold the load longer"
+    if row["area_um2"] <= 0:
+        yield "the contact depth is below zero"
+    elif abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
+        yield f"the true contact area is {row['true_area_um2'] / row['area_um2']:.2f} of that by Oliver and Pharr"

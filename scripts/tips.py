@@ -1,0 +1,77 @@
+"""Indenter tips as a laboratory knows them: projected area over the distance from the tip. Lengths in um, areas in um^2."""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+Tip = namedtuple("Tip", "name area epsilon beta")
+Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
+depth; and beta(nu) of the stiffness, nu None where it is not known."""
+
+PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
+BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
+NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",)} | dict.fromkeys(PYRAMIDS, ())
+
+
+def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4):
+    """Returns the Tip of a kind of NEEDS; angles in degrees from the axis, lengths in um."""
+    if kind == "sphere":
+        return Tip(kind, lambda h: np.pi * np.minimum(np.maximum(h, 0), radius) * (2 * radius - np.minimum(np.maximum(h, 0), radius)),
+                   0.75, lambda nu: 1.0)
+    if kind == "flat_punch":
+        return Tip(kind, lambda h: np.pi * radius**2 + 0 * h, 1.0, lambda nu: 1.0)
+    if kind in PYRAMIDS:
+        faces, half_angle = PYRAMIDS[kind]
+    tangent = math.tan(math.radians(half_angle))
+    if kind == "cone":  # with a radius a hyperboloid
+        return Tip(kind, lambda h: np.pi * np.maximum(h, 0) * (tangent**2 * h + 2 * tip_radius), 0.72, lambda nu: hay(tangent, nu))
+    return Tip(kind, np.vectorize(lambda h: pyramid_area(h, tangent, faces, tip_radius), otypes=[float]), 0.75,
+               lambda nu: BETA_OF_FACES.get(faces, 1.0))
+
+
+def tip_of_function(coefficients):
+    """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2."""
+    def area(h):
+        nanometres = np.maximum(1e3 * np.asarray(h, float), 0)
+        return 1e-6 * sum(c * nanometres ** (2.0 ** (1 - k)) for k, c in enumerate(coefficients))
+    return Tip("area function", area, 0.75, lambda nu: 1.0)
+
+
+def hay(tangent, nu):
+    """Returns the stiffness of an elastic contact with a rigid cone over Sneddon's: points under a cone also move inwards.
+
+    Hay, Bolshakov, Pharr, J. Mater. Res. 14 (1999) 2296. Without a Poisson's ratio that of 0.3 is taken.
+    """
+    nu = 0.3 if nu is None else nu
+    inward = (1 - 2 * nu) / (4 * (1 - nu)) / tangent
+    return np.pi * (np.pi / 4 + 0.15483073 * inward) / (np.pi / 2 - 0.83119312 * inward) ** 2
+
+
+def pyramid_area(h, tangent, faces, radius, count=200):
+    """Returns the area of the section at distance h from the end of a pyramid that is widened by a radius.
+
+    The section is convex, so that its area is half the integral of H^2 - H'^2, H its support function: over the angle psi from
+    a corner that of a pyramid with its apex a radius higher is k(psi) c, to which the ball adds.
+    """
+    if h <= 0:
+        return 0.0
+    psi = (np.arange(count) + 0.5) * math.pi / faces / count
+    corner = tangent / math.cos(math.pi / faces)
+    k, slope, c = corner * np.cos(psi), -corner * np.sin(psi), h - radius
+    root = np.sqrt(1 + k**2)
+    on_edges = c >= -k * radius / root  # else on the ball at the apex
+    support = np.where(on_edges, k * c + radius * root, math.sqrt(max(radius**2 - c**2, 0)))
+    change = np.where(on_edges, slope * (c + radius * k / root), 0)
+    return math.pi * np.mean(support**2 - change**2)
+
+
+def depth_of(tip, area, most):
+    """Returns the distance from the end where the tip has an area, at the most `most`; NaN where the area does not grow to it."""
+    depths = np.linspace(0, most, 4001)
+    areas = tip.area(depths)
+    beyond = np.flatnonzero(areas >= area)
+    if not len(beyond) or beyond[0] == 0:
+        return math.nan
+    k = beyond[0]
+    return float(np.interp(area, areas[k - 1:k + 1], depths[k - 1:k + 1]))

@@ -1,0 +1,150 @@
+"""Checks scripts/fit.py with a law in place of the program: constants and their intervals, what cannot be told apart, refusals."""
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+import fit
+import harness
+from test_indentation import CONE_OPTIONS
+from test_scripts import HISTORY
+
+pytestmark = pytest.mark.fast
+
+TRUTH = {"m_youngs_modulus": 70e9, "m_yield_stress": 5e8, "m_hardening_exponent": 0.2}
+CASE = ("-materials m,s\n-m_youngs_modulus 50e9\n-m_yield_stress 8e8\n-m_hardening_exponent 0.1\n-m_poissons_ratio 0.3\n"
+        "-s_density 1\n-m_density 2\n-m_model j2\n")
+
+
+def law(constants, depth=0.5, rows=300):
+    """Depth (um) and load (mN) of a test whose loading, slope of unloading and curvature depend on all constants of TRUTH."""
+    modulus, yields, exponent = (float(constants[name]) for name in TRUTH)
+    up = np.linspace(0, depth, rows)
+    curvature = 2e-9 * yields**0.6 * modulus**0.4 * (1 + exponent)
+    stiffness = modulus * 2e-9 * depth
+    recovered = 1.5 * curvature * depth**2 / stiffness
+    down = np.linspace(depth, depth - recovered, rows)[1:]
+    loading = curvature * up ** (2 - 2 * exponent) * depth ** (2 * exponent)
+    return np.append(up, down), np.append(loading, loading[-1] * np.maximum((down - depth) / recovered + 1, 0) ** 1.5)
+
+
+def only_the_hardness(constants, rows):
+    """A test in which modulus and yield stress count by their product alone."""
+    product = float(constants["m_youngs_modulus"]) * float(constants["m_yield_stress"])
+    return law({**TRUTH, "m_yield_stress": 5e8 * (product / 35e18) ** (5 / 3)}, rows=rows)
+
+
+def written_by(model):
+    """What stands for a run of the program: a result folder with the load of the middle of each interval."""
+    def run(file, options, ranks, where):
+        depth, load = model({**TRUTH, **options}, rows=1000)
+        folder = options["output_dir"]
+        folder.mkdir()
+        columns = dict.fromkeys(HISTORY, np.zeros(len(depth))) | {"time": np.arange(len(depth)) * 1e-9, "depth": 1e-6 * depth,
+                                                                 "load": 1e-3 * np.append(0, (load[1:] + load[:-1]) / 2)}
+        np.savetxt(folder / "history.csv", np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
+        (folder / "summary.json").write_text(json.dumps({"case": "made", "options": CONE_OPTIONS}))
+    return run
+
+
+@pytest.fixture
+def fitted(tmp_path, monkeypatch):
+    """fitted(model, names, noise, words) runs a fit and returns fit.json and what was printed; names is the text after -vary."""
+    def make(model, names, noise=0.0, words=(), seed=1):
+        monkeypatch.setattr(fit, "run", written_by(model))
+        depth, load = law(TRUTH)
+        random = np.random.default_rng(seed)
+        np.savetxt(tmp_path / "m.csv", np.column_stack([depth, load + noise * load.max() * random.normal(size=len(load))]), delimiter=",",
+                   header="depth,load", comments="")
+        (tmp_path / "case.opts").write_text(CASE)
+        fit.main([str(tmp_path / "m.csv"), str(tmp_path / "case.opts"), "-vary", names, "-output_dir", str(tmp_path / f"fit_{seed}"), *words])
+        return json.loads((tmp_path / f"fit_{seed}" / "fit.json").read_text())
+    return make
+
+
+def test_constants_are_found_again(fitted, expect, tmp_path):
+    """From a first guess that is off by 30 to 100 %, without noise."""
+    found = fitted(law, "E,yield_stress,hardening_exponent")
+    for name, value in TRUTH.items():
+        expect(name, found["constants"][name]["value"] / value - 1, near=0, tolerance=0.005)
+    expect("misfit", found["misfit"], at_most=1e-3)
+    rows = list(csv.DictReader(open(tmp_path / "fit_1" / "fit.csv")))
+    assert len(rows) == found["runs"] == len(list((tmp_path / "fit_1").glob("run_*"))) and found["warnings"] == []
+    assert float(rows[0]["m_youngs_modulus"]) == 50e9 and (tmp_path / "fit_1" / "fit.png").stat().st_size > 1000
+
+
+def test_intervals_hold_the_truth(fitted, expect):
+    """Noise of 1 %: 95 % of the intervals hold the truth, here of 16 all but one or two, and they are not wide."""
+    held, widths = 0, []
+    for seed in range(8):
+        for name, each in fitted(law, "E,yield_stress", noise=0.01, seed=seed)["constants"].items():
+            held += each["lower"] <= TRUTH[name] <= each["upper"]
+            widths.append((each["upper"] - each["lower"]) / each["value"])
+    expect("intervals that hold the truth", held, at_least=13)
+    expect("largest width", max(widths), at_most=0.03)
+
+
+def test_constants_that_cannot_be_told_apart(fitted, capsys):
+    [line] = [line for line in fitted(only_the_hardness, "E,yield_stress", noise=1e-3)["warnings"] if "told apart" in line]
+    assert "E and yield_stress" in line and f"warning: {line}" in capsys.readouterr().out
+
+
+def test_a_constant_that_goes_to_its_limit(fitted):
+    warnings = fitted(law, "E", words=("-m_youngs_modulus", "2e9"))["warnings"]
+    assert any("went to its limit" in line for line in warnings)
+
+
+def test_a_search_that_is_cut_short(fitted):
+    assert any("stopped before its end" in line for line in fitted(law, "E,yield_stress", words=("-evaluations", "2"))["warnings"])
+
+
+def test_profile_does_not_depend_on_rows(expect):
+    """Ten times as many rows, and a run that ends before the unloading does."""
+    from test_indentation import curve
+    few, many = (curve(*law(TRUTH, rows=rows)) for rows in (200, 2000))
+    edges = fit.edges_of(many)
+    expect("rows", np.max(np.abs(fit.profile(few, edges) / fit.profile(many, edges) - 1)), at_most=0.01)
+    shallow = curve(*law(TRUTH, depth=0.48, rows=2000))
+    expect("a loading that ends early", np.max(np.abs((fit.profile(shallow, edges) / fit.profile(many, edges))[:fit.PARTS] - 1)), at_most=0.02)
+
+
+# ---- refusals ----
+
+WORDS = {
+    "nothing": ([], "must be given"), "only the curve": (["m.csv"], "must be given"), "no curve": (["none.csv", "case.opts"], "none.csv"),
+    "no case": (["m.csv", "none.opts"], "none.opts"), "nothing varied": (["m.csv", "case.opts"], "-vary"),
+    "no option": (["m.csv", "case.opts", "-vary", "E,yield"], "-vary yield"), "no number": (["m.csv", "case.opts", "-vary", "model"], "m_model is j2"),
+    "of two materials": (["m.csv", "case.opts", "-vary", "density"], "s_density, m_density"),
+    "twice": (["m.csv", "case.opts", "-vary", "E,youngs_modulus"], "twice"),
+    "not positive": (["m.csv", "case.opts", "-vary", "E", "-m_youngs_modulus", "-1"], "number > 0"),
+    "beyond the limits": (["m.csv", "case.opts", "-vary", "nu", "-m_poissons_ratio", "0.495"], "must begin in"),
+    "runs": (["m.csv", "case.opts", "-vary", "E", "-runs", "0"], "-runs 0"),
+    "unit": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:inch"], "-depth h:inch"),
+    "no column": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:nm"], "no column h"), "empty": (["empty.csv", "case.opts", "-vary", "E"], "is empty"),
+    "a jump": (["jump.csv", "case.opts", "-vary", "E"], "5 rows of its unloading"),
+    "only loading": (["loading.csv", "case.opts", "-vary", "E"], "no unloading"),
+    "folder": (["m.csv", "case.opts", "-vary", "E", "-output_dir", "/dev/null/f"], "-output_dir"),
+    "no results": ([".", "case.opts", "-vary", "E"], "history.csv"),
+    "the program's own": (["m.csv", "case.opts", "-vary", "E", "-runs", "2"], "at m_youngs_modulus 5e+10: mlgimp: error: -domain_lower"),
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_one_line(tmp_path, monkeypatch, capsys, name):
+    monkeypatch.chdir(tmp_path)
+    table = np.column_stack(law(TRUTH))
+    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
+        np.savetxt(file, rows, delimiter=",", header="depth,load", comments="")
+    (tmp_path / "empty.csv").touch()
+    (tmp_path / "case.opts").write_text(CASE)
+    words, expected = WORDS[name]
+    with pytest.raises(SystemExit) as caught:
+        fit.main(words)
+    assert re.fullmatch(rf"error: [^\n]*{re.escape(expected)}[^\n]*", str(caught.value.code)), caught.value.code
+
+
+def test_help(capsys):
+    fit.main(["-help"])
+    assert "-vary" in capsys.readouterr().out and (harness.ROOT / "scripts" / "fit.py").stat().st_mode & 0o100

@@ -1,0 +1,353 @@
+"""Checks the analysis of indentation tests on exact curves: fits, tips, cycles, holds, parts of models, measured files, refusals."""
+import csv
+import json
+import math
+import re
+import runpy
+
+import numpy as np
+import pytest
+
+import harness
+import load_depth
+import oliver_pharr
+import plot
+import tips
+from load_depth import Column, Curve
+from oliver_pharr import Constants
+from test_scripts import HISTORY
+
+pytestmark = pytest.mark.fast
+
+main = runpy.run_path(str(harness.ROOT / "scripts" / "indentation.py"))["main"]  # a module of that name is in tests/cases
+CONE = tips.make_tip("cone", half_angle=70.3)
+TAN = math.tan(math.radians(70.3))
+
+
+def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None):
+    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [])
+
+
+def metal(top=0.5, load=10.0, final=0.42, exponent=1.4, rows=400, lowest=0.0, first=0.0):
+    """Depth (um) and load (mN): load c h^2 up to a largest depth, then the power law down to a share of the load."""
+    up = np.linspace(first, top, rows)
+    down = top - (top - final) * (1 - lowest ** (1 / exponent)) * np.linspace(0, 1, rows)[1:]
+    return np.append(up, down), np.append(load * (up / top) ** 2, load * ((down - final) / (top - final)) ** exponent)
+
+
+STIFFNESS = 10 * 1.4 / 0.08  # of metal()
+
+
+# ---- the fit ----
+
+def test_power_law_is_found_again(expect):
+    depth, load = metal()
+    [row] = oliver_pharr.analyse(curve(depth, load))
+    for name, exact in (("stiffness_mN_per_um", STIFFNESS), ("exponent", 1.4), ("final_depth_um", 0.42), ("load_mN", 10), ("depth_um", 0.5)):
+        expect(name, row[name] / exact - 1, near=0, tolerance=1e-6)
+    total, elastic = 10 * 0.5 / 3, 10 * 0.08 / 2.4
+    expect("plastic over total work", row["plastic_share"], near=1 - elastic / total, tolerance=1e-4)
+    assert row["warnings"] == ""
+
+
+@pytest.mark.parametrize("window", [(0.5, 0.97), (0.2, 0.98)])
+def test_noise(expect, window):
+    """Noise of 0.5 % of the load and 0.02 % of the depth, in holds as well: the stiffness within three of its standard errors."""
+    depth, load = metal()
+    depth, load = (np.insert(each, 400, np.full(150, each[399])) for each in (depth, load))
+    random = np.random.default_rng(2)
+    rows = [oliver_pharr.analyse(curve(depth + 1e-4 * random.normal(size=len(depth)), load + 0.05 * random.normal(size=len(load))),
+                                 Constants(window=window))[0] for _ in range(20)]
+    errors = np.array([row["stiffness_mN_per_um"] / STIFFNESS - 1 for row in rows])
+    told = np.mean([row["stiffness_error_mN_per_um"] for row in rows]) / STIFFNESS
+    expect("mean error of the stiffness", np.mean(errors), near=0, tolerance=0.01)
+    expect("largest, of the standard error told", np.max(np.abs(errors)) / told, at_most=3.5)
+    expect("load at the start", np.max([abs(row["load_mN"] / 10 - 1) for row in rows]), at_most=0.003)
+
+
+def test_elastic_cone_by_sneddon_and_hay(expect):
+    """P = beta 2/pi E/(1 - nu^2) tan h^2 gives E with Hay's beta, 1.067, and 1.067 E with 1; epsilon is 2 - 4/pi, for which .72 is used."""
+    modulus, depth = 70.0, np.append(np.linspace(-0.1, 0.6, 300), np.linspace(0.6, 0, 300)[1:])
+    beta = tips.hay(TAN, 0.3)
+    load = beta * 2 / np.pi * modulus / 0.91 * TAN * np.maximum(depth, 0) ** 2
+    [exact] = oliver_pharr.analyse(curve(depth, load), Constants(epsilon=2 - 4 / np.pi))
+    [usual] = oliver_pharr.analyse(curve(depth, load))
+    [alone] = oliver_pharr.analyse(curve(depth, load), Constants(epsilon=2 - 4 / np.pi, beta=1))
+    expect("beta", beta, near=1.067, tolerance=5e-4)
+    expect("E", exact["modulus_GPa"] / modulus, near=1, tolerance=1e-5)
+    expect("E with epsilon .72", usual["modulus_GPa"] / modulus, near=2 / np.pi / 0.64, tolerance=1e-5)
+    expect("E with beta 1", alone["modulus_GPa"] / modulus, near=beta, tolerance=1e-4)
+    expect("plastic work", usual["plastic_share"], near=0, tolerance=1e-4)
+
+
+def test_elastic_sphere_and_punch(expect):
+    """Hertz's load and Sneddon's punch give E with epsilon .75 and 1; the area of the sphere is that of its true section, a^2 = 2 R h_c - h_c^2."""
+    modulus, radius = 70 / 0.91, 10.0
+    depth = np.append(np.linspace(0, 0.05, 300), np.linspace(0.05, 0, 300)[1:])
+    [sphere] = oliver_pharr.analyse(curve(depth, 4 / 3 * modulus * math.sqrt(radius) * depth**1.5, tip=tips.make_tip("sphere", radius=radius)))
+    [punch] = oliver_pharr.analyse(curve(depth, 2 * modulus * radius * depth, tip=tips.make_tip("flat_punch", radius=radius)))
+    expect("sphere", sphere["modulus_GPa"] / 70, near=1, tolerance=1e-3)
+    expect("punch", punch["modulus_GPa"] / 70, near=1, tolerance=1e-6)
+    assert sphere["warnings"] == punch["warnings"] == ""
+
+
+def test_datum_of_an_open_package(expect):
+    """Copper by a Berkovich tip with an area function: the data and results with which the package micromechanics tests itself.
+
+    Those results belong to the depth 111.172 nm, which that test uses; 111.901 nm stands in a remark beside it.
+    """
+    tip = tips.tip_of_function([32.9049, -6418.303798, 288484.8518, -989287.0625, 103588.5588, 675977.3345])
+    _, area, hardness, reduced = oliver_pharr.contact(tip, 0.111172457420282, 0.491297865144331, 159.111704268288, tip.epsilon, tip.beta(0.35))
+    constants = Constants(tip_modulus=1141, tip_poisson=0.07)
+    for name, value, told in (("area, um2", area, 0.598047490), ("hardness, GPa", hardness, 0.8215030968), ("reduced modulus, GPa", reduced, 182.3388587),
+                              ("modulus, GPa", oliver_pharr.specimen_modulus(reduced, 0.35, constants), 190.2577293)):
+        expect(name, value / told - 1, near=0, tolerance=1e-6)
+
+
+# ---- tips ----
+
+def test_areas(expect):
+    depths = np.array([0.1, 2.0])
+    for kind, factor in (("berkovich", 24.494), ("vickers", 24.504), ("cube_corner", 2.598)):
+        expect(kind, np.max(np.abs(tips.make_tip(kind).area(depths) / depths**2 - factor)), at_most=1e-3)
+    expect("cone", CONE.area(1.0), near=24.50, tolerance=0.01)
+    expect("rounded cone near its end", tips.make_tip("cone", half_angle=70.3, tip_radius=2).area(1e-6) / (4e-6 * math.pi), near=1, tolerance=1e-5)
+    rounded = tips.make_tip("pyramid", half_angle=60, faces=300, tip_radius=1).area
+    expect("rounded pyramid of many faces: ball", rounded(0.1) / (math.pi * (1 - 0.9**2)), near=1, tolerance=1e-3)
+    expect("rounded pyramid of many faces: cone", rounded(3.0) / (math.pi * (2 * math.sqrt(3) + 2) ** 2), near=1, tolerance=1e-3)
+    expect("depth of an area", tips.depth_of(CONE, CONE.area(0.7), 2), near=0.7, tolerance=1e-4)
+
+
+def test_pile_up(expect):
+    """A true area twice that of the cone at the largest depth: the rim is higher than the surface by (sqrt 2 - 1) of the depth."""
+    depth, load = metal()
+    [row] = oliver_pharr.analyse(curve(depth, load, area=2 * CONE.area(np.maximum(depth, 0))))
+    expect("pile-up", row["pile_up_um"], near=0.5 * (math.sqrt(2) - 1), tolerance=1e-3)
+    expect("load over true area", row["true_hardness_GPa"], near=10 / (2 * math.pi * TAN**2 / 4), tolerance=1e-6)
+    assert "true contact area" in row["warnings"]
+
+
+def test_no_contact_left():
+    """An unloading that is softer than any contact: nothing is known of the material, and a warning says why."""
+    [row] = oliver_pharr.analyse(curve(*metal(top=0.1, final=-0.4)))
+    assert row["area_um2"] == 0 and math.isnan(row["hardness_GPa"]) and math.isnan(row["modulus_GPa"]) and "below zero" in row["warnings"]
+
+
+# ---- cycles and holds ----
+
+def cycles_of(loads):
+    """A test with unloadings to a tenth from several loads; all unloadings are alike but for their size."""
+    parts, last = [], 0.0
+    for load in loads:
+        top = 0.5 * math.sqrt(load / 10)
+        depth, force = metal(top, load, 0.84 * top, lowest=0.1, first=last)
+        up = depth[:400] >= last
+        parts.append((depth[:400][up], force[:400][up]))
+        parts.append((depth[400:], force[400:]))
+        parts.append((depth[400:][::-1], force[400:][::-1]))
+        last = top
+    return (np.concatenate(each) for each in zip(*parts[:-1]))
+
+
+def test_each_cycle_has_its_row(expect):
+    loads = (0.5, 1, 2, 5, 10)
+    depth, load = cycles_of(loads)
+    rows = oliver_pharr.analyse(curve(depth, load))
+    assert [row["cycle"] for row in rows] == [1, 2, 3, 4, 5]
+    expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
+    expect("hardness is the same", np.ptp([row["hardness_GPa"] for row in rows]) / rows[0]["hardness_GPa"], at_most=1e-4)
+    expect("work that is plastic", np.ptp([row["plastic_share"] for row in rows]), at_most=2e-3)
+
+
+def test_ringing_before_is_no_cycle():
+    """Blows of the first contact, and noise around zero load before it."""
+    depth, load = metal()
+    before = np.linspace(-0.1, 0, 200)
+    load = load + 0.3 * np.maximum(np.sin(400 * depth), 0) * (depth < 0.06) * (np.arange(len(depth)) < 400)
+    noisy = np.append(0.02 * np.random.default_rng(3).normal(size=200), load)
+    assert len(load_depth.find_cycles(curve(np.append(before, depth), noisy))) == 1
+
+
+def test_blows_are_no_peaks():
+    """Spikes of some rows, more than twice the largest load and down to zero, also shortly before the unloading."""
+    depth, load = metal()
+    for row in (200, 300, 395):
+        load[row:row + 3] = 25, 0, 2
+    [row] = oliver_pharr.analyse(curve(depth, load))
+    assert abs(row["stiffness_mN_per_um"] / STIFFNESS - 1) < 1e-6 and row["warnings"] == ""
+
+
+def test_hold_under_displacement(expect):
+    """The load relaxes by a tenth while the tip rests: the unloading begins where it ends."""
+    depth, load = metal(rows=300)
+    hold = 11 - np.minimum(1, np.linspace(0, 2, 120))
+    [row] = oliver_pharr.analyse(curve(np.concatenate([depth[:300], np.full(120, 0.5), depth[300:]]),
+                                       np.concatenate([1.1 * load[:300], hold, load[300:]])))
+    expect("load", row["load_mN"], near=10, tolerance=1e-9)
+    expect("stiffness", row["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=1e-5)
+    assert row["warnings"] == ""
+
+
+def test_hold_under_load(expect):
+    """The tip creeps on; a nose is told of."""
+    depth, load = metal(rows=300)
+    creep = 0.5 - 0.02 * np.exp(-np.linspace(0, 6, 200))
+    whole = np.concatenate([0.48 * depth[:300] / 0.5, creep, depth[300:]]), np.concatenate([load[:300], np.full(200, 10.0), load[300:]])
+    [row] = oliver_pharr.analyse(curve(*whole))
+    expect("stiffness", row["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=0.01)
+    nose = np.linspace(10, 9, 50)
+    [row] = oliver_pharr.analyse(curve(np.concatenate([depth[:300], 0.5 + np.linspace(0, 0.005, 50), depth[300:]]),
+                                       np.concatenate([load[:300], nose, 0.9 * load[300:]])))
+    assert "nose" in row["warnings"]
+
+
+# ---- runs ----
+
+OPTIONS = {"-geometry": "plane_strain", "-domain_lower": "0,0", "-domain_upper": "1e-5,1e-5", "-cell_size": "1e-7", "-boundary_x_lower": "symmetry",
+           "-boundary_x_upper": "free", "-indenter": "wedge", "-indenter_half_angle": "70.3", "-indenter_tip": "0,8e-06", "-m_poissons_ratio": "0.3"}
+CONE_OPTIONS = {**OPTIONS, "-geometry": "axisymmetric", "-indenter": "cone", "-indenter_tip_radius": "0"}
+QUARTER = {**CONE_OPTIONS, "-geometry": "3d", "-domain_lower": "0,0,0", "-domain_upper": "1e-5,1e-5,1e-5", "-boundary_y_lower": "symmetry",
+           "-boundary_y_upper": "symmetry", "-indenter": "vickers", "-indenter_tip": "0,0,8e-06"}
+HALF = {**QUARTER, "-domain_lower": "-1e-5,0,0", "-indenter": "berkovich"}
+
+
+def write_run(folder, options, repeated=False):
+    """A result folder with a history of metal(), whose loads are means over the intervals."""
+    folder.mkdir()
+    depth, load = metal(rows=2001)
+    depth, load = 1e-6 * depth[::2], 1e-3 * np.append(0, load[1::2])
+    columns = dict.fromkeys([*HISTORY, "contact_area"], np.zeros(len(depth))) | {"step": np.arange(len(depth)), "time": 1e-9 * np.arange(len(depth)),
+                                                                                 "depth": depth, "load": load}
+    columns["contact_area"] = np.full(len(depth), 3e-12)
+    table = np.column_stack(list(columns.values()))
+    table = np.insert(table, 100, table[99], axis=0) if repeated else table
+    np.savetxt(folder / "history.csv", table, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
+    (folder / "summary.json").write_text(json.dumps({"case": "made", "levels": []} | ({"options": options} if options else {})))
+    return folder
+
+
+@pytest.mark.parametrize("options, parts, tip", [(OPTIONS, 2, None), (CONE_OPTIONS, 1, "cone"), (QUARTER, 4, "vickers"), (HALF, 2, "berkovich"),
+                                                 ({**OPTIONS, "-indenter_tip": "1e-6,8e-06"}, 1, None), (None, 1, None)],
+                         ids=["half in plane strain", "axisymmetric", "quarter", "half", "away from the side", "not known"])
+def test_parts_of_a_tip(tmp_path, options, parts, tip):
+    read = load_depth.read_run(write_run(tmp_path / "run", options))
+    assert abs(read.load.max() / parts - 10) < 0.01 and abs(read.area[-1] - 3 * parts) < 1e-12
+    assert (read.tip and read.tip.name) == tip and read.plane == (options is not None and options["-geometry"] == "plane_strain")
+    assert any("equal parts" in note for note in read.notes) == (parts > 1)
+
+
+def test_run_to_files(tmp_path, capsys, expect):
+    """Rows that a restart wrote twice do no harm; the files say the same."""
+    folder = write_run(tmp_path / "run", CONE_OPTIONS, repeated=True)
+    main([str(folder)])
+    printed = capsys.readouterr().out
+    [described] = json.loads((folder / "indentation.json").read_text())["curves"]
+    [cycle], [row] = described["cycles"], list(csv.DictReader(open(folder / "indentation.csv")))
+    assert described["tip"] == "cone" and float(row["hardness_GPa"]) == cycle["hardness_GPa"] and "beta" in printed
+    expect("stiffness", cycle["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=2e-3)
+    expect("beta", cycle["beta"], near=1.067, tolerance=5e-4)
+    assert np.ptp(plot.plt.imread(folder / "indentation.png")) > 0.5
+
+
+def test_plane_strain_has_only_the_mean_pressure(tmp_path, capsys):
+    folder = write_run(tmp_path / "run", OPTIONS)
+    main([str(folder)])
+    [cycle] = json.loads((folder / "indentation.json").read_text())["curves"][0]["cycles"]
+    assert cycle["hardness_GPa"] is None and cycle["modulus_GPa"] is None and abs(cycle["true_hardness_GPa"] - 20 / 6) < 0.01
+    assert "plane strain" in capsys.readouterr().out
+
+
+# ---- measured curves ----
+
+DEPTH, LOAD = Column("depth", 1.0), Column("load", 1.0)
+
+
+def text_of(depth, load, mark=",", head="depth,load\n"):
+    return head + "".join(f"{h:.9g}{mark}{p:.9g}\n" for h, p in zip(depth, load))
+
+
+@pytest.mark.parametrize("head, mark, comma, depth, load", [
+    ("depth,load\n", ",", False, DEPTH, LOAD), ("", " ", False, Column("1", 1), Column("2", 1)),
+    ("Instrument 7\n\nDepth\tLoad\num\tmN\n", "\t", False, DEPTH, LOAD), ('"depth";"load"\n', ";", True, DEPTH, LOAD),
+    ("# depth load\n", "  ", False, DEPTH, LOAD)], ids=["commas", "spaces", "tabs and units", "decimal commas", "remark"])
+def test_kinds_of_text(tmp_path, head, mark, comma, depth, load):
+    text = text_of(*metal(), mark=mark, head="")
+    (tmp_path / "m.txt").write_text(head + (text.replace(".", ",") if comma else text))
+    read = load_depth.read_measured(tmp_path / "m.txt", depth, load)
+    assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
+
+
+def test_measured_beside_a_run(tmp_path, capsys, expect):
+    """In nm and uN, with drift and rows written twice; the tip is that of the run."""
+    folder = write_run(tmp_path / "run", CONE_OPTIONS)
+    depth, load = (np.repeat(each, 2) for each in metal())
+    times = np.repeat(np.arange(len(depth) // 2), 2) * 0.1
+    np.savetxt(tmp_path / "m.csv", np.column_stack([times, 1e3 * depth + 0.05 * times, 1e3 * load]), delimiter=",", header="t,h,F", comments="")
+    main([str(folder), str(tmp_path / "m.csv"), "--depth", "h:nm", "--load", "F:uN", "--time", "t:s", "--drift", "0.05"])
+    assert capsys.readouterr().out.count("  hardness") == 2
+    run, measured = (each["cycles"][0] for each in json.loads((folder / "indentation.json").read_text())["curves"])
+    for name in ("load_mN", "stiffness_mN_per_um", "hardness_GPa", "reduced_modulus_GPa"):
+        expect(name, measured[name] / run[name] - 1, near=0, tolerance=5e-3)
+    assert measured["modulus_GPa"] is None
+
+
+# ---- refusals ----
+
+GOOD = text_of(*metal())
+ROWS = GOOD.splitlines(True)[1:]
+MEASURED = {
+    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"), "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
+    "no such column": (GOOD.replace("load", "force", 1), "no column load"), "words": (GOOD + "end,of\n", "no row of numbers"),
+    "not a number": (GOOD + "nan,1\n", "no row of numbers"), "a longer row": (GOOD + "1,2,3\n", "3 columns instead of 2"),
+    "only loading": ("depth,load\n" + "".join(ROWS[:400]), "no unloading"), "only unloading": ("depth,load\n" + "".join(ROWS[400:]), "without a loading"),
+    "shuffled": ("depth,load\n" + "".join(np.random.default_rng(1).permutation(ROWS)), "order of the test"),
+    "sorted by depth": ("depth,load\n" + "".join(sorted(ROWS, key=lambda row: float(row.split(",")[0]))), ""),
+    "one value": ("depth,load\n" + 20 * "1,1\n", "no unloading"), "a jump back": ("depth,load\n" + "".join(ROWS[:400] + ROWS[-2:]), "rows of the unloading"),
+}
+
+
+def refusal(*words):
+    with pytest.raises(SystemExit) as caught:
+        main([str(word) for word in words])
+    assert re.fullmatch(r"error: [^\n]+", str(caught.value.code)), caught.value.code
+    return caught.value.code
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_measured_files(tmp_path, name):
+    content, expected = MEASURED[name]
+    (tmp_path / "m.csv").write_text(content)
+    line = refusal(tmp_path / "m.csv", "--tip", "berkovich")
+    assert "m.csv" in line and expected in line
+
+
+def test_times_that_fall(tmp_path):
+    np.savetxt(tmp_path / "m.csv", np.column_stack([np.arange(799)[::-1], *metal()]), delimiter=",", header="time,depth,load", comments="")
+    assert "time falls in data row 2" in refusal(tmp_path / "m.csv", "--tip", "berkovich", "--time", "time:s")
+
+
+WORDS = {
+    "no curve": [], "no such file": ["none.csv"], "tip not known": ["m.csv"], "cone without angle": ["m.csv", "--tip", "cone"],
+    "sphere without radius": ["m.csv", "--tip", "sphere"], "unknown tip": ["m.csv", "--tip", "knoop"],
+    "two tips": ["m.csv", "--tip", "vickers", "--area-function", "24.5"],
+    "window upside down": ["m.csv", "--tip", "vickers", "--window", "0.9,0.5"], "empty window": ["m.csv", "--tip", "vickers", "--window", "0.96,0.961"],
+    "unit": ["m.csv", "--tip", "vickers", "--depth", "depth:inch"], "no unit": ["m.csv", "--tip", "vickers", "--load", "load"],
+    "Poisson's ratio": ["m.csv", "--tip", "vickers", "--poisson", "0.7"], "beta": ["m.csv", "--tip", "vickers", "--beta", "0"],
+    "drift without time": ["m.csv", "--tip", "vickers", "--drift", "0.1"], "area function": ["m.csv", "--area-function", "24.5,x"],
+    "out": ["m.csv", "--tip", "vickers", "--out", "/dev/null/none"],
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_words(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.csv").write_text(GOOD)
+    refusal(*WORDS[name])
+
+
+def test_folders(tmp_path):
+    assert "history.csv" in refusal(tmp_path)
+    folder = write_run(tmp_path / "run", {**CONE_OPTIONS, "-indenter_half_angle": "steep"})
+    assert "summary.json" in refusal(folder)
+    (folder / "summary.json").unlink()
+    assert "--tip" in refusal(folder)

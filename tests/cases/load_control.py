@@ -133,6 +133,17 @@ def test_cycles_down_to_nothing(expect):
     expect("penetration, cells", history["penetration"][-1], at_most=0.1)
 
 
+def test_contact_beyond_the_level_of_the_tip(expect):
+    """What a coarser level carries counts: a punch of 12 cells stands on one whose box ends after 8. Near that border energies are not right,
+    and a warning says so."""
+    case = {**WEDGE, "cell_size": 2, "levels": 2, "level_1_lower": "0,10", "level_1_upper": "8,26", "indenter": "flat_punch", "indenter_width": 24,
+            "indenter_half_angle": None, "cfl": 0.4, **schedule((0, 100, 140), (0, 1, 1))}
+    history = harness.run({name: value for name, value in case.items() if value is not None}).history
+    held = history["time"] > 110
+    expect("mean load in the hold", numpy.average(history["load"][held]), near=1, tolerance=0.005)
+    expect("load of a step in the hold", numpy.max(numpy.abs(history["load"][held] - 1)), at_most=0.1)
+
+
 # What is tried, the options that differ from those of a wedge, words of the line that is expected.
 REFUSED = [
     ("times that do not increase", schedule((0, 1, 1), (0, 1, 1)), ["-indenter_times 1:", "increasing"]),

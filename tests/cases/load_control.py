@@ -133,6 +133,16 @@ def test_cycles_down_to_nothing(expect):
     expect("penetration, cells", history["penetration"][-1], at_most=0.1)
 
 
+def test_metal_on_levels(expect):
+    """The first seventh of the shipped case."""
+    result = harness.run({"end_time": 20e-9, "frames": 0}, file="cone_load.opts")
+    history = result.history
+    expect("load against the one set, each step", load_error(history, (0, 80e-9), (0, 10e-3)), at_most=1e-8)
+    energy = sum(history[part][-1] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    expect("energy, of the work", energy / history["indenter_work"][-1], near=1, tolerance=0.01)
+    expect("plastic work, of the work", history["plastic_work"][-1] / history["indenter_work"][-1], at_least=0.3)
+
+
 def test_contact_beyond_the_level_of_the_tip(expect):
     """What a coarser level carries counts: a punch of 12 cells stands on one whose box ends after 8. Near that border energies are not right,
     and a warning says so."""

@@ -108,7 +108,7 @@ PetscErrorCode ActiveSetSolver::FindSetByLoad(double most_travel, ActiveSetRepor
     PetscCall(VecSet(lambda_, 0)); // what a load out of reach would need is no start for the solver
     PetscCall(FindSet(report));
   }
-  report->travel = travel_ / scale_;
+  report->travel = report->solved ? travel_ / scale_ : 0; // a run that ends for it should not fall over numbers that are none
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 #include "hierarchy/level_interface.hpp"
 #include "hierarchy/point_copies.hpp"
 #include "hierarchy/point_transfer.hpp"
+#include "hierarchy/tip_track.hpp"
 #include "level/level.hpp"
 #include "level/seeding.hpp"
 
@@ -21,7 +22,8 @@ struct HierarchySettings {
   std::vector<LevelGeometry> levels;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
-  int ratio = 2; ///< of neighbouring levels' cells and steps
+  int ratio = 2;     ///< of neighbouring levels' cells and steps
+  int tip_level = 0; ///< the finest that holds the surface under the indenter's tip
   std::vector<double>
       blend_widths;            ///< of the bands inside the borders, cells of the coarser level; kBlendWidth where none is given
   bool merge_siblings = false; ///< points that leave a level become their parent again
@@ -76,6 +78,7 @@ public:
   int Levels() const { return static_cast<int>(levels_.size()); }
   Level &At(int l) { return *levels_[l]; }
   MPI_Comm Comm() const { return comm_; }
+  TipTrack &Tip() { return tip_; }
   const CopyState &Copies() const { return copies_; }
   void SetCopies(const CopyState &copies) { copies_ = copies; }
   const std::vector<PetscLogStage> &Stages() const { return stages_; }
@@ -111,6 +114,7 @@ private:
   std::vector<std::unique_ptr<PointTransfer>> transfers_;
   std::vector<std::unique_ptr<CopyBorder>> ghosts_; ///< where the coupling is by points
   CopyState copies_;
+  TipTrack tip_;
 };
 
 } // namespace mlgimp

@@ -44,6 +44,13 @@ struct LevelClock {
   bool contact_awake = true;
 };
 
+/// What contact did to the indenter's tip in a step.
+struct TipReport {
+  double travel = 0;    ///< of a free tip, downward; the same on all ranks that hold a part of the grid, m
+  bool limited = false; ///< it would have had to travel farther to carry its load
+  double load = 0;      ///< this rank's part, N
+};
+
 class Level
 {
 public:
@@ -60,7 +67,7 @@ public:
   /// New velocities of owned nodes from the level's own points.
   PetscErrorCode UpdateNodes(double dt);
   /// Holds the velocities at the domain's sides; contact; sends them to ghost nodes.
-  PetscErrorCode FinishNodes(double time, double dt);
+  PetscErrorCode FinishNodes(double time, double dt, const TipStep &tip);
   /// Velocities, positions, strain and stress of the points.
   PetscErrorCode AdvancePoints(double dt);
   /// Counts the step; migrates and sorts where due.
@@ -92,12 +99,14 @@ public:
   /// Bounds the drift of points in a step by the largest speed now: they migrate before they drift out of the halo.
   void BoundDrift(double largest_speed, double dt);
 
-  /// Least distance of this rank's surface points from the indenter at a time, m; infinite where there is none.
-  PetscErrorCode IndenterDistance(double time, double *distance);
+  /// Least distance of this rank's surface points from the indenter with its tip there, m; infinite where there is none.
+  PetscErrorCode IndenterDistance(Vec3 tip, double *distance);
   /// While the indenter is out of reach, contact is left out of the steps.
   void WatchContact(bool within_reach) { clock_.contact_awake = within_reach; }
   /// Whether the next steps measure the noise of their points' velocities, for Totals.
   void MeasureNoise(bool measures) { measures_noise_ = measures; }
+  /// What contact did to the tip in the last step.
+  const TipReport &Tip() const { return tip_; }
   /// Contact pressures that the next step starts from, the same on every rank that holds a part of the grid.
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
@@ -126,7 +135,7 @@ public:
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:
-  PetscErrorCode ApplyContact(double time, double dt);
+  PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void NoteContact(const ContactReport &report, double area);
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
@@ -158,6 +167,7 @@ private:
   Budgets budgets_;
   LevelFailure failure_;
   double time_ = 0;
+  TipReport tip_;
   LevelClock clock_;
   int sort_interval_ = 50;
 };

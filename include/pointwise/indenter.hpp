@@ -1,4 +1,4 @@
-// The rigid indenter: its surface as a signed distance, and its motion.
+// The rigid indenter: its surface as a signed distance, and its motion or the load that moves it.
 #pragma once
 
 #include "base/tensor.hpp"
@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mlgimp
@@ -68,19 +69,40 @@ struct IndenterMotion {
   }
 };
 
+/// Load control: what the indenter, which has no mass, carries; it goes where the contact lets it.
+struct IndenterLoad {
+  PiecewiseLinear force;    ///< N, as simulated, not negative
+  double largest_speed = 0; ///< of the tip, up or down, m/s
+};
+
+/// The tip in a step. Under load control it is at rest, and contact finds how far it comes down.
+struct TipStep {
+  Vec3 start{}, end{};    ///< m
+  double load = NAN;      ///< that contact must carry, N; NAN where the way is given
+  double most_travel = 0; ///< up or down, where contact finds it, m
+  bool IsFree() const { return !std::isnan(load); }
+  /// How far it comes down where nothing is near.
+  double FreeTravel() const { return load > 0 ? most_travel : 0; }
+};
+
 /// A moving rigid indenter.
 struct Indenter {
   std::unique_ptr<IndenterSurface> surface;
-  IndenterMotion motion;
+  IndenterMotion motion;      ///< without a load
   Vec3 tip{};                 ///< at t = 0, m
   double initial_surface = 0; ///< height of the undeformed body below the tip, m
   int up = 1;                 ///< axis, the last of the geometry
+  std::optional<IndenterLoad> by_load{};
 
   Vec3 Up(double length) const { return {0, up == 1 ? length : 0, up == 2 ? length : 0}; }
+  // Its motion where there is no load.
   Vec3 Tip(double t) const { return tip - Up(motion.Travel(t)); }
   Vec3 Velocity(double t) const { return Up(-motion.Speed(t)); }
-  double Depth(double t) const { return initial_surface - Tip(t)[up]; }
-  SurfaceGap Gap(Vec3 x, double t) const { return surface->Gap(x - Tip(t)); }
+
+  /// Largest speed, up or down, between two times; under load control a bound.
+  double Fastest(double from, double to) const { return by_load ? by_load->largest_speed : motion.Fastest(from, to); }
+  double Depth(Vec3 tip_now) const { return initial_surface - tip_now[up]; }
+  SurfaceGap Gap(Vec3 x, Vec3 tip_now) const { return surface->Gap(x - tip_now); }
 };
 
 } // namespace mlgimp

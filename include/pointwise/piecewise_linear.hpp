@@ -13,12 +13,16 @@ public:
   PiecewiseLinear() = default;
   PiecewiseLinear(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
   double Value(double t) const;
-  double Integral(double t) const; ///< from 0 to t
+  double Integral(double t) const { return Between(0, t); } ///< from 0 to t
+  double Mean(double from, double to) const { return Between(from, to) / (to - from); }
+  double EndTime() const { return times_.empty() ? 0 : times_.back(); }
   double LargestMagnitude(double from, double to) const;
   /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
   double TimeOfIntegral(double target, double end) const;
 
 private:
+  double Between(double from, double to) const; ///< the integral
+
   std::vector<double> times_, values_;
 };
 

@@ -63,6 +63,14 @@ struct Case {
   {
     return (b.points_split - b.points_merged) * (std::pow(hierarchy.ratio, Dim()) - 1);
   }
+  /// What a level needs between the tip and its borders, m.
+  double BorderMargin(int k) const { return k == 0 ? 0 : least_blend_width * CellSize(k - 1) + kBorderCells * CellSize(k); }
+  /// The lowest place that the tip may come to while it is on a level.
+  double LowestTip(int k) const
+  {
+    const Side below = static_cast<Side>(2 * model.indenter->up);
+    return boxes[k].At(below) + (IsBorder(k, below) ? BorderMargin(k) : 0);
+  }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
   bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }

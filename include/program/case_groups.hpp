@@ -26,6 +26,7 @@ void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKi
                       const std::vector<NamedInGeometry> &values, std::string *value);
 
 /// Times and values of a piecewise-linear history.
-void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, PiecewiseLinear *history);
+void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, const Range &range,
+                 PiecewiseLinear *history);
 
 } // namespace mlgimp

@@ -47,6 +47,7 @@ private:
   std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
   void ShowProgress(bool last);
   void SettleFailure();
+  std::string DescribeTip();
   void SettleState();
   /// Whether the run ends, or a row of the history is written, after a step that ends at a time.
   bool IsEnd(long step, double time) const;

@@ -37,6 +37,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   settings_ = settings;
   events_ = events;
   levels_.resize(settings.levels.size());
+  tip_.Create(model.indenter ? &*model.indenter : nullptr, settings.tip_level, Levels());
   for (int l = 0; l < Levels(); ++l) {
     const LevelGeometry &geometry = settings.levels[l];
     seedings.emplace_back(model, geometry.grid, geometry.sides, cell_size_at, settings.ratio, first_id);
@@ -194,6 +195,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   Level &level = *levels_[l];
   const bool has_finer = l + 1 < Levels();
   const double fine_dt = dt / settings_.ratio;
+  const Vec3 tip = tip_.At(time);
   PetscFunctionBeginUser;
   PetscCall(PetscLogStagePush(stages_[l]));
   PetscCall(level.GatherForces(time, dt));
@@ -204,7 +206,8 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevel(l + 1, time + k * fine_dt, fine_dt, k));
     PetscCall(Logged(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
   }
-  PetscCall(level.FinishNodes(time, dt));
+  PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip, time, dt)));
+  PetscCall(tip_.Follow(comm_, l, level, time, dt));
   PetscCall(level.AdvancePoints(dt));
   if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
   PetscCall(level.EndStep());
@@ -221,7 +224,7 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   PetscCall(PetscLogStagePush(stages_[l]));
   PetscCall(level.GatherForces(time, dt));
   PetscCall(level.UpdateNodes(dt));
-  PetscCall(level.FinishNodes(time, dt));
+  PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip_.At(time), time, dt)));
   PetscCall(level.AdvancePoints(dt));
   PetscCall(level.EndStep());
   if (has_finer) {
@@ -271,7 +274,7 @@ PetscErrorCode Hierarchy::CheckSpeeds(double time, SpeedCheck *speeds)
   for (int l = 0; l < Levels(); ++l) {
     double wave = 0, point = 0, distance = 0;
     PetscCall(levels_[l]->LargestSpeeds(&wave, &point));
-    PetscCall(levels_[l]->IndenterDistance(time, &distance));
+    PetscCall(levels_[l]->IndenterDistance(tip_.At(time), &distance));
     values[0] = std::max(values[0], wave);
     values[1] = std::max(values[1], point);
     if (levels_[l]->Failure().kind != LevelFailure::kNone) values[2] = 1;
@@ -286,9 +289,7 @@ PetscErrorCode Hierarchy::CheckSpeeds(double time, SpeedCheck *speeds)
 PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt, int steps)
 {
   constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
-  double travel = 0;                              // the whole way of the indenter: it may turn
-  for (int k = 0; k < steps && model_->indenter; ++k)
-    travel += Norm(model_->indenter->Tip(time + (k + 1) * dt) - model_->indenter->Tip(time + k * dt));
+  const double travel = tip_.Reach(time, dt, steps);
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     const double h = settings_.levels[l].grid.spacing;

@@ -125,15 +125,16 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::FinishNodes(double time, double dt)
+PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
   PetscFunctionBeginUser;
+  tip_ = {tip.FreeTravel(), false, 0};
   if (!grid_->Participates() || !clock_.contact_awake) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt));
+  if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt, tip));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
@@ -156,19 +157,20 @@ static Vec3 VelocityOf(const Grid &grid, std::ptrdiff_t node)
   return velocity;
 }
 
-PetscErrorCode Level::ApplyContact(double time, double dt)
+PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;
   ContactReport report;
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const Vec3 travel = indenter.Tip(time + dt) - indenter.Tip(time);
-  const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff, time, dt};
+  const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
+                            time,   dt,      tip};
   std::vector<Vec3> shared;
   for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
   PetscCall(contact_->Apply(view, &report));
   pushed_ = report.pushed;
+  tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt};
   for (std::size_t k = 0; k < shared.size(); ++k) {
     const std::ptrdiff_t node = coupled_nodes_[k].node;
     budgets_.shared_contact_impulse +=
@@ -180,7 +182,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt)
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
   budgets_.contact_impulse += report.impulse;
   budgets_.support_impulse += report.side_impulse;
-  budgets_.indenter_work += Dot(report.impulse, travel) / dt;
+  budgets_.indenter_work += Dot(report.impulse, tip.IsFree() ? indenter.Up(-report.travel) : tip.end - tip.start) / dt;
   budgets_.contact_steps += report.set_updates > 0;
   budgets_.contact_set_updates += report.set_updates;
   budgets_.contact_fallbacks += report.fallback;

@@ -102,14 +102,14 @@ PetscErrorCode Level::SumPoints(const std::vector<int> &list, Budgets *sums)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::IndenterDistance(double time, double *distance)
+PetscErrorCode Level::IndenterDistance(Vec3 tip, double *distance)
 {
   PetscFunctionBeginUser;
   *distance = HUGE_VAL;
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
   const PointArrays points = points_.Arrays();
   const std::vector<int> &surface = points_.SurfacePoints();
-  for (int p : surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), time).distance);
+  for (int p : surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), tip).distance);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

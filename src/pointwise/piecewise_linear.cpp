@@ -16,15 +16,15 @@ double PiecewiseLinear::Value(double t) const
   return values_.back();
 }
 
-double PiecewiseLinear::Integral(double t) const
+double PiecewiseLinear::Between(double from, double to) const
 {
-  double sum = 0, from = 0;
+  double sum = 0;
   for (double knot : times_)
-    if (knot > from && knot < t) {
+    if (knot > from && knot < to) {
       sum += 0.5 * (Value(from) + Value(knot)) * (knot - from);
       from = knot;
     }
-  return sum + 0.5 * (Value(from) + Value(t)) * (t - from);
+  return sum + 0.5 * (Value(from) + Value(to)) * (to - from);
 }
 
 double PiecewiseLinear::LargestMagnitude(double from, double to) const

@@ -161,11 +161,12 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 }
 
 /// Times and values of a piecewise-linear history.
-void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, PiecewiseLinear *history)
+void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, const Range &range,
+                 PiecewiseLinear *history)
 {
   std::vector<double> times, values;
   reader.Numbers({times_name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, true, &times);
-  reader.Numbers(values_text, kAnyNumber, 1, 0, true, &values);
+  reader.Numbers(values_text, range, 1, 0, true, &values);
   if (reader.Help()) return;
   for (std::size_t k = 1; k < times.size(); ++k)
     if (times[k] <= times[k - 1]) reader.Refuse(times_name, FormatNumber(times[k]), "increasing");
@@ -197,7 +198,7 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
         reader.Refuse(prefix + "span", FormatNumber(load.span[k][0]) + "," + FormatNumber(load.span[k][1]),
                       "start,end with end above start");
     ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
-                &load.pressure);
+                kAnyNumber, &load.pressure);
     c->model.loads.push_back(load);
     c->load_names.push_back(name);
   }

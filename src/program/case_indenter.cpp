@@ -122,6 +122,52 @@ double InitialSurface(const Case &c, const Indenter &indenter)
   return std::isfinite(found) ? found : highest;
 }
 
+/// Options that the other kind of control has are refused by name.
+void RefuseGiven(OptionReader &reader, const std::string &option, const std::string &control)
+{
+  std::string text;
+  if (reader.Text({option, "of another -indenter_control"}, false, &text))
+    reader.Refuse(option, text, "left out with -indenter_control " + control);
+}
+
+/// What load control asks of the rest of the case, and what follows from it.
+void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case *c)
+{
+  constexpr double kLargestSpeed = 0.1; // of the speed of waves; no indentation is as fast
+  double wave_speed = 0;
+  for (const char *option : {"-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
+    RefuseGiven(reader, option, "load");
+  if (c->model.contact.method != "pressure")
+    reader.Refuse("-contact", c->model.contact.method, "pressure with -indenter_control load");
+  if (c->levels > 1 && c->hierarchy.coupling == LevelCoupling::kPoints)
+    reader.Refuse("-level_coupling", "points", "nodes with -indenter_control load");
+  for (const auto &material : c->model.materials)
+    wave_speed = std::max(wave_speed, std::sqrt((material->Lambda() + 2 * material->Mu()) / material->Density()));
+  c->model.indenter->by_load = {force, kLargestSpeed * wave_speed};
+  if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
+}
+
+/// The history of the speed or of the load.
+void ReadControl(OptionReader &reader, Case *c)
+{
+  const std::vector<std::string> controls = {"displacement", "load"};
+  const OptionText loads = {"-indenter_loads", "load at the times, of the part that is simulated, with -indenter_control load",
+                            "N"};
+  std::string control = controls[0];
+  PiecewiseLinear force;
+  std::vector<double> none;
+  reader.Choice({"-indenter_control", "what is given of the indenter, its speed or its load"}, controls, &control);
+  if (control == "displacement") {
+    if (!reader.Help()) RefuseGiven(reader, loads.name, control);
+    ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
+                kAnyNumber, &c->model.indenter->motion.speed);
+    if (reader.Help()) reader.Numbers(loads, kNotNegative, 1, 0, true, &none);
+  } else {
+    ReadHistory(reader, "-indenter_times", loads, kNotNegative, &force);
+    if (!reader.Help()) FinishLoadControl(reader, force, c);
+  }
+}
+
 /// The turn at the largest depth, and the end of the run that follows from the motion.
 void ReadTurningPoint(OptionReader &reader, Case *c)
 {
@@ -185,7 +231,7 @@ void CheckContactSolver(OptionReader &reader)
 double LowestTip(const Indenter &indenter, double end_time)
 {
   constexpr int kSamples = 1000;
-  if (!std::isfinite(end_time)) return -HUGE_VAL;
+  if (!std::isfinite(end_time) || indenter.by_load) return -HUGE_VAL;
   double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[indenter.up];
   for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[indenter.up]);
   return lowest;
@@ -215,7 +261,7 @@ void CheckIndenterPath(OptionReader &reader, const Case &c)
   const double lowest = LowestTip(indenter, c.time.end_time);
   for (int k = 1; k < c.levels; ++k) {
     const Box &box = c.boxes[k];
-    const double margin = c.least_blend_width * c.CellSize(k - 1) + kBorderCells * c.CellSize(k);
+    const double margin = c.BorderMargin(k);
     const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
     bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
     for (int axis = 0; axis < up; ++axis)
@@ -258,12 +304,12 @@ void ReadIndenter(OptionReader &reader, Case *c)
   indenter.up = UpAxis(geometry);
   ReadSurface(reader, geometry, kind, &indenter.surface);
   reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip);
-  ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
-              &indenter.motion.speed);
+  ReadControl(reader, c);
   if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric");
   if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
-  ReadTurningPoint(reader, c);
+  if (!indenter.by_load) ReadTurningPoint(reader, c);
+  c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
   CheckIndenterPath(reader, *c);
   CheckIndenterSize(reader, *c, kind);

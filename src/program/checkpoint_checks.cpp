@@ -107,6 +107,14 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
   return "";
 }
 
+std::string WrongTip(const std::vector<double> &n, std::size_t count, double time)
+{
+  constexpr double kRounding = 1e-9;
+  const bool right = n.size() == count && AllFinite(n.data(), n.size()) &&
+                     (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
+  return right ? "" : "its tip of the indenter is not that of a run";
+}
+
 std::string WrongClock(const std::vector<double> &n, long step, const Case &settings, int l)
 {
   const bool whole = IsWhole(n[0], 1, kLargestWhole) && n[0] == static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);

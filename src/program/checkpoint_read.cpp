@@ -104,7 +104,7 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4);
+  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip;
   std::string then, difference;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
@@ -116,8 +116,10 @@ void CheckpointReader::ReadHead(RunState *state)
     if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
     Note(NotFinite(copies, "copies"));
   }
+  if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   Settle("checkpoint_state");
   *state = StateFromNumbers(numbers);
+  hierarchy_.Tip().SetState(tip);
   hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
 }
 

@@ -93,7 +93,7 @@ double Simulation::FastestSignal(const SpeedCheck &speeds) const
 {
   if (!case_.model.indenter) return speeds.wave_speed;
   const double soon = state_.time + 2 * kControlInterval * StepLength(speeds.wave_speed);
-  return std::max(speeds.wave_speed, speeds.point_speed + case_.model.indenter->motion.Fastest(state_.time, soon));
+  return std::max(speeds.wave_speed, speeds.point_speed + case_.model.indenter->Fastest(state_.time, soon));
 }
 
 /// Ends the run, before its first step as one with wrong input.
@@ -179,9 +179,29 @@ void Simulation::WriteDue()
   EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }
 
+/// What is wrong with the way of a tip under load control; empty where nothing is. The same on all ranks.
+std::string Simulation::DescribeTip()
+{
+  constexpr double kMostOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
+  if (!case_.model.indenter || !case_.model.indenter->by_load) return "";
+  const Indenter &indenter = *case_.model.indenter;
+  const double height = hierarchy_.Tip().At(state_.time)[indenter.up], lowest = case_.LowestTip(case_.hierarchy.tip_level);
+  const std::string when = "time " + FormatRounded(state_.time) + ": ",
+                    load = "-indenter_loads, " + FormatRounded(indenter.by_load->force.Value(state_.time)) + " N by now, ";
+  if (hierarchy_.Tip().Overrun() > kMostOverrun * (indenter.initial_surface - case_.domain.lower[indenter.up]))
+    return when + load + "are not met although the tip comes down at " + FormatRounded(indenter.by_load->largest_speed) +
+           " m/s, a tenth of the speed of waves; try smaller or slower ones";
+  if (height < lowest)
+    return when + load + "press the tip down to " + FormatRounded(height) + ", below " + FormatRounded(lowest) +
+           ", to which level " + std::to_string(case_.hierarchy.tip_level) + " can hold it; try smaller ones or a larger box";
+  return "";
+}
+
 void Simulation::SettleFailure()
 {
-  const std::string message = Agree(comm_, "failure", hierarchy_.DescribeFailure());
+  std::string problem = hierarchy_.DescribeFailure();
+  if (problem.empty()) problem = DescribeTip();
+  const std::string message = Agree(comm_, "failure", problem);
   if (!message.empty()) Fail(message);
 }
 
@@ -235,7 +255,7 @@ void Simulation::WriteHistoryRow()
   state_.impulse_at_row = impulse;
   state_.time_at_row = state_.time;
   budgets_.time = state_.time;
-  budgets_.depth = indenter ? indenter->Depth(state_.time) : 0;
+  budgets_.depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
   budgets_.load = load_;
   warnings_.Look(comm_, case_, budgets_, AtEnd());
   CheckWritten(history_.Write(state_.step, budgets_));
@@ -253,7 +273,7 @@ void Simulation::ShowProgress(bool last)
   const double left = done > 0 ? elapsed * (1 - Progress()) / done : 0;
   double points = point_steps_;
   MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  const double depth = case_.model.indenter ? case_.model.indenter->Depth(state_.time) : 0;
+  const double depth = case_.model.indenter ? case_.model.indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
   EndOn(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
                     state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
                     last ? "\n" : ""));

@@ -148,7 +148,7 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
       for (int corner = 0; corner < 1 << a.dim; ++corner) {
         Vec3 x = a.Position(p);
         for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * a.HalfSize(p)[d];
-        deepest = std::max(deepest, -c.model.indenter->Gap(x, 0).distance);
+        deepest = std::max(deepest, -c.model.indenter->Gap(x, c.model.indenter->tip).distance);
       }
   }
   MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, hierarchy.Comm());

@@ -111,7 +111,7 @@ PetscErrorCode Stretch(StressUpdate update)
   while (stretch < kStretch) {
     PetscCall(level.GatherForces(0, dt));
     PetscCall(level.UpdateNodes(dt));
-    PetscCall(level.FinishNodes(0, dt));
+    PetscCall(level.FinishNodes(0, dt, {}));
     const Grid &nodes = level.Mesh();
     ForEach(nodes.Owned(), [&](Index node) {
       double *v = nodes.VelocityArray() + 4 * nodes.Place(node);

@@ -168,6 +168,89 @@ TEST(ActiveSet, NothingTouches)
   EXPECT_EQ(report.active, 0);
 }
 
+namespace
+{
+
+/// Rows of a problem under load control; c differs from row to row.
+ComplementarityProblem RowsByLoad(const Matrix &A, const std::vector<double> &r, int first, int end, double load, double most)
+{
+  ComplementarityProblem problem = Rows(A, r, first, end);
+  problem.by_load = true;
+  for (int j = first; j < end; ++j) problem.c.push_back(1 + 0.5 * std::sin(3.0 * j));
+  problem.load = load;
+  problem.most_travel = most;
+  return problem;
+}
+
+/// A lambda - r - u c >= 0, lambda >= 0, one of them zero in each row, and c . lambda = P; there is only one such lambda.
+void ExpectByLoad(const Matrix &A, const std::vector<double> &r, const std::vector<double> &c, const std::vector<double> &lambda,
+                  double load, double travel, double scale)
+{
+  double carried = 0;
+  for (int j = 0; j < A.size; ++j) {
+    double slack = -r[j] - travel * c[j];
+    for (int k = 0; k < A.size; ++k) slack += A.At(j, k) * lambda[k];
+    carried += c[j] * lambda[j];
+    EXPECT_GE(lambda[j], 0);
+    EXPECT_GE(slack, -1e-8 * scale);
+    EXPECT_LE(lambda[j] * slack, 1e-8 * scale);
+  }
+  EXPECT_NEAR(carried, load, 1e-12 * load + 1e-15) << "pressures have the size of one";
+}
+
+} // namespace
+
+TEST(LoadControl, CarriesTheLoad)
+{
+  ActiveSetSolver solver;
+  ASSERT_EQ(solver.Create(PETSC_COMM_SELF, true), PETSC_SUCCESS);
+  int some = 0;
+  for (int n = 0; n < 40; ++n) {
+    const int size = n % 2 ? 7 : 12;
+    const double scale = n % 4 > 1 ? 1e-30 : 1, load = n % 5 ? Random(0.1, 3) : 1e-6;
+    const Matrix A = RandomMatrix(size, 4, scale, 0);
+    std::vector<double> r(size), lambda(size);
+    for (double &value : r) value = scale * Random(-2, n % 3 ? 1 : -0.5); // also where nothing touches the indenter at rest
+    for (double &value : lambda) value = n % 3 ? Random(-1, 1) : 0;
+    const ComplementarityProblem problem = RowsByLoad(A, r, 0, size, load, HUGE_VAL);
+    ActiveSetReport report;
+    ASSERT_EQ(solver.Solve(problem, &lambda, &report), PETSC_SUCCESS);
+    EXPECT_TRUE(report.solved && !report.fallback && !report.limited);
+    ExpectByLoad(A, r, problem.c, lambda, load, report.travel, scale);
+    some += report.active > 1 && report.active < size;
+  }
+  EXPECT_GE(some, 20) << "problems with a set of some but not all";
+}
+
+/// Without a load the indenter stays, or is lifted as far as the surface comes up; it goes no farther than it may.
+TEST(LoadControl, TravelsAsFarAsItMay)
+{
+  ActiveSetSolver solver;
+  ActiveSetReport report;
+  ASSERT_EQ(solver.Create(PETSC_COMM_SELF, true), PETSC_SUCCESS);
+  const Matrix A = RandomMatrix(4, 2, 1, 0);
+  const auto solve = [&](const std::vector<double> &r, double load, double most, std::vector<double> *lambda) {
+    lambda->assign(4, 0.3);
+    EXPECT_EQ(solver.Solve(RowsByLoad(A, r, 0, 4, load, most), lambda, &report), PETSC_SUCCESS);
+  };
+  std::vector<double> lambda, c = RowsByLoad(A, {0, 0, 0, 0}, 0, 4, 0, 0).c;
+  solve({-1, -2, -1, -3}, 0, 1, &lambda);
+  EXPECT_EQ(report.travel, 0);
+  EXPECT_EQ(lambda, std::vector<double>(4, 0.0));
+  solve({-1, 0.2, 0.1, -3}, 0, 1, &lambda);
+  EXPECT_DOUBLE_EQ(report.travel, -std::max(0.2 / c[1], 0.1 / c[2]));
+  EXPECT_EQ(lambda, std::vector<double>(4, 0.0));
+  solve({-1, 0.2, 0.1, -3}, 5, 0.01, &lambda);
+  EXPECT_TRUE(report.limited);
+  EXPECT_DOUBLE_EQ(report.travel, 0.01);
+  double carried = 0;
+  for (int j = 0; j < 4; ++j) carried += c[j] * lambda[j];
+  EXPECT_LT(carried, 5);
+  EXPECT_GT(carried, 0);
+  solve({-1, -2, -1, -3}, 5, 0.01, &lambda); // out of reach
+  EXPECT_TRUE(report.limited && report.active == 0);
+}
+
 /// A circulant with 1 and 2: from {2} the set goes round {2, 1}, {3, 1}, {3, 2} for ever (Ben Gharbia and Gilbert 2012).
 TEST(ActiveSet, GivesUpWhereTheSetGoesRound)
 {
@@ -183,6 +266,12 @@ TEST(ActiveSet, GivesUpWhereTheSetGoesRound)
   EXPECT_GT(report.set_updates, 3);
   EXPECT_LE(report.set_updates, 100);
   for (int j = 0; j < 3; ++j) EXPECT_DOUBLE_EQ(lambda[j], r[j] / 3) << "each by itself, by the sum of its row";
+
+  ComplementarityProblem problem = RowsByLoad(A, r, 0, 3, 2, HUGE_VAL);
+  problem.c = {1, 1, 1};
+  lambda = {0, 1, 0};
+  ASSERT_EQ(solver.Solve(problem, &lambda, &report), PETSC_SUCCESS);
+  EXPECT_NEAR(lambda[0] + lambda[1] + lambda[2], 2, 1e-14) << "the load is met all the same";
 }
 
 namespace
@@ -281,5 +370,15 @@ TEST(ActiveSetOnRanks, AgreesWithPetscsNewton)
     EXPECT_LT(report.active, size);
     ASSERT_EQ(solver.Solve(problem, &again, &report), PETSC_SUCCESS);
     EXPECT_EQ(again, lambda) << "the same to the last digit";
+
+    ActiveSetSolver alone;
+    ActiveSetReport whole;
+    std::vector<double> all(size);
+    ASSERT_EQ(alone.Create(PETSC_COMM_SELF, true), PETSC_SUCCESS);
+    ASSERT_EQ(alone.Solve(RowsByLoad(A, r, 0, size, 0.5, HUGE_VAL), &all, &whole), PETSC_SUCCESS);
+    again.assign(end - first, 0);
+    ASSERT_EQ(solver.Solve(RowsByLoad(A, r, first, end, 0.5, HUGE_VAL), &again, &report), PETSC_SUCCESS);
+    EXPECT_NEAR(report.travel, whole.travel, 1e-8 * scale) << "under load control";
+    for (int j = 0; j < end - first; ++j) EXPECT_NEAR(again[j], all[first + j], 1e-8);
   }
 }

@@ -200,14 +200,14 @@ TEST(Surfaces, Histories)
   EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(2, 1.5))) << "not reached in time";
 
   const Indenter indenter = {CreateSphere(kPlane, 1), {speed, 2, 0.5}, {3, 7}, 6};
-  EXPECT_LE(std::abs(indenter.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: depth before turning";
-  EXPECT_LE(std::abs(indenter.Depth(3) - (2.5 - 0.5 - 1)), 1e-14) << "motion: depth after turning";
+  EXPECT_LE(std::abs(indenter.Depth(indenter.Tip(1.5)) - (0.5 + 1 - 1)), 1e-14) << "motion: depth before turning";
+  EXPECT_LE(std::abs(indenter.Depth(indenter.Tip(3)) - (2.5 - 0.5 - 1)), 1e-14) << "motion: depth after turning";
   EXPECT_EQ(indenter.Velocity(1.5)[1], -2);
   EXPECT_EQ(indenter.Velocity(3)[1], 0.5);
   EXPECT_EQ(indenter.Velocity(3)[0], 0);
-  EXPECT_LE(std::abs(indenter.Gap(indenter.Tip(1.7), 1.7).distance), 1e-14) << "motion: gap moves with the tip";
+  EXPECT_LE(std::abs(indenter.Gap(indenter.Tip(1.7), indenter.Tip(1.7)).distance), 1e-14) << "motion: gap moves with the tip";
   const Indenter deep = {CreateSphere(kSpace, 1), {speed, 2, 0.5}, {3, 7, 5}, 4, 2};
-  EXPECT_LE(std::abs(deep.Depth(1.5) - (0.5 + 1 - 1)), 1e-14) << "motion: along z in space";
+  EXPECT_LE(std::abs(deep.Depth(deep.Tip(1.5)) - (0.5 + 1 - 1)), 1e-14) << "motion: along z in space";
   EXPECT_LE(Norm(deep.Velocity(1.5) - Vec3{0, 0, -2}), 1e-14);
   EXPECT_LE(Norm(deep.Tip(1.5) - Vec3{3, 7, 3.5}), 1e-14);
 }

@@ -1,4 +1,7 @@
 // The complementarity problem of contact pressures: a primal-dual active set around a KSP.
+//
+// Under load control the indenter's travel u in the step is one more unknown, and the load P one more equation:
+//   A lambda - r - u c >= 0,  lambda >= 0, complementary,  c . lambda = P.
 #pragma once
 
 #include "base/handle.hpp"
@@ -13,11 +16,17 @@ struct ComplementarityProblem {
   std::vector<PetscInt> rows, columns; ///< global numbers of each entry of A; entries of one place are added up
   std::vector<PetscScalar> values;     ///< every row has one on the diagonal, and their sum there is above zero
   std::vector<double> r;               ///< [rows of this rank]
+
+  bool by_load = false;
+  std::vector<double> c;            ///< [rows of this rank] load of each pressure, m2; zero in rows that can carry none
+  double load = 0, most_travel = 0; ///< P, N; largest |u|, at which the load is what it is, m
 };
 
 struct ActiveSetReport {
   int set_updates = 0, linear_iterations = 0, active = 0;
   bool fallback = false, solved = true;
+  double travel = 0;    ///< u
+  bool limited = false; ///< the load would need a larger |u|
 };
 
 /// Finds lambda on all ranks of a communicator together.
@@ -34,10 +43,20 @@ public:
 private:
   PetscErrorCode SetPattern(const ComplementarityProblem &problem);
   PetscErrorCode SetValues(const ComplementarityProblem &problem, const std::vector<double> &lambda);
-  PetscErrorCode SolveActive(ActiveSetReport *report);
-  PetscErrorCode SolveByRowSums();
   PetscErrorCode StartSet();
+  PetscErrorCode FindSet(ActiveSetReport *report);
+  PetscErrorCode SetActivePart();
+  PetscErrorCode SolveActive(Vec right_side, Vec solution, ActiveSetReport *report);
   PetscErrorCode UpdateSet(int *changed);
+  PetscErrorCode SolveByRowSums();
+
+  // Under load control (load_control.cpp).
+  PetscErrorCode SetLoad(const ComplementarityProblem &problem);
+  PetscErrorCode FindSetByLoad(double most_travel, ActiveSetReport *report);
+  PetscErrorCode FindTouch();
+  PetscErrorCode MoveTo(double travel);
+  PetscErrorCode SolveActiveByLoad(ActiveSetReport *report);
+  PetscErrorCode SolveByRowSumsAndLoad();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   KSPHandle ksp_;
@@ -45,6 +64,12 @@ private:
   VecHandle diagonal_, r_, lambda_, active_, work_; ///< active: 1 or 0
   std::vector<PetscInt> rows_, columns_;            ///< of the entries that the matrices were made for
   PetscInt size_ = -1;                              ///< rows of this rank
+  double scale_ = 1;                                ///< of A and r
+
+  bool travels_ = false;         ///< u is unknown
+  double load_ = 0, travel_ = 0; ///< P; u times the scale
+  VecHandle c_, r_at_rest_;      ///< r with u = 0
+  VecHandle x1_, x2_;            ///< solutions of the active rows for r with u = 0 and for c
 };
 
 } // namespace mlgimp

@@ -24,6 +24,7 @@ struct ContactView {
   Geometry geometry;
   double mass_cutoff; ///< kg
   double time, dt;    ///< s
+  TipStep tip{};
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
@@ -37,6 +38,8 @@ struct ContactReport {
   int set_updates = 0;            ///< of the active set; on the level's first rank alone
   bool fallback = false;          ///< the active set did not settle: row-sum diagonal used; on the level's first rank alone
   bool solved = true;             ///< false: the linear solver did not converge
+  double travel = 0;              ///< of a tip that is free, downward; the same on all ranks, m
+  bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
   double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa

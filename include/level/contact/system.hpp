@@ -3,6 +3,8 @@
 // Unknown j is a pressure; it pushes node i by t_ij lambda_j (traction), and its condition reads, with c_ij (constraint),
 //   gap_j + dt sum_i c_ij . v_i >= 0,  v_i = v_i^0 + (dt/m_i) sum_k t_ik lambda_k,  lambda_j >= 0, complementary, or
 //   A lambda - r >= 0,  A_jk = dt^2 sum_i c_ij . t_ik/m_i,  r_j = -gap_j - dt sum_i c_ij . v_i^0.
+// Under load control gap_j is that with the indenter at rest, which travels by u: A lambda - r - u c >= 0, c . lambda = P, with
+// c_j = -sum_i (t_ij along the indenter's axis), the load that a pressure carries.
 #pragma once
 
 #include "level/contact/active_set.hpp"
@@ -45,12 +47,12 @@ public:
   void SetPressures(const ContactPressures &pressures) { pressures_ = pressures; }
 
 private:
-  /// A number of the system at (row, column), or of the right side where column is kRightSide.
+  /// A number of the system at (row, column), or of r or c where column is kRightSide or kLoad.
   struct Term {
     int row, column;
     double value;
   };
-  static constexpr int kRightSide = -1;
+  static constexpr int kRightSide = -1, kLoad = -2;
   /// Which rank holds the equation of which unknown: ranges of equal size, which may be empty, on the first or on all
   /// ranks.
   struct Layout {

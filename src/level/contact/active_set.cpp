@@ -66,10 +66,10 @@ PetscErrorCode ActiveSetSolver::SetValues(const ComplementarityProblem &problem,
   PetscCall(VecRestoreArray(lambda_, &values));
   PetscCall(MatGetDiagonal(A_, diagonal_));
   PetscCall(VecMax(diagonal_, nullptr, &largest));
-  const PetscScalar scale = std::ldexp(1.0, -std::ilogb(largest));
-  PetscCall(MatScale(A_, scale));
-  PetscCall(VecScale(diagonal_, scale));
-  PetscCall(VecScale(r_, scale));
+  scale_ = std::ldexp(1.0, -std::ilogb(largest));
+  PetscCall(MatScale(A_, scale_));
+  PetscCall(VecScale(diagonal_, scale_));
+  PetscCall(VecScale(r_, scale_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,19 +90,26 @@ PetscErrorCode ActiveSetSolver::StartSet()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Solves the equations of the active unknowns; the others stay in the system as zeros, so that its pattern is kept.
-PetscErrorCode ActiveSetSolver::SolveActive(ActiveSetReport *report)
+/// The matrix of the active unknowns; the others stay in the system as zeros, so that its pattern is kept.
+PetscErrorCode ActiveSetSolver::SetActivePart()
 {
-  KSPConvergedReason reason;
-  PetscInt iterations;
   PetscFunctionBeginUser;
   PetscCall(MatCopy(A_, active_part_, SAME_NONZERO_PATTERN));
   PetscCall(MatDiagonalScale(active_part_, active_, active_));
   PetscCall(MatDiagonalSet(active_part_, diagonal_, INSERT_VALUES));
-  PetscCall(VecPointwiseMult(work_, active_, r_));
-  PetscCall(VecPointwiseMult(lambda_, active_, lambda_));
   PetscCall(KSPSetOperators(ksp_, active_part_, active_part_));
-  PetscCall(KSPSolve(ksp_, work_, lambda_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves the equations of the active unknowns, from what `solution` has.
+PetscErrorCode ActiveSetSolver::SolveActive(Vec right_side, Vec solution, ActiveSetReport *report)
+{
+  KSPConvergedReason reason;
+  PetscInt iterations;
+  PetscFunctionBeginUser;
+  PetscCall(VecPointwiseMult(work_, active_, right_side));
+  PetscCall(VecPointwiseMult(solution, active_, solution));
+  PetscCall(KSPSolve(ksp_, work_, solution));
   PetscCall(KSPGetConvergedReason(ksp_, &reason));
   PetscCall(KSPGetIterationNumber(ksp_, &iterations));
   report->linear_iterations += static_cast<int>(iterations);
@@ -145,27 +152,46 @@ PetscErrorCode ActiveSetSolver::SolveByRowSums()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Changes the set until it stays, and solves with it.
+PetscErrorCode ActiveSetSolver::FindSet(ActiveSetReport *report)
+{
+  int updates = 0;
+  PetscFunctionBeginUser;
+  for (int changed = 1; changed && report->solved;) {
+    PetscScalar active;
+    if (updates++ == kMaxSetUpdates) {
+      report->fallback = true;
+      PetscCall(travels_ ? SolveByRowSumsAndLoad() : SolveByRowSums());
+      break;
+    }
+    PetscCall(VecSum(active_, &active));
+    if (active > 0) PetscCall(SetActivePart());
+    if (travels_)
+      PetscCall(SolveActiveByLoad(report));
+    else if (active > 0)
+      PetscCall(SolveActive(r_, lambda_, report));
+    else
+      PetscCall(VecSet(lambda_, 0));
+    if (report->solved) PetscCall(UpdateSet(&changed));
+  }
+  report->set_updates += updates;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ActiveSetSolver::Solve(const ComplementarityProblem &problem, std::vector<double> *lambda, ActiveSetReport *report)
 {
   const PetscScalar *values;
   PetscFunctionBeginUser;
   *report = {};
+  travels_ = false;
   PetscCall(SetPattern(problem));
   PetscCall(SetValues(problem, *lambda));
   PetscCall(StartSet());
-  for (int changed = 1; changed && report->solved;) {
-    PetscScalar active;
-    if (report->set_updates++ == kMaxSetUpdates) {
-      report->fallback = true;
-      PetscCall(SolveByRowSums());
-      break;
-    }
-    PetscCall(VecSum(active_, &active));
-    if (active > 0)
-      PetscCall(SolveActive(report));
-    else
-      PetscCall(VecSet(lambda_, 0));
-    if (report->solved) PetscCall(UpdateSet(&changed));
+  if (problem.by_load) {
+    PetscCall(SetLoad(problem));
+    PetscCall(FindSetByLoad(problem.most_travel * scale_, report));
+  } else {
+    PetscCall(FindSet(report));
   }
   PetscCall(VecGetArrayRead(lambda_, &values));
   for (PetscInt k = 0; k < size_; ++k) (*lambda)[k] = std::max(values[k], 0.0);

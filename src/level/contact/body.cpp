@@ -31,7 +31,7 @@ void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
 {
   const double h = view.grid.Geometry().spacing;
-  return view.indenter.Gap(points.Position(p), view.time + view.dt).distance > kPointRange * h;
+  return view.indenter.Gap(points.Position(p), view.tip.end).distance > kPointRange * h;
 }
 
 double MassOf(const Grid &grid, Index node) { return grid.Sums()[grid.Place(node)].mass; }

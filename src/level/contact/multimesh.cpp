@@ -25,7 +25,7 @@ public:
     *report = {};
     ForEach(grid.Owned(), [&](Index node) { ApplyAtNode(view, node, bounds, report); });
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 3, MPI_DOUBLE, MPI_MAX, grid.Comm()));
-    const double tip = view.indenter.Tip(view.time)[0];
+    const double tip = view.tip.start[0];
     if (bounds[0] > -HUGE_VAL) report->half_width = std::max(bounds[1] - tip, tip + bounds[0]);
     PetscCall(CountPoints(view, bounds[2] > 0, report));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -38,7 +38,7 @@ private:
     const Grid &grid = view.grid;
     const double mass = MassOf(grid, node), x = grid.Coordinate(0, node[0]);
     if (mass <= view.mass_cutoff) return;
-    const SurfaceGap gap = view.indenter.Gap({x, grid.Coordinate(1, node[1])}, view.time + view.dt);
+    const SurfaceGap gap = view.indenter.Gap({x, grid.Coordinate(1, node[1])}, view.tip.end);
     const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - VelocityOf(grid, node));
     if (gap.distance >= grid.Geometry().spacing || approach <= 0) return;
     PushNode(view, node, mass * approach * gap.normal, report);
@@ -53,7 +53,7 @@ private:
     const PointArrays points = view.points.Arrays();
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
-      const double distance = view.indenter.Gap(points.Position(p), view.time).distance;
+      const double distance = view.indenter.Gap(points.Position(p), view.tip.start).distance;
       report->local_points += touching && distance < view.grid.Geometry().spacing;
       report->penetration = std::max(report->penetration, -distance);
     }

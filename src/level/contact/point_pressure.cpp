@@ -54,7 +54,7 @@ public:
     for (std::int64_t key : own) report->local_points += static_cast<int>(system_.Pressures().count(key));
     for (double pressure : system_.Lambda()) report->peak_pressure = std::max(report->peak_pressure, pressure);
     const double rounding = 1e-6 * view.grid.Geometry().spacing;
-    report->half_width = HalfWidth(ranges, system_.Lambda(), false, view.indenter.Tip(view.time)[0], rounding);
+    report->half_width = HalfWidth(ranges, system_.Lambda(), false, view.tip.start[0], rounding);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -64,14 +64,14 @@ private:
                 ContactReport *report)
   {
     const Vec3 x = points.Position(p);
-    const SurfaceGap gap = view.indenter.Gap(x, view.time + view.dt);
+    const SurfaceGap gap = view.indenter.Gap(x, view.tip.end);
     std::vector<SurfaceSegment> segments;
     AddPointSegments(points, p, view.geometry, &segments);
     double length = 0, area = 0;
     for (const SurfaceSegment &segment : segments)
       if (Faces(segment, gap.normal)) length += 2 * segment.half_width, area += segment.area;
     if (length == 0) return;
-    report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.time).distance);
+    report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.tip.start).distance);
     const int unknown = static_cast<int>(pressed->size());
     pressed->push_back({{points.id[p], gap.distance}, {x[0], x[0] - 0.5 * length, x[0] + 0.5 * length}});
     AxisStencils<2> w;

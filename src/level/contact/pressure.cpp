@@ -28,7 +28,7 @@ double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered)
 bool IsAtTip(const ContactView &view, Index column)
 {
   const double h = view.grid.Geometry().spacing;
-  const Vec3 tip = view.indenter.Tip(view.time);
+  const Vec3 tip = view.tip.start;
   bool near = true;
   for (int a = 0; a < view.geometry.Dim() - 1; ++a) near = near && std::abs(view.grid.Coordinate(a, column[a]) - tip[a]) < h;
   return near;
@@ -83,9 +83,9 @@ private:
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);
       for (const SurfaceSegment &s : all) {
-        const SurfaceGap gap = view.indenter.Gap(s.x, view.time + view.dt);
+        const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
         if (gap.distance > range) continue;
-        report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.time).distance);
+        report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         if (Faces(s, gap.normal))
           segments_.push_back({Locate(view.grid, s.x, view.geometry.Dim()), gap.normal, s.area, gap.distance,
                                s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
@@ -155,7 +155,7 @@ private:
     const double rounding = 1e-6 * view.grid.Geometry().spacing;
     report->peak_pressure = columns_.PeakPressure(lambda);
     report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)
-                                  : HalfWidth(ranges, lambda, true, view.indenter.Tip(view.time)[0], rounding);
+                                  : HalfWidth(ranges, lambda, true, view.tip.start[0], rounding);
     report->local_points = CountLoadedPoints(dim, lambda);
   }
 
@@ -165,7 +165,7 @@ private:
     const GridGeometry &grid = view.grid.Geometry();
     int parts = 1;
     for (int s = 0; s < 2 * (view.geometry.Dim() - 1); ++s) {
-      const double from_side = view.indenter.Tip(view.time)[s / 2] - view.grid.Coordinate(s / 2, view.sides.node[s]);
+      const double from_side = view.tip.start[s / 2] - view.grid.Coordinate(s / 2, view.sides.node[s]);
       if (view.sides.kind[s] == BoundaryKind::kSymmetry && std::abs(from_side) < 1e-6 * grid.spacing) parts *= 2;
     }
     return parts;

@@ -67,7 +67,7 @@ PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The part of A and r that comes from the nodes of this rank, [unknowns][terms] in `rows_`.
+/// The part of A, r and c that comes from the nodes of this rank, [unknowns][terms] in `rows_`.
 void ContactSystem::AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings)
 {
   const auto add = [&](int row, int column, double value) {
@@ -84,6 +84,7 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
     for (auto a = first; a != end; ++a) {
       const Vec3 mobile = view.dt * view.dt / mass * FreePart(view, a->node, a->constraint);
       add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, velocity));
+      if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
       for (auto b = first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
     }
   });
@@ -105,12 +106,18 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);
   problem_ = {};
+  problem_.by_load = view.tip.IsFree();
+  problem_.load = view.tip.load;
+  problem_.most_travel = view.tip.most_travel;
+  problem_.c.resize(problem_.by_load ? count : 0);
   for (int row = 0; row < count; ++row) problem_.r.push_back(-unknowns[first + row].gap);
   for (const Term &term : terms) {
     const double value = term.row == term.column ? (1 + diagonal_shift_) * term.value : term.value;
     if (term.row == term.column) diagonal[term.row - first] += value;
     if (term.column == kRightSide) {
       problem_.r[term.row - first] += value;
+    } else if (term.column == kLoad) {
+      problem_.c[term.row - first] += value;
     } else {
       problem_.rows.push_back(term.row);
       problem_.columns.push_back(term.column);
@@ -124,6 +131,7 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
     problem_.columns.push_back(first + row);
     problem_.values.push_back(largest > 0 ? largest : 1);
     problem_.r[row] = -1;
+    if (problem_.by_load) problem_.c[row] = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,6 +151,12 @@ PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layou
   for (int k = 0; k < size; ++k) starts.push_back(layout.First(k)), counts.push_back(layout.First(k + 1) - starts.back());
   PetscCallMPI(
       MPI_Allgatherv(own.data(), counts[rank], MPI_DOUBLE, lambda_.data(), counts.data(), starts.data(), MPI_DOUBLE, comm));
+  if (problem_.by_load) {
+    double found[2] = {solved.travel, double(solved.limited && solved.active > 0)};
+    PetscCallMPI(MPI_Bcast(found, 2, MPI_DOUBLE, 0, comm));
+    report->travel = found[0];
+    report->limited = found[1] != 0;
+  }
   report->solved = solved.solved;
   if (rank > 0) PetscFunctionReturn(PETSC_SUCCESS);
   report->set_updates = solved.set_updates;
@@ -164,6 +178,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
     lambda_.push_back(previous == pressures_.end() ? 0 : previous->second);
   }
   pressures_.clear();
+  if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   const Layout layout = {count, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
   PetscCall(GatherAtNodes(view, &couplings));

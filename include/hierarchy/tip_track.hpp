@@ -1,0 +1,47 @@
+// Where the indenter's tip is in a run: on its schedule or, under load control, where contact has let it come.
+#pragma once
+
+#include "level/level.hpp"
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Under load control one level finds the way of the tip in each of its steps: the finest that holds the surface under the tip.
+/// Coarser levels, whose steps end later, take that way as given; finer ones, which the indenter may touch beside its tip, go on
+/// with the last speed. What these carried in their last step is left out of the load that the tip's level has to meet.
+class TipTrack
+{
+public:
+  /// indenter: null for none; it must outlive this. tip_level: the level that finds the way, of so many.
+  void Create(const Indenter *indenter, int tip_level, int levels);
+
+  /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
+  Vec3 At(double time) const;
+  /// What a step of level l from `time` on is told; start: the tip when it began.
+  TipStep Step(int l, Vec3 start, double time, double dt) const;
+  /// Takes up what level l did in that step. Collective on all ranks.
+  PetscErrorCode Follow(MPI_Comm comm, int l, const Level &level, double time, double dt);
+
+  /// How far the tip can come within some steps, m.
+  double Reach(double time, double dt, int steps) const;
+  /// How far the tip has come down at its largest speed without meeting its load, m.
+  double Overrun() const { return overrun_; }
+
+  /// What it keeps from step to step, the same on every rank; nothing without load control.
+  std::vector<double> State() const;
+  void SetState(const std::vector<double> &state);
+
+private:
+  bool IsByLoad() const { return indenter_ && indenter_->by_load; }
+
+  const Indenter *indenter_ = nullptr;
+  int tip_level_ = 0;
+  double time_ = 0, travel_ = 0; ///< end of the last step, s; way down since the start, m
+  double speed_ = 0;             ///< in that step, downward, m/s
+  double overrun_ = 0;
+  std::vector<double> beside_; ///< load on each other level in its last step, N
+};
+
+} // namespace mlgimp

@@ -1,0 +1,75 @@
+// The tip's way under load control, over levels and ranks.
+#include "hierarchy/tip_track.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace mlgimp
+{
+
+void TipTrack::Create(const Indenter *indenter, int tip_level, int levels)
+{
+  indenter_ = indenter;
+  tip_level_ = tip_level;
+  beside_.assign(levels, 0.0);
+}
+
+Vec3 TipTrack::At(double time) const
+{
+  if (!indenter_) return {};
+  if (!IsByLoad()) return indenter_->Tip(time);
+  return indenter_->tip - indenter_->Up(travel_ + speed_ * (time - time_));
+}
+
+TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
+{
+  if (!IsByLoad() || l != tip_level_) return {start, At(time + dt)};
+  const double others = std::accumulate(beside_.begin(), beside_.end(), 0.0);
+  const double load = std::max(0.0, indenter_->by_load->force.Mean(time, time + dt) - others);
+  return {start, start, load, indenter_->by_load->largest_speed * dt};
+}
+
+PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double time, double dt)
+{
+  const GridLayout &layout = level.Mesh().Layout();
+  TipReport tip = level.Tip();
+  PetscFunctionBeginUser;
+  if (!IsByLoad()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (l != tip_level_) {
+    beside_[l] = tip.load;
+    if (level.Clock().contact_awake) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &beside_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (layout.Blocks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, layout.ranks[0], comm));
+  travel_ += tip.travel;
+  speed_ = tip.travel / dt;
+  time_ = time + dt;
+  overrun_ = tip.limited && tip.travel > 0 ? overrun_ + tip.travel : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double TipTrack::Reach(double time, double dt, int steps) const
+{
+  double reach = 0; // the whole way: it may turn
+  if (IsByLoad()) return steps * dt * indenter_->by_load->largest_speed;
+  for (int k = 0; k < steps && indenter_; ++k) reach += Norm(At(time + (k + 1) * dt) - At(time + k * dt));
+  return reach;
+}
+
+std::vector<double> TipTrack::State() const
+{
+  std::vector<double> state;
+  if (!IsByLoad()) return state;
+  state = {time_, travel_, speed_, overrun_};
+  state.insert(state.end(), beside_.begin(), beside_.end());
+  return state;
+}
+
+void TipTrack::SetState(const std::vector<double> &state)
+{
+  if (!IsByLoad()) return;
+  time_ = state[0], travel_ = state[1], speed_ = state[2], overrun_ = state[3];
+  std::copy(state.begin() + 4, state.end(), beside_.begin());
+}
+
+} // namespace mlgimp

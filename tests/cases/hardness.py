@@ -1,0 +1,92 @@
+"""Hardness by cones: load, stiffness and work of metals against published finite elements, and other angles."""
+import itertools
+import math
+
+import numpy
+
+import harness
+
+POISSON, DEPTH, CELLS = 0.3, 200e-9, 8  # CELLS: finest ones in the contact's radius without pile-up, at full depth
+TRANSITS = 40  # of waves through the block, in the first unloading
+REFERENCE = harness.ROOT / "tests" / "reference" / "cone_70deg.csv"
+CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2)}  # exponent, E and yield stress, GPa
+
+
+def block(E, sy, exponent, angle):
+    """(case, wave speed, height): a block of 32 coarse cells on three levels, with a sixteenth of their size at the tip."""
+    fine = DEPTH * math.tan(math.radians(angle)) / CELLS
+    size, density = 32 * 16 * fine, E / 1e7
+    outer, inner = 10 * 16 * fine, math.ceil(2.2 * CELLS / 4) * 4 * fine
+    top = size + 32 * fine
+    law = {"m_hardening": "power", "m_hardening_exponent": exponent} if exponent else {"m_hardening_modulus": 0}
+    speed = math.sqrt(E * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / density)
+    return {
+        "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": [size, top], "cell_size": 16 * fine,
+        "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry", "levels": 3, "refinement_ratio": 4,
+        "level_1_lower": [0.0, size - outer], "level_1_upper": [outer, top], "level_2_lower": [0.0, size - inner],
+        "level_2_upper": [inner, top], "materials": "m", "m_model": "j2", "m_youngs_modulus": E, "m_poissons_ratio": POISSON,
+        "m_density": density, "m_yield_stress": sy, **law, "bodies": "b", "b_lower": "0,0", "b_upper": [size, size], "indenter": "cone",
+        "indenter_half_angle": angle, "indenter_tip": [0.0, size], "damping": 0.1 * math.pi * speed / size, "frames": 0,
+        "history_interval": 2}, speed, size
+
+
+def schedule(speed, size, elastic):
+    """(times, velocities, end): down with ramps, a hold, slowly up over the first third of the unloading, up; elastic: share of
+    the work that comes back."""
+    down = 4e-4 * speed
+    loading = DEPTH / down
+    first = 0.28 * elastic * DEPTH
+    slow = TRANSITS * size / speed
+    steps = [(0, 0), (0.15 * loading, down), (0.85 * loading, down), (0.15 * loading, 0), (0.15 * loading, 0), (0.1 * slow, -first / slow),
+             (slow, -first / slow), (0.1 * loading, -down / 2)]
+    times = list(itertools.accumulate(time for time, _ in steps))
+    return times, [velocity for _, velocity in steps], times[-1] + min(0.8, 1.2 * elastic) * DEPTH / (down / 2)
+
+
+def press(E, sy, exponent, angle=70.3, elastic=None):
+    """History of a test; without unloading where no elastic share is given."""
+    case, speed, size = block(E, sy, exponent, angle)
+    times, velocities, end = schedule(speed, size, elastic or 0.1)
+    if elastic is None:
+        times, velocities, end = times[:4], velocities[:4], times[3]
+    return harness.run({**case, "indenter_times": times, "indenter_velocities": velocities, "end_time": end}).history
+
+
+def curvature(history, least=0.6):
+    """P/h^2 of the loading from a share of the depth on, by least squares."""
+    depth, load = history["depth"], history["load"]
+    rows = (depth > least * DEPTH) & (numpy.arange(len(depth)) <= numpy.argmax(depth))
+    return numpy.sum(load[rows] * depth[rows]**2) / numpy.sum(depth[rows]**4)
+
+
+def unloading(history):
+    """(stiffness where the unloading begins, plastic over total work)."""
+    depth, load = history["depth"], history["load"]
+    deepest = depth.max()
+    resting = numpy.flatnonzero(depth > deepest * (1 - 1e-9))
+    first, last = resting[0], resting[-1]
+    held = numpy.mean(load[(first + last) // 2:last + 1])
+    lost = last + numpy.argmax(load[last:] < 0.002 * held) if (load[last:] < 0.002 * held).any() else len(load) - 1
+    fitted = numpy.arange(last + 1, last + numpy.argmax(load[last:] < 0.5 * held))
+    fitted = fitted[load[fitted] < 0.97 * held]
+    x = depth[fitted] - deepest
+    slope = numpy.linalg.lstsq(numpy.stack([x, x**2], axis=1), load[fitted] - held, rcond=None)[0][0]
+    given, back = numpy.trapz(load[:first + 1], depth[:first + 1]), -numpy.trapz(load[last:lost + 1], depth[last:lost + 1])
+    return slope, 1 - back / given
+
+
+def verify_cones(study):
+    """A cone of 70.3 degrees in metals
+
+    Load over depth squared, stiffness where the unloading begins and the plastic share of the work, on three levels, eight of the
+    finest cells in the contact's radius, against finite elements (PNAS 117:7052, 2020).
+    """
+    for exponent, modulus, sy, C, stiffness, plastic in numpy.genfromtxt(REFERENCE, delimiter=",", skip_header=4):
+        if (exponent, modulus, sy) not in CHOSEN:
+            continue
+        history = press(modulus * 1e9, sy * 1e9, exponent, elastic=1 - plastic)
+        slope, share = unloading(history)
+        name = f"E {modulus:g} GPa, sy {sy:g} GPa, n {exponent:g}: "
+        study.expect(name + "P/h^2, of that of finite elements", curvature(history) / (C * 1e9), near=1, tolerance=0.04)
+        study.expect(name + "dP/dh, of that of finite elements", slope / stiffness, near=1, tolerance=0.08)
+        study.expect(name + "plastic share of the work, less that of finite elements", share - plastic, near=0, tolerance=0.025)

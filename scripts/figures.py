@@ -62,8 +62,11 @@ def load_depth(options):
 
 
 def fields(options):
-    """Draws one stress component of several frames side by side, with one common colour scale."""
+    """Draws one stress component, or a scalar, of several frames side by side, with one common colour scale."""
     panels = [plot.read_panel(directory, number, label) for directory, number, label in options.runs]
+    for (directory, _, _), (_, points, _) in zip(options.runs, panels):
+        if options.component in plot.SCALARS and options.component not in points:
+            raise results.ResultError(directory, f"its points have no {options.component}")
     plot.plot_fields(panels, options.component, options.picture, options.window)
 
 
@@ -113,7 +116,7 @@ def main(arguments=None):
     stresses = commands.add_parser("fields", help=fields.__doc__)
     stresses.add_argument("picture", metavar="OUT.png")
     stresses.add_argument("runs", nargs="+", type=labelled_frame, metavar="DIR[:FRAME]:LABEL")
-    stresses.add_argument("--component", choices=plot.STRESS_COLUMN, default="yy")
+    stresses.add_argument("--component", choices=[*plot.STRESS_COLUMN, *plot.SCALARS], default="yy")
     plot.add_window_option(stresses)
     stresses.set_defaults(draw=fields)
     savings = commands.add_parser("cells", help=cells.__doc__)

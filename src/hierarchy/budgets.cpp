@@ -34,8 +34,8 @@ PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
   }
   for (int b = 0; b + 1 < Levels(); ++b) sum.Add(borders_[b]->Totals()), sum.Add(transfers_[b]->Totals());
   if (CoupledByNodes()) {
-    sum.exchange_energy +=
-        sum.strain_energy + sum.short_wave_dissipation + sum.plastic_work + sum.damping_work - sum.external_work;
+    sum.exchange_energy += sum.strain_energy + sum.short_wave_dissipation + sum.averaging_work + sum.plastic_work +
+                           sum.damping_work - sum.external_work;
     for (const auto &transfer : transfers_) sum.exchange_energy -= transfer->Totals().transfer_strain_energy;
   }
   PetscCall(sum.AddRanks(comm_));

@@ -28,7 +28,7 @@ public:
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
-    Flow flow;
+    Flow flow = {};
     const MaterialBatch b = batch;
     const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
 #pragma omp simd

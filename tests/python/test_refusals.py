@@ -103,6 +103,10 @@ def test_picture_that_cannot_be_written(made, picture):
     assert picture in refusal(figures.main, "fields", made / picture, f"{made}:run")
 
 
+def test_field_that_points_do_not_have(made):
+    assert "no temperature" in refusal(figures.main, "fields", made / "fields.png", f"{made}:run", "--component", "temperature")
+
+
 def test_label_that_is_no_formula(made):
     line = refusal(figures.main, "load-depth", made / "curves.png", f"{made}:$\\frac{{$", f"{made}:other")
     assert "cannot be drawn" in line

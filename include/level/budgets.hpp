@@ -93,7 +93,8 @@ struct Budgets {
   ScalarBudget hoop_impulse{"hoop_impulse_x", Adds::kTotal, Shown::kHoopColumn}; ///< of the hoop stress, along the radius
 
   ScalarBudget plastic_work{"plastic_work", Adds::kTotal, Shown::kLaterColumn};
-  ScalarBudget viscous_work{"viscous_work", Adds::kNow, Shown::kLaterColumn}; ///< of what damps short waves, set in the sums, see Viscous
+  ScalarBudget viscous_work{"viscous_work", Adds::kNow,
+                            Shown::kLaterColumn}; ///< of what damps short waves, set in the sums, see Viscous
   ScalarBudget damping_work{"damping_work", Adds::kTotal, Shown::kLaterColumn};
   /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
   /// see.

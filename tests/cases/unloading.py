@@ -1,9 +1,10 @@
 """Runs that load and unload, analysed like a measurement by Oliver and Pharr, and fitted to find the constants they were made with."""
 import json
 import math
+import pathlib
+import tempfile
 
 import numpy
-import pytest
 
 import fit
 import harness
@@ -59,9 +60,12 @@ SPHERE = {
     "indenter_velocities": "0,8,8,0,0,-2,-2", "damping": 8e7, "end_time": 125e-9, "frames": 0}
 
 
-@pytest.mark.slow
-def test_constants_from_a_curve(expect, tmp_path):
-    """Modulus and yield stress from a curve of the program with noise of 1 % of the largest load, and a first guess off by a fifth."""
+def verify_constants_from_a_curve(study):
+    """Constants fitted to a curve
+
+    Modulus and yield stress from a curve of the program with noise of 1 % of the largest load, and a first guess off by a fifth.
+    """
+    tmp_path = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
     curve = load_depth.read_run(harness.run({**SPHERE, **METAL}).folder)
     noise = 0.01 * curve.load.max() * numpy.random.default_rng(5).normal(size=len(curve.load))
     numpy.savetxt(tmp_path / "m.csv", numpy.column_stack([1e3 * curve.depth, curve.load + noise])[::3], delimiter=",", header="h,F", comments="")
@@ -72,5 +76,5 @@ def test_constants_from_a_curve(expect, tmp_path):
                                      "-output_dir", tmp_path / "fit")])
     found = json.loads((tmp_path / "fit" / "fit.json").read_text())
     for name, limit in (("m_youngs_modulus", 0.02), ("m_yield_stress", 0.05)):
-        expect(name, found["constants"][name]["value"] / METAL[name], near=1, tolerance=limit)
-    expect("misfit, of the largest load", found["misfit"], at_most=0.005)
+        study.expect(name, found["constants"][name]["value"] / METAL[name], near=1, tolerance=limit)
+    study.expect("misfit, of the largest load", found["misfit"], at_most=0.005)

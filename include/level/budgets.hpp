@@ -93,8 +93,8 @@ struct Budgets {
   ScalarBudget hoop_impulse{"hoop_impulse_x", Adds::kTotal, Shown::kHoopColumn}; ///< of the hoop stress, along the radius
 
   ScalarBudget plastic_work{"plastic_work", Adds::kTotal, Shown::kLaterColumn};
-  ScalarBudget viscous_work{"viscous_work", Adds::kNow,
-                            Shown::kLaterColumn}; ///< of what damps short waves, set in the sums, see Viscous
+  /// Of what damps short waves; set in the sums, see Viscous.
+  ScalarBudget viscous_work{"viscous_work", Adds::kNow, Shown::kLaterColumn};
   ScalarBudget damping_work{"damping_work", Adds::kTotal, Shown::kLaterColumn};
   /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
   /// see.
@@ -114,12 +114,12 @@ struct Budgets {
   ScalarBudget contact_set_updates{"contact_set_updates", Adds::kCount, Shown::kSummary};
   ScalarBudget contact_fallbacks{"contact_fallbacks", Adds::kCount, Shown::kSummary};
   ScalarBudget clamped_sizes{"clamped_half_sizes", Adds::kCount, Shown::kSummary}; ///< counted once a step
+  /// Work of the stress on growth of volume that points did not take, as the mean over their cell replaced it.
+  ScalarBudget averaging_work{"averaging_work", Adds::kTotal, Shown::kSummary};
 
   // What others are made of
   ScalarBudget short_wave_dissipation{"short_wave_dissipation", Adds::kTotal, Shown::kNowhere};
   ScalarBudget xpic_dissipation{"xpic_dissipation", Adds::kTotal, Shown::kNowhere};
-  /// Work of the stress on growth of volume that points did not take, as the mean over their cell replaced it.
-  ScalarBudget averaging_work{"averaging_work", Adds::kTotal, Shown::kSummary};
   VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC
   VectorBudget xpic_side_impulse{"xpic_side_impulse", Adds::kTotal, Shown::kNowhere}; ///< of sides on what XPIC mixes in
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy

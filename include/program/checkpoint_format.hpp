@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 12;
+inline constexpr int kFormatVersion = 13;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 

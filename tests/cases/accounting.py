@@ -97,3 +97,28 @@ def test_exchange_of_short_waves(expect, more):
     left = energy - history["exchange_energy"] - history["transfer_energy"]
     expect("energy taken, of the first", numpy.max(numpy.abs(history["exchange_energy"])) / history["kinetic_energy"][0], at_least=0.02)
     expect("energy less works and exchange, of the first", numpy.max(numpy.abs(left)) / history["kinetic_energy"][0], at_most=1e-9)
+
+
+# Strips of half a cell, one column of points each, that go up and down in turn: inside them the grid stands still.
+STRIPS = 8
+SHEARED = {"domain_lower": "-1,-1", "domain_upper": "5,5", "cell_size": 1, "materials": "m", "m_model": "linear", "m_youngs_modulus": 1,
+           "m_poissons_ratio": 0, "m_density": 2, "bodies": ",".join(f"s{k}" for k in range(STRIPS)), "frames": 0}
+for k in range(STRIPS):
+    SHEARED |= {f"s{k}_lower": [k / 2, 0.0], f"s{k}_upper": [(k + 1) / 2, 3.0], f"s{k}_velocity": [0.0, (-1.0) ** k]}
+
+
+def test_noise_of_velocities(expect):
+    """Only the nodes of the two edges, with weights 3/4 and 1/4, move: each at half the speed and with the mass of a column."""
+    history = harness.run({**SHEARED, "max_steps": 1, "end_time": 1, "history_interval": 1}).history
+    expect("energy of the points less that of the nodes, of it", history["noise_energy"][-1] / history["kinetic_energy"][0],
+           near=1 - 2 * 0.5**2 / STRIPS, tolerance=1e-12)
+
+
+def test_noise_does_not_depend_on_the_rows(expect):
+    """It is measured where a row is due."""
+    fine, coarse = (harness.run({**SHEARED, "max_steps": 21, "end_time": 100, "history_interval": rows}).history for rows in (1, 7))
+    same = numpy.isin(fine["step"], coarse["step"])
+    assert same.sum() == len(coarse["step"]) == 4
+    expect("noise in the same steps, of the energy", numpy.max(numpy.abs(fine["noise_energy"][same] - coarse["noise_energy"])) /
+           fine["kinetic_energy"][0], at_most=1e-15)
+    assert numpy.all(coarse["noise_energy"][1:] > 0)

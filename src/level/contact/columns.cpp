@@ -57,6 +57,7 @@ static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
   auto *to = static_cast<ContactColumn *>(sum);
   for (int k = 0; k < *count; ++k) {
     to[k].kernel_area += from[k].kernel_area;
+    to[k].flowing += from[k].flowing;
     to[k].gap += from[k].gap;
     to[k].area += from[k].area;
     for (int i = 0; i < 9; ++i) to[k].share[i] += from[k].share[i];
@@ -101,6 +102,7 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
     const double kernel = segment.area * CornerHat(place.part, c, dim - 1, width), x = view.grid.Coordinate(0, at[0]);
     ContactColumn &column = columns_[Place(at)];
     column.kernel_area += kernel;
+    column.flowing += segment.flows ? kernel : 0;
     column.gap += kernel * segment.gap;
     column.area -= segment.area * CornerHat(place.part, c, dim - 1) * segment.normal[dim - 1];
     for (int i = 0; i < corners; ++i) {

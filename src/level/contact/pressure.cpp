@@ -98,13 +98,12 @@ private:
   void NumberUnknowns(const ContactView &view)
   {
     const double h = view.grid.Geometry().spacing;
-    const bool flows = std::any_of(view.bodies.average.begin(), view.bodies.average.end(), [](int a) { return a >= 0; });
     unknowns_.clear();
     number_.clear();
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
       const double full = FullKernelArea(view, width_, at), area = column.kernel_area;
-      const double gap = column.gap + (flows && IsAtTip(view, at) ? SpareGap(area / full) * h * area : 0);
+      const double gap = column.gap + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
       const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
       if (kept) unknowns_.push_back({at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1], gap});

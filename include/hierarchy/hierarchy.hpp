@@ -9,6 +9,7 @@
 #include "level/seeding.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mlgimp
@@ -112,6 +113,7 @@ private:
   std::vector<std::unique_ptr<Level>> levels_;
   std::vector<std::unique_ptr<LevelInterface>> borders_; ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<PointTransfer>> transfers_;
+  std::optional<PointNumbers> numbers_;
   std::vector<std::unique_ptr<CopyBorder>> ghosts_; ///< where the coupling is by points
   CopyState copies_;
   TipTrack tip_;

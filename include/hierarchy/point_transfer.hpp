@@ -2,8 +2,7 @@
 #pragma once
 
 #include "hierarchy/level_interface.hpp"
-
-#include <cstdint>
+#include "hierarchy/splitting.hpp"
 
 namespace mlgimp
 {
@@ -22,33 +21,6 @@ struct PointTransferRule {
   bool velocity_shift; ///< velocities move from one level's half step to the other's
   bool merge;          ///< points that leave become their parent again
 };
-
-/// Numbers of points: every split gives numbers in a new range, from the parent's alone, so that no counter is shared.
-///   child c of the point `id` of generation g has start(g + 1) + (id - start(g)) children + c,  start(g + 1) = start(g) + N
-///   children^g
-class PointNumbers
-{
-public:
-  /// seeds: N, one more than the largest number of a point at the start; children: of a split.
-  PointNumbers(std::int64_t seeds, int children) : seeds_(seeds), children_(children) {}
-  /// False where a point has been split too often for the numbers to fit.
-  bool CanSplit(std::int64_t id) const;
-  std::int64_t Child(std::int64_t id, int child) const;
-  /// The number of the point that was split; -1 for one that was not made by splitting.
-  std::int64_t Parent(std::int64_t id) const;
-  int ChildIndex(std::int64_t id) const;
-
-private:
-  struct Range {
-    std::int64_t start, count;
-  };
-  Range RangeOf(std::int64_t id) const;
-  std::int64_t seeds_;
-  int children_;
-};
-
-/// Adds up by how much splitting or merging changed mass, momentum and energy.
-void AddChange(const Budgets &before, const Budgets &after, Budgets *budgets);
 
 /// Moves points between two neighbouring levels.
 class PointTransfer
@@ -73,8 +45,6 @@ public:
 private:
   std::vector<int> FindParents(const std::vector<int> &points);
   PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
-  void MakeChild(const PointArrays &a, int target, int child, const VelocitySample &sample) const;
-  Vec3 MeanOffset(const PointArrays &a, int parent) const;
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 
   MPI_Comm world_;

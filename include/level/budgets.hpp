@@ -118,6 +118,8 @@ struct Budgets {
   ScalarBudget averaging_work{"averaging_work", Adds::kTotal, Shown::kSummary};
 
   // What others are made of
+  ScalarBudget points_made{"points_made", Adds::kCount, Shown::kNowhere};   ///< children less parents, by splitting
+  ScalarBudget points_spent{"points_spent", Adds::kCount, Shown::kNowhere}; ///< the same by merging
   ScalarBudget short_wave_dissipation{"short_wave_dissipation", Adds::kTotal, Shown::kNowhere};
   ScalarBudget xpic_dissipation{"xpic_dissipation", Adds::kTotal, Shown::kNowhere};
   VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC

@@ -54,6 +54,11 @@ struct Model {
     for (const auto &material : materials) largest = std::max(largest, material->HistorySize());
     return largest;
   }
+  /// Whether any material splits points that are drawn out.
+  bool SplitsStretched() const
+  {
+    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->SplitsStretched(); });
+  }
   /// Number of materials that average the growth of volume over cells.
   int VolumeAverages() const
   {

@@ -48,6 +48,9 @@ public:
   bool AveragesVolume() const { return own_growth_ < 1; }
   double OwnGrowth() const { return own_growth_; }
   void AverageVolume(double own_growth) { own_growth_ = own_growth; }
+  /// Whether points are halved that flow has drawn out longer than a cell.
+  bool SplitsStretched() const { return splits_stretched_; }
+  void SplitStretched(bool splits) { splits_stretched_ = splits; }
 
   /// Stress at the end of a step. Returns nothing; adds the plastic work per initial volume (J/m3) to dissipated[p].
   virtual void UpdateStress(const MaterialBatch &batch, double *dissipated) const = 0;
@@ -70,6 +73,7 @@ public:
 private:
   Elasticity elasticity_;
   double own_growth_ = 1;
+  bool splits_stretched_ = false;
 };
 
 /// Names that -NAME_model accepts.

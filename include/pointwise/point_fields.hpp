@@ -47,7 +47,7 @@ struct PointFieldInfo {
 };
 
 /// What a point carries, each field [count][components]. A child of a split point has what its parent has where
-/// PointTransfer::MakeChild says nothing else.
+/// MakeChild (hierarchy/splitting.cpp) says nothing else.
 inline std::array<PointFieldInfo, kPointFields> PointFieldTable(GeometryKind geometry, int loads, int history_components)
 {
   const auto [dim, gradient, stress, rate, hoop] = WithGeometry(geometry, [](auto policy) {

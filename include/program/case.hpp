@@ -59,10 +59,7 @@ struct Case {
   }
   int Dim() const { return model.geometry.Dim(); }
   /// Points that splitting has made, less those that merging has taken.
-  double PointsCreated(const Budgets &b) const
-  {
-    return (b.points_split - b.points_merged) * (std::pow(hierarchy.ratio, Dim()) - 1);
-  }
+  static double PointsCreated(const Budgets &b) { return b.points_made - b.points_spent; }
   /// What a level needs between the tip and its borders, m.
   double BorderMargin(int k) const { return k == 0 ? 0 : least_blend_width * CellSize(k - 1) + kBorderCells * CellSize(k); }
   /// The lowest place that the tip may come to while it is on a level.

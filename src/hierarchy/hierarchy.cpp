@@ -11,6 +11,8 @@
 namespace mlgimp
 {
 
+static constexpr int kSplitInterval = 16; ///< steps of a level between two looks at how far its points are drawn out
+
 /// The log stage of a level, which hierarchies created one after the other share.
 static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
 {
@@ -63,13 +65,13 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
   const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
   const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
   const int dim = settings_.levels[0].grid.dim;
-  const PointNumbers numbers(seeds, static_cast<int>(std::lround(std::pow(settings_.ratio, dim))));
+  numbers_.emplace(seeds, static_cast<int>(std::lround(std::pow(settings_.ratio, dim))));
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) {
     Level &coarse = *levels_[b], &fine = *levels_[b + 1];
     borders_.push_back(std::make_unique<LevelInterface>());
     transfers_.push_back(
-        std::make_unique<PointTransfer>(comm_, coarse, fine, settings_.ratio, numbers, copies ? by_points : by_nodes));
+        std::make_unique<PointTransfer>(comm_, coarse, fine, settings_.ratio, *numbers_, copies ? by_points : by_nodes));
     PetscCall(RenewInterface(b));
     if (!copies) continue;
     ghosts_.push_back(std::make_unique<CopyBorder>());
@@ -210,6 +212,8 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   PetscCall(tip_.Follow(comm_, l, level, time, dt));
   PetscCall(level.AdvancePoints(dt));
   if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
+  if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0)
+    PetscCall(Logged(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
   PetscCall(level.EndStep());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

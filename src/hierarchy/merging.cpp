@@ -145,6 +145,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     AddChange(before, after, budgets);
     spent.insert(spent.end(), points.begin() + 1, points.end());
     budgets->points_merged += 1;
+    budgets->points_spent += children - 1;
   }
   std::sort(spent.begin(), spent.end());
   level.PointStore().Remove(spent);

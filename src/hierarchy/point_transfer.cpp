@@ -21,33 +21,6 @@ Box WidenedBox(const LevelGeometry &geometry, double distance)
   return box;
 }
 
-PointNumbers::Range PointNumbers::RangeOf(std::int64_t id) const
-{
-  Range range{0, seeds_};
-  while (id >= range.start + range.count) range = {range.start + range.count, range.count * children_};
-  return range;
-}
-
-bool PointNumbers::CanSplit(std::int64_t id) const
-{
-  const Range range = RangeOf(id);
-  return range.count <= (INT64_MAX / 4 - range.start) / (children_ + 1);
-}
-
-std::int64_t PointNumbers::Child(std::int64_t id, int child) const
-{
-  const Range range = RangeOf(id);
-  return range.start + range.count + (id - range.start) * children_ + child;
-}
-
-std::int64_t PointNumbers::Parent(std::int64_t id) const
-{
-  const Range range = RangeOf(id);
-  return range.start == 0 ? -1 : range.start - range.count / children_ + (id - range.start) / children_;
-}
-
-int PointNumbers::ChildIndex(std::int64_t id) const { return static_cast<int>((id - RangeOf(id).start) % children_); }
-
 std::vector<int> PointsIn(const PointArrays &a, const Box &box, bool inside)
 {
   std::vector<int> points;
@@ -65,15 +38,6 @@ std::vector<int> PointsIn(const PointArrays &a, const Box &box, bool inside)
       if (selected(p)) points.push_back(first + p);
   }
   return points;
-}
-
-void AddChange(const Budgets &before, const Budgets &after, Budgets *budgets)
-{
-  budgets->transfer_mass_error += std::abs(after.mass - before.mass);
-  for (int d = 0; d < 3; ++d) budgets->transfer_momentum_error += std::abs(after.momentum[d] - before.momentum[d]);
-  const double strain = after.strain_energy - before.strain_energy;
-  budgets->transfer_energy += after.kinetic_energy - before.kinetic_energy + strain;
-  budgets->transfer_strain_energy += strain;
 }
 
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
@@ -170,73 +134,10 @@ std::vector<int> PointTransfer::FindParents(const std::vector<int> &points)
 PetscErrorCode PointTransfer::Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples,
                                     std::vector<int> *points)
 {
-  const Index per_axis{ratio_, ratio_, coarse_.Geometry().grid.dim == 3 ? ratio_ : 1};
-  const int children = per_axis[0] * per_axis[1] * per_axis[2];
-  Budgets before, after;
+  const Index parts{ratio_, ratio_, coarse_.Geometry().grid.dim == 3 ? ratio_ : 1};
   PetscFunctionBeginUser;
-  if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(coarse_.SumPoints(*points, &before));
-  Points &store = coarse_.PointStore();
-  int next = store.Count();
-  PetscCall(store.Resize(next + static_cast<int>(parents.size()) * (children - 1)));
-  const PointArrays a = store.Arrays();
-  for (std::size_t k = 0; k < parents.size(); ++k)
-    for (int child = children - 1; child >= 0; --child) { // the first takes the parent's place, last
-      const int parent = parents[k], target = child ? next++ : parent;
-      if (child) points->push_back(target);
-      if (child) store.Copy(parent, target);
-      MakeChild(a, target, child, samples[k]);
-    }
-  PetscCall(coarse_.SumPoints(*points, &after));
-  AddChange(before, after, &budgets_);
-  budgets_.points_split += static_cast<double>(parents.size());
+  PetscCall(SplitPoints(coarse_, {parts, numbers_}, parents, samples, points, &budgets_));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Makes a copy of the parent one of its children: a share of its box and mass, moving with v + L (x - the mean by mass of the
-/// children). In axisymmetry shares of mass are those of the radii, and R = r/F_zz, so that volumes and F_zz are kept.
-void PointTransfer::MakeChild(const PointArrays &a, int target, int child, const VelocitySample &sample) const
-{
-  const int dim = a.dim, place[3] = {child % ratio_, child / ratio_ % ratio_, child / (ratio_ * ratio_)};
-  const Vec3 half = a.HalfSize(target);
-  Vec3 offset, mean{};
-  for (int d = 0; d < 3; ++d) offset[d] = ((2 * place[d] + 1.0) / ratio_ - 1) * half[d];
-  const Vec3 dx = a.Deform(target, offset);
-  if (a.initial_radius) {
-    const double r = a.position[PointArrays::At(target, dim)];
-    a.mass[target] *= (r + dx[0]) / r;
-    a.initial_radius[target] *= (r + dx[0]) / r;
-    mean = MeanOffset(a, target);
-  }
-  for (int d = 0; d < dim; ++d) {
-    const std::ptrdiff_t at = PointArrays::At(target, dim) + d;
-    for (int b = 0; b < dim; ++b) a.velocity[at] += sample.L[dim * d + b] * (dx[b] - mean[b]);
-    a.position[at] += dx[d];
-    a.half_size[at] /= ratio_;
-  }
-  a.id[target] = numbers_.Child(a.id[target], child);
-  a.mass[target] /= std::pow(ratio_, dim);
-  for (int s = 0; s < 2 * dim; ++s) {
-    const Side side = static_cast<Side>(s);
-    if (place[AxisOf(side)] != (SignOf(side) < 0 ? 0 : ratio_ - 1)) a.faces[target] &= ~OuterFaceBit(side);
-  }
-  for (int k = 0; k < a.loads; ++k)
-    if (!(a.faces[target] & OuterFaceBit(coarse_.Physics().loads[k].side)))
-      a.load_share[PointArrays::At(target, a.loads) + k] = 0;
-}
-
-/// Of the children of a point in axisymmetry, the mean by mass of their places less its own: heavier ones lie outside.
-Vec3 PointTransfer::MeanOffset(const PointArrays &a, int parent) const
-{
-  const double r = a.position[PointArrays::At(parent, a.dim)];
-  const Vec3 half = a.HalfSize(parent);
-  Vec3 mean{};
-  for (int j = 0; j < ratio_; ++j)
-    for (int i = 0; i < ratio_; ++i) {
-      const Vec3 dx = a.Deform(parent, {((2 * i + 1.0) / ratio_ - 1) * half[0], ((2 * j + 1.0) / ratio_ - 1) * half[1], 0});
-      mean = mean + (1 + dx[0] / r) / (ratio_ * ratio_) * dx;
-    }
-  return mean;
 }
 
 } // namespace mlgimp

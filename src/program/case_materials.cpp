@@ -94,10 +94,12 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus);
     reader.Number({prefix + "poissons_ratio", "Poisson's ratio"}, Open(-1, 0.5), true, &k.poissons_ratio);
     reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density);
-    bool average = model == "j2";
+    bool average = model == "j2", split = average;
     if (average || reader.Help()) ReadHardening(reader, prefix, &k);
     reader.Flag({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
+    reader.Flag({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
+    c->model.materials.back()->SplitStretched(split);
     if (average) c->model.materials.back()->AverageVolume(OwnGrowth(k));
   }
 }

@@ -164,7 +164,7 @@ void CheckpointReader::CountPoints(const RunState &state)
     points += static_cast<double>(rows);
   }
   EndOn(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
-  const double expected = state.initial_points + case_.PointsCreated(budgets) - state.initial_created;
+  const double expected = state.initial_points + Case::PointsCreated(budgets) - state.initial_created;
   if (KeepsPoints() && points != expected)
     Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(expected));
   Settle("checkpoint_points");

@@ -35,7 +35,7 @@ void Simulation::SetUp(MPI_Comm comm)
     EndOn(hierarchy_.ReduceBudgets(&budgets_));
     state_.initial_mass = budgets_.mass;
     state_.initial_points = budgets_.points;
-    state_.initial_created = case_.PointsCreated(budgets_);
+    state_.initial_created = Case::PointsCreated(budgets_);
   }
   if (const std::string problem = folder_.Check(comm); !problem.empty()) Refuse(problem);
   // A run that goes on as it was keeps the step and the clock of its levels until it would have looked at them.

@@ -115,7 +115,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   Budgets budgets;
   EndOn(hierarchy_.ReduceBudgets(&budgets));
   hierarchy_.BytesBetweenLevels(&mapped, &unmapped);
-  const double created = case_.PointsCreated(budgets) - state_.initial_created;
+  const double created = Case::PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
   for (int l = 0; l < hierarchy_.Levels(); ++l) {
     double points = 0, largest = 0;

@@ -158,6 +158,35 @@ def test_compression_in_space(expect):
     expect("plastic work, of the exact one", result.history["plastic_work"][-1] / work, near=1, tolerance=2e-3)
 
 
+# Bars that a plate presses to a part of their height: their points are drawn out to more than a cell and halved.
+SQUASHED = {
+    "plane strain": ({**{name: value for name, value in COMPRESSION.items() if name != "indenter_radius"}, "geometry": "plane_strain",
+                      "boundary_x_lower": "symmetry", "domain_upper": "12,11", "rod_upper": "2,10", "indenter_tip": "0,10", "indenter_width": 22}, 10, 0.45),
+    "axisymmetric": ({**COMPRESSION, "domain_upper": "12,18", "rod_upper": "4,16"}, 16, 0.2),
+    "3d": ({**BLOCK, "domain_upper": "6,6,9", "b_upper": "2,2,8", "indenter_tip": "0,0,8", "indenter_radius": 9}, 8, 0.2)}
+
+
+@pytest.mark.parametrize("name", SQUASHED)
+def test_points_drawn_out_are_halved(expect, name):
+    """Masses, momentum and the volume in b_e are kept, and the work is that of uniform flow; nothing is lost."""
+    case, height, part = SQUASHED[name]
+    travel = (1 - part) * height
+    result = harness.run({**case, "indenter_max_depth": travel, "indenter_times": [0.0, travel / 0.005], "checkpoint_interval": 20})
+    history, frame, summary = result.history, result.frame(), result.summary
+    expect(f"{name}: points after over points before", history["points"][-1] / history["points"][0], at_least=1.9)
+    expect(f"{name}: points lost", summary["points_lost"] + abs(history["points"][-1] - history["points"][0] - summary["points_created"]), at_most=0)
+    expect(f"{name}: mass", abs(summary["mass_error"]), at_most=1e-14)
+    momentum = numpy.sqrt(2 * numpy.max(history["kinetic_energy"]) * history["mass"][0])
+    expect(f"{name}: momentum, of sqrt(2 E m)", summary["transfers"]["momentum_error"] / momentum, at_most=1e-12)
+    with h5py.File(sorted(result.folder.glob("checkpoint_*.h5"))[-1], "r") as file:
+        expect(f"{name}: |det b_e/J^2 - 1|, largest", numpy.max(numpy.abs(volume_errors(file["level_0"]))), at_most=1e-10)
+    strain = numpy.average(frame["equivalent_plastic_strain"], weights=frame["mass"])
+    work = frame["mass"].sum() * (0.005 * strain + 0.005 * strain**2)
+    expect(f"{name}: plastic work, of the exact one", history["plastic_work"][-1] / work, near=1, tolerance=5e-3)
+    exact = (2 / math.sqrt(3) if name == "plane strain" else 1) * -math.log(part)
+    expect(f"{name}: plastic strain, of that of the height", strain / (exact - (0.005 + 0.01 * strain)), near=1, tolerance=0.01)
+
+
 TAYLOR = {"frames": 1, "history_interval": 20}
 TWO_LEVELS = {**TAYLOR, "cell_size": 0.8e-3, "levels": 2, "level_1_lower": "0,0", "level_1_upper": "9.6e-3,14.4e-3", "rod_points_per_cell": 2}
 

@@ -148,14 +148,32 @@ private:
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
       lambda.push_back(number_[lambda.size()] < 0 ? 0 : system_.Lambda()[number_[lambda.size()]]);
-      if (lambda.back() > 0) report->area += column.area;
       ranges.push_back({view.grid.Coordinate(0, at[0]), column.left, column.right});
     });
+    ForEach(columns_.Box(),
+            [&](Index at) { report->area += lambda[columns_.Place(at)] > 0 ? PressedArea(view, at, lambda) : 0; });
     const double rounding = 1e-6 * view.grid.Geometry().spacing;
     report->peak_pressure = columns_.PeakPressure(lambda);
     report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)
                                   : HalfWidth(ranges, lambda, true, view.tip.start[0], rounding);
     report->local_points = CountLoadedPoints(dim, lambda);
+  }
+
+  /// The projected area of a loaded column, m2: that of its faces. Metal that flows draws them out unevenly, so that they leave
+  /// gaps and overlap: among loaded columns all of the column is taken to be covered.
+  double PressedArea(const ContactView &view, Index at, const std::vector<double> &lambda) const
+  {
+    const IndexBox &box = columns_.Box();
+    bool inside = columns_.At(at).flowing > 0;
+    for (int a = 0; a < view.geometry.Dim() - 1; ++a)
+      for (int step = -1; step < 2; step += 2) {
+        Index next = at;
+        next[a] += step;
+        const Side side = static_cast<Side>(2 * a + (step > 0));
+        if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, at)) continue;
+        inside = inside && box.Contains(next) && lambda[columns_.Place(next)] > 0;
+      }
+    return inside ? FullKernelArea(view, 1, at) : columns_.At(at).area;
   }
 
   /// How many models of this kind make the whole tip: 2 for each side of symmetry that it is on.

@@ -40,9 +40,9 @@ void CheckAxis(OptionReader &reader, Case *c)
     reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
                   "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it");
   if (lower > 0) return;
-  if (c->model.sides[kXLower] == BoundaryKind::kFixed)
-    reader.Refuse("-boundary_x_lower", "fixed", "symmetry or left out: it is the axis");
-  c->model.sides[kXLower] = BoundaryKind::kSymmetry;
+  if (c->model.sides[kXLower] != BoundaryKind::kSymmetry)
+    reader.Refuse("-boundary_x_lower", c->model.sides[kXLower] == BoundaryKind::kFree ? "free" : "fixed",
+                  "symmetry or left out: it is the axis");
 }
 
 void ReadGrid(OptionReader &reader, Case *c)
@@ -53,7 +53,8 @@ void ReadGrid(OptionReader &reader, Case *c)
   reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size);
   for (int s = 0; s < (reader.Help() ? kSides : 2 * c->Dim()); ++s) {
     const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
-    std::string kind = "free";
+    const bool is_axis = c->model.geometry.HasHoop() && s == kXLower && c->domain.lower[0] == 0;
+    std::string kind = is_axis && !reader.Help() ? "symmetry" : "free";
     c->model.sides[s] =
         static_cast<BoundaryKind>(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain"}, kinds, &kind));
   }

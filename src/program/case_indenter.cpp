@@ -237,6 +237,22 @@ double LowestTip(const Indenter &indenter, double end_time)
   return lowest;
 }
 
+/// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
+void CheckReach(OptionReader &reader, const Case &c)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const double above = indenter.tip[indenter.up] - indenter.initial_surface;
+  const double height = c.domain.upper[indenter.up] - c.domain.lower[indenter.up];
+  const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
+  if (above > height)
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
+                      FormatRounded(above));
+  if (c.model.contact.method != "none" && nearest > 0)
+    Warn(reader.Comm(), "-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
+                            FormatRounded(nearest) + " m to the body until the end: there will be no contact");
+}
+
 /// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
@@ -311,6 +327,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   if (!indenter.by_load) ReadTurningPoint(reader, c);
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
+  CheckReach(reader, *c);
   CheckIndenterPath(reader, *c);
   CheckIndenterSize(reader, *c, kind);
 }

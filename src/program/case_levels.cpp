@@ -84,6 +84,9 @@ void ReadBox(OptionReader &reader, Case *c, int k)
   box = {OnLines(*c, box.lower, coarse), OnLines(*c, box.upper, coarse)};
   c->boxes.push_back(box);
   CheckNesting(reader, *c, k);
+  if (const double r = box.lower[0]; c->model.geometry.HasHoop() && r > 0 && r < 4 * coarse)
+    reader.Refuse(name + "_lower", reader.Text(box.lower),
+                  "at x = 0, the axis, or at least four coarser cells, " + FormatRounded(4 * coarse) + ", from it");
   const double cell = c->CellSize(k), most = PETSC_MAX_INT / NodeLayout::kSums;
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;

@@ -92,6 +92,18 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
   }
 }
 
+/// In axisymmetry, a hole along the axis that the grid cannot see, and no body fills: r = 0 was meant.
+void CheckHole(const Case &c, std::size_t b)
+{
+  const Box bounds = c.model.bodies[b].region->Bounds();
+  const double radius = bounds.lower[0], cell = c.CellSize(c.LevelAt({radius, bounds.upper[1] - kRounding * c.cell_size, 0}));
+  if (!c.model.geometry.HasHoop() || radius <= 0 || radius >= 2 * cell) return;
+  for (const Body &other : c.model.bodies)
+    if (other.region->Bounds().lower[0] < radius) return;
+  Refuse("-bodies " + c.model.bodies[b].name + ": must begin at x = 0, the axis, or at least two cells, " +
+         FormatRounded(2 * cell) + " m, from it; it leaves a hole of " + FormatRounded(radius) + " m");
+}
+
 /// area: of the faces that the load acts on, m2 (m in the plane).
 void CheckLoad(MPI_Comm comm, const Case &c, std::size_t k, double area)
 {
@@ -133,7 +145,7 @@ void CheckBodies(Hierarchy &hierarchy, const Case &c)
   std::vector<BodySums> bodies;
   std::vector<double> loads;
   SumBodies(hierarchy, c.model, &bodies, &loads);
-  for (std::size_t b = 0; b < bodies.size(); ++b) CheckBody(c, b, bodies[b]);
+  for (std::size_t b = 0; b < bodies.size(); ++b) CheckHole(c, b), CheckBody(c, b, bodies[b]);
   for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(hierarchy.Comm(), c, k, loads[k]);
 }
 

@@ -6,10 +6,11 @@ import numpy
 
 import harness
 import load_depth
+import metals
 import oliver_pharr
 
 POISSON, DEPTH, CELLS = 0.3, 200e-9, 16  # CELLS: finest ones in the contact's radius without pile-up, at full depth
-TRANSITS = 10  # of waves through the block, in the slow part of the unloading
+TRANSITS = 24  # of waves through the block, in the slow part of the unloading
 WINDOW = oliver_pharr.Constants(window=(0.2, 0.97))  # columns that let go one by one are treads of the unloading: several must lie in it
 REFERENCE = harness.ROOT / "tests" / "reference" / "cone_70deg.csv"
 CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2)}  # exponent, E and yield stress, GPa
@@ -77,3 +78,49 @@ def verify_cones(study):
         study.expect(name + "P/h^2, of that of finite elements", curvature(result.history) / (C * 1e9), near=1, tolerance=0.04)
         study.expect(name + "dP/dh, of that of finite elements", 1e3 * test["stiffness_mN_per_um"] / stiffness, near=1, tolerance=0.08)
         study.expect(name + "plastic share of the work, less that of finite elements", test["plastic_share"] - plastic, near=0, tolerance=0.025)
+
+
+def last_tenth(history, name):
+    """Mean of a column over the last tenth of the depth."""
+    return numpy.mean(history[name][history["depth"] > 0.9 * history["depth"][-1]])
+
+
+def verify_punch(study):
+    """Prandtl's punch
+
+    Load over the limit load (2 + pi) k a, the punch acting a quarter cell wider, and the noise of the pressure under it without the
+    corner's cells: cells in its half width, points a cell along each axis, Young's modulus over yield stress.
+    """
+    for cells, points, stiffness in ((16, 2, 1000), (32, 2, 1000), (16, 3, 1000), (16, 2, 300)):
+        cell, sy = 16e-6 / cells / 2, 70e9 / stiffness
+        result = harness.run({"cell_size": cell, "block_points_per_cell": points, "metal_yield_stress": sy, "end_time": 155e-9 * 1000 / stiffness, "frames": 1}, file="punch_plastic.opts")
+        history, frame, name, k = result.history, result.frame(), f"{cells} cells, {points} x {points} points, E/sy {stiffness}: ", sy / math.sqrt(3)
+        load = history["load"] / ((2 + math.pi) * k * (8e-6 + cell / 4))
+        x, depth = frame["position"][:, 0], 32e-6 - history["depth"][-1] - frame["position"][:, 1]
+        below = (x < 8e-6) & (depth < 8e-6) & ~((numpy.abs(x - 8e-6) < 2 * cell) & (depth < 2 * cell))
+        last = len(load) // 20
+        study.expect(name + "load, of the exact one", numpy.mean(load[-last:]), near=1, tolerance=0.04)
+        study.expect(name + "growth over the last half", numpy.mean(load[-last:]) / numpy.mean(load[len(load) // 2:][:last]) - 1, near=0,
+                     tolerance=0.05)
+        study.expect(name + "noise of the pressure, k", metals.pressure_noise(frame, below, cell)[0] / k, at_most=0.25)
+
+
+def verify_wedge(study):
+    """A wedge of 60 degrees that cuts a perfectly plastic body
+
+    Of what Hill, Lee and Tupper (1947) have, at two sizes of the cells: load, mean pressure on the contact's width, rise of the lip;
+    what contact gave beyond the indenter's work, and what the energies miss of it.
+    """
+    k = 70e6 / math.sqrt(3)
+    for cells in (8, 16):
+        result = harness.run({"cell_size": 16e-6 / cells, "frames": 1}, file="wedge_plastic.opts")
+        history, frame, name = result.history, result.frame(), f"{cells} cells: "
+        load, depth, width = (last_tenth(history, column) for column in ("load", "depth", "contact_half_width"))
+        study.figure(name + "load, of the exact one", load / (k * depth) / 9.59279)
+        study.expect(name + "mean pressure, of the exact one", load / width / (2 * k) / 1.88728, near=1, tolerance=0.06)
+        study.expect(name + "half width by the contact's area, of that by its ends", last_tenth(history, "contact_area") / width, near=1, tolerance=0.06)
+        lip = numpy.max(frame["position"][:, 1] + frame["half_size"][:, 1]) - 48e-6
+        study.expect(name + "rise of the lip, of the exact one", lip / history["depth"][-1] / 0.467, near=1, tolerance=0.06)
+        study.expect(name + "what contact gave beyond the work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1, near=0,
+                     tolerance=0.03)
+        study.expect(name + "energies less work, of it", metals.energy_left(history), near=0, tolerance=0.03)

@@ -158,7 +158,8 @@ PetscErrorCode ActiveSetSolver::UpdateFriction(int *changed)
     const double d = Stiffness(diagonal, k, tractions_),
                  y[2] = {d * x[k + 1] - slack[k + 1], tractions_ > 1 ? d * x[k + 2] - slack[k + 2] : 0};
     SlipState &state = slips_[k / (1 + tractions_)];
-    const SlipState next = now != 0 ? StateOf(y, tractions_, x[k] > 0 ? d * friction_ * x[k] : 0) : SlipState();
+    const double bound = std::isinf(friction_) ? friction_ : d * friction_ * std::max(x[k], 0.0);
+    const SlipState next = now != 0 ? StateOf(y, tractions_, bound) : SlipState();
     *changed = *changed || now != active[k] || Differs(next, state, tractions_);
     active[k] = now;
     state = next;

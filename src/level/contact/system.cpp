@@ -46,17 +46,23 @@ PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCouplin
 
 /// Adds what pressures and tractions do to the velocities of nodes.
 void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
-          int per_column, ContactReport *report)
+          ContactReport *report)
 {
   ForEachNode(couplings, [&](auto first, auto end) {
     Vec3 impulse{};
-    for (auto c = first; c != end; ++c) {
-      const Vec3 part = view.dt * lambda[c->unknown] * c->traction;
-      impulse = impulse + part;
-      if (c->unknown % per_column) report->friction_impulse = report->friction_impulse + part;
-    }
+    for (auto c = first; c != end; ++c) impulse = impulse + view.dt * lambda[c->unknown] * c->traction;
     if (impulse != Vec3{}) PushNode(view, first->node, impulse, report);
   });
+}
+
+/// The part of that impulse that tractions give.
+Vec3 FrictionImpulse(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
+                     int per_column)
+{
+  Vec3 impulse{};
+  for (const ContactCoupling &c : couplings)
+    if (c.unknown % per_column) impulse = impulse + view.dt * lambda[c.unknown] * c.traction;
+  return impulse;
 }
 
 } // namespace
@@ -195,7 +201,8 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   PetscCall(FindPressures(view, layout, report));
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
-  Push(view, couplings, lambda_, per_column, report);
+  Push(view, couplings, lambda_, report);
+  report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

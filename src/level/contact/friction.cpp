@@ -177,7 +177,7 @@ PetscErrorCode ActiveSetSolver::SettleFriction(ActiveSetReport *report)
 {
   constexpr double kAtBound = 1 - 1e-6;
   const PetscScalar *slip;
-  PetscScalar *x;
+  PetscScalar *x, carried = 0;
   PetscFunctionBeginUser;
   PetscCall(VecGetArray(lambda_, &x));
   for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
@@ -188,6 +188,8 @@ PetscErrorCode ActiveSetSolver::SettleFriction(ActiveSetReport *report)
     x[k] = std::max(x[k], 0.0);
   }
   PetscCall(VecRestoreArray(lambda_, &x));
+  if (report->fallback && travels_) PetscCall(VecDot(c_, lambda_, &carried));
+  if (carried > 0) PetscCall(VecScale(lambda_, load_ / carried));
   PetscCall(MatMult(A_, lambda_, work_));
   PetscCall(VecAXPY(work_, -1, r_));
   PetscCall(VecGetArray(lambda_, &x));

@@ -139,8 +139,8 @@ PetscErrorCode ActiveSetSolver::SolveByRowSumsAndLoad()
   }
   PetscCall(VecGetArray(lambda_, &lambda));
   for (PetscInt k = 0; k < size_; ++k) {
-    lambda[k] = (r[k] + travel * c[k]) / d[k];
-    if (IsPressure(k)) lambda[k] = c[k] > 0 ? std::max(0.0, r[k] + travel * c[k]) / d[k] : 0;
+    const double pushed = (r[k] + travel * c[k]) / d[k];
+    lambda[k] = !IsPressure(k) ? pushed : c[k] > 0 ? std::max(0.0, pushed) : 0;
   }
   PetscCall(VecRestoreArray(lambda_, &lambda));
   PetscCall(VecRestoreArrayRead(work_, &d));

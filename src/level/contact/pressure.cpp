@@ -134,12 +134,16 @@ private:
     Flush(dim, per_column, cell);
   }
 
-  /// How the weighted slip of a column along an axis grows as a segment moves, m2.
+  /// How the weighted slip of a column along an axis grows as a segment moves, m2. At a side that is held across that axis there
+  /// is none: tractions of both its sides are opposite.
   Vec3 SlipGradient(const ContactView &view, const PressedSegment &segment, int corner, int axis) const
   {
     const int axes = view.geometry.Dim() - 1;
-    return segment.area * CornerHat(segment.place.part, corner, axes, settings_.width) *
-           SurfaceTangent(segment.normal, axis, axes);
+    const Index column = Corner(segment.place.column, corner);
+    for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
+      if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) return {};
+    const double kernel = CornerHat(segment.place.part, corner, axes, settings_.width);
+    return segment.area * kernel * SurfaceTangent(segment.normal, axis, axes);
   }
 
   int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }

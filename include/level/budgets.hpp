@@ -99,6 +99,9 @@ struct Budgets {
   /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
   /// see.
   ScalarBudget noise_energy{"noise_energy", Adds::kNow, Shown::kLaterColumn};
+  VectorBudget tip{"tip", Adds::kNow, Shown::kLaterColumn};                       ///< of the indenter, set in the sums
+  ScalarBudget friction_work{"friction_work", Adds::kTotal, Shown::kLaterColumn}; ///< heat
+  ScalarBudget friction_force{"friction_force", Adds::kNow, Shown::kLaterColumn}; ///< set in the sums
 
   // summary.json
   ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};
@@ -127,7 +130,8 @@ struct Budgets {
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
   /// Impulses of contact on nodes that neighbouring levels have a part in, absolute values times that part.
   ScalarBudget shared_contact_impulse{"shared_contact_impulse", Adds::kTotal, Shown::kNowhere};
-  ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere}; ///< along the radius, in the last sweep
+  VectorBudget friction_impulse{"friction_impulse", Adds::kTotal, Shown::kNowhere}; ///< the part of tractions in contact_impulse
+  ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere};               ///< along the radius, in the last sweep
 
   Budget *begin() { return reinterpret_cast<Budget *>(this); }
   Budget *end() { return begin() + sizeof(Budgets) / sizeof(Budget); }
@@ -135,7 +139,7 @@ struct Budgets {
   const Budget *end() const { return begin() + sizeof(Budgets) / sizeof(Budget); }
 
   double Viscous() const { return short_wave_dissipation + xpic_dissipation + averaging_work; }
-  double Dissipated() const { return Viscous() + plastic_work + damping_work; }
+  double Dissipated() const { return Viscous() + plastic_work + damping_work + friction_work; }
   /// Adds another part's.
   void Add(const Budgets &part);
   /// Those of all ranks together, on every rank. Collective.

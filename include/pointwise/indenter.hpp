@@ -6,6 +6,7 @@
 #include "pointwise/piecewise_linear.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -75,7 +76,7 @@ struct IndenterLoad {
   double largest_speed = 0; ///< of the tip, up or down, m/s
 };
 
-/// The tip in a step. Under load control it is at rest, and contact finds how far it comes down.
+/// The tip in a step. Under load control it keeps its height, and contact finds how far it comes down.
 struct TipStep {
   Vec3 start{}, end{};    ///< m
   double load = NAN;      ///< that contact must carry, N; NAN where the way is given
@@ -93,14 +94,21 @@ struct Indenter {
   double initial_surface = 0; ///< height of the undeformed body below the tip, m
   int up = 1;                 ///< axis, the last of the geometry
   std::optional<IndenterLoad> by_load{};
+  std::array<PiecewiseLinear, 2> sideways{}; ///< speed along the horizontal axes, m/s
 
   Vec3 Up(double length) const { return {0, up == 1 ? length : 0, up == 2 ? length : 0}; }
+  /// How far it has come sideways since t = 0, m.
+  Vec3 Sideways(double t) const { return {sideways[0].Integral(t), sideways[1].Integral(t), 0}; }
   // Its motion where there is no load.
-  Vec3 Tip(double t) const { return tip - Up(motion.Travel(t)); }
-  Vec3 Velocity(double t) const { return Up(-motion.Speed(t)); }
+  Vec3 Tip(double t) const { return tip - Up(motion.Travel(t)) + Sideways(t); }
+  Vec3 Velocity(double t) const { return Up(-motion.Speed(t)) + Vec3{sideways[0].Value(t), sideways[1].Value(t), 0}; }
 
-  /// Largest speed, up or down, between two times; under load control a bound.
-  double Fastest(double from, double to) const { return by_load ? by_load->largest_speed : motion.Fastest(from, to); }
+  /// Bound of its speed between two times; exact where it moves along one axis and not by a load.
+  double Fastest(double from, double to) const
+  {
+    const double x = sideways[0].LargestMagnitude(from, to), y = sideways[1].LargestMagnitude(from, to);
+    return std::hypot(by_load ? by_load->largest_speed : motion.Fastest(from, to), std::hypot(x, y));
+  }
   double Depth(Vec3 tip_now) const { return initial_surface - tip_now[up]; }
   SurfaceGap Gap(Vec3 x, Vec3 tip_now) const { return surface->Gap(x - tip_now); }
 };

@@ -15,6 +15,7 @@ public:
   double Value(double t) const;
   double Integral(double t) const { return Between(0, t); } ///< from 0 to t
   double Mean(double from, double to) const { return Between(from, to) / (to - from); }
+  const std::vector<double> &Times() const { return times_; }
   double EndTime() const { return times_.empty() ? 0 : times_.back(); }
   double LargestMagnitude(double from, double to) const;
   /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.

@@ -24,15 +24,16 @@ inline std::string BorderName(int b) { return "/border_state_" + std::to_string(
 
 inline std::vector<double> StateAsNumbers(const RunState &s)
 {
-  return {s.time,         s.time_step,      s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed,
-          double(s.step), double(s.frames), s.initial_mass,     s.initial_points,   s.initial_created,  s.impulse_at_row,
-          s.time_at_row};
+  return {s.time,         s.time_step,          s.step_settings[0],   s.step_settings[1],  s.step_settings[2], s.wave_speed,
+          double(s.step), double(s.frames),     s.initial_mass,       s.initial_points,    s.initial_created,  s.impulse_at_row,
+          s.time_at_row,  s.friction_at_row[0], s.friction_at_row[1], s.friction_at_row[2]};
 }
 
 /// The numbers must have been found sensible.
 inline RunState StateFromNumbers(const std::vector<double> &n)
 {
-  return {n[0], n[1], {n[2], n[3], n[4]}, n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10], n[11], n[12]};
+  return {n[0],  n[1],  {n[2], n[3], n[4]},   n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10],
+          n[11], n[12], {n[13], n[14], n[15]}};
 }
 
 } // namespace mlgimp

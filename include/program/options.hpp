@@ -55,6 +55,8 @@ public:
   int Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value);
   void Integer(const OptionText &option, const Range &range, int *value);
   bool Number(const OptionText &option, const Range &range, bool required, double *value);
+  /// A number that may be `inf`, which is always in range.
+  void NumberOrInfinity(const OptionText &option, const Range &range, double *value);
   /// A list of at least `least` numbers; at most `most` where that is not 0.
   bool Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
                std::vector<double> *values);

@@ -35,6 +35,7 @@ private:
   void ControlStep();
   void WriteDue();
   void WriteHistoryRow();
+  void SetFrictionForce(double passed);
   void WriteState();
   std::string WriteSummary(const std::string &status);
   [[noreturn]] void Fail(const std::string &message);
@@ -71,7 +72,7 @@ private:
   FrameWriter frames_;
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
-  double start_progress_ = 0, load_ = 0;
+  double start_progress_ = 0, load_ = 0, friction_force_ = 0;
   Warnings warnings_;
 };
 

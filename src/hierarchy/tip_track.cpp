@@ -18,7 +18,7 @@ Vec3 TipTrack::At(double time) const
 {
   if (!indenter_) return {};
   if (!IsByLoad()) return indenter_->Tip(time);
-  return indenter_->tip - indenter_->Up(travel_ + speed_ * (time - time_));
+  return indenter_->tip - indenter_->Up(travel_ + speed_ * (time - time_)) + indenter_->Sideways(time);
 }
 
 TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
@@ -26,7 +26,8 @@ TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
   if (!IsByLoad() || l != tip_level_) return {start, At(time + dt)};
   const double others = std::accumulate(beside_.begin(), beside_.end(), 0.0);
   const double load = std::max(0.0, indenter_->by_load->force.Mean(time, time + dt) - others);
-  return {start, start, load, indenter_->by_load->largest_speed * dt};
+  const Vec3 sideways = indenter_->Sideways(time + dt) - indenter_->Sideways(time);
+  return {start, start + sideways, load, indenter_->by_load->largest_speed * dt};
 }
 
 PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double time, double dt)
@@ -51,9 +52,11 @@ PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double
 double TipTrack::Reach(double time, double dt, int steps) const
 {
   double reach = 0; // the whole way: it may turn
-  if (IsByLoad()) return steps * dt * indenter_->by_load->largest_speed;
-  for (int k = 0; k < steps && indenter_; ++k) reach += Norm(At(time + (k + 1) * dt) - At(time + k * dt));
-  return reach;
+  for (int k = 0; k < steps && indenter_; ++k) {
+    const double from = time + k * dt, to = time + (k + 1) * dt;
+    reach += Norm(IsByLoad() ? indenter_->Sideways(to) - indenter_->Sideways(from) : At(to) - At(from));
+  }
+  return IsByLoad() ? reach + steps * dt * indenter_->by_load->largest_speed : reach;
 }
 
 std::vector<double> TipTrack::State() const

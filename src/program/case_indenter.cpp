@@ -147,6 +147,31 @@ void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case 
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
 
+/// Sideways speeds, at the same times; an axis cannot move.
+void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *c)
+{
+  const GeometryKind geometry = c->model.geometry.kind;
+  for (int axis = 0; axis < (reader.Help() ? 2 : UpAxis(geometry)); ++axis) {
+    const std::string name = std::string("-indenter_velocities_") + "xy"[axis];
+    std::vector<double> speeds;
+    const bool given = reader.Numbers({name, "sideways speed at the times, with either -indenter_control", "m/s"}, kAnyNumber, 1,
+                                      0, false, &speeds);
+    if (!given) continue;
+    if (geometry == GeometryKind::kAxisymmetric) reader.Refuse(name, "", "left out with -geometry axisymmetric");
+    if (speeds.size() != times.size())
+      reader.Refuse(name, std::to_string(speeds.size()) + " values",
+                    "as many as -indenter_times has: " + std::to_string(times.size()));
+    for (const bool upper : {false, true}) {
+      const double side = upper ? c->domain.upper[axis] : c->domain.lower[axis];
+      if (c->model.sides[2 * axis + upper] == BoundaryKind::kSymmetry &&
+          std::abs(c->model.indenter->tip[axis] - side) < kRounding * c->cell_size)
+        reader.Refuse(name, "",
+                      "left out where the tip is on a side of symmetry: the indenter's other half would move against it");
+    }
+    c->model.indenter->sideways[axis] = PiecewiseLinear(times, speeds);
+  }
+}
+
 /// The history of the speed or of the load.
 void ReadControl(OptionReader &reader, Case *c)
 {
@@ -166,6 +191,7 @@ void ReadControl(OptionReader &reader, Case *c)
     ReadHistory(reader, "-indenter_times", loads, kNotNegative, &force);
     if (!reader.Help()) FinishLoadControl(reader, force, c);
   }
+  ReadSideways(reader, control == "load" ? force.Times() : c->model.indenter->motion.speed.Times(), c);
 }
 
 /// The turn at the largest depth, and the end of the run that follows from the motion.
@@ -198,6 +224,17 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   } else {
     c->time.end_time = reached;
   }
+}
+
+/// Coulomb's coefficient, which one method of contact has.
+void ReadFriction(OptionReader &reader, ContactSettings *contact)
+{
+  double friction = 0;
+  reader.NumberOrInfinity({"-indenter_friction", "Coulomb's coefficient of friction under the indenter; inf sticks"},
+                          kNotNegative, &friction);
+  if (friction > 0 && contact->method != "pressure")
+    reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
+  contact->friction = friction;
 }
 
 /// Those of PETSc's types that solve the contact equations; others end with PETSc's errors, or never.
@@ -253,6 +290,19 @@ void CheckReach(OptionReader &reader, const Case &c)
                             FormatRounded(nearest) + " m to the body until the end: there will be no contact");
 }
 
+/// Ends of the tip's way along a horizontal axis; up to the last of its times where the end of the run is not known.
+std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end_time)
+{
+  constexpr int kSamples = 1000;
+  const double start = indenter.tip[axis], end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
+  std::array<double, 2> way = {start, start};
+  for (int k = 1; k <= kSamples; ++k) {
+    const double x = start + indenter.Sideways(end * k / kSamples)[axis];
+    way = {std::min(way[0], x), std::max(way[1], x)};
+  }
+  return way;
+}
+
 /// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
@@ -280,18 +330,21 @@ void CheckIndenterPath(OptionReader &reader, const Case &c)
     const double margin = c.BorderMargin(k);
     const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
     bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
-    for (int axis = 0; axis < up; ++axis)
-      meets = meets && indenter.tip[axis] >= box.lower[axis] - margin && indenter.tip[axis] <= box.upper[axis] + margin;
+    for (int axis = 0; axis < up; ++axis) {
+      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
+      meets = meets && most >= box.lower[axis] - margin && least <= box.upper[axis] + margin;
+    }
     if (!meets) continue;
     const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
     for (int axis = 0; axis < up; ++axis) {
-      const double x = indenter.tip[axis];
-      const std::string from =
-          needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
-      if (c.IsBorder(k, static_cast<Side>(2 * axis)) && x < box.lower[axis] + margin)
-        reader.Refuse(option + "_lower", reader.Text(box.lower), from);
-      if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && x > box.upper[axis] - margin)
-        reader.Refuse(option + "_upper", reader.Text(box.upper), from);
+      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
+      const auto from = [&, axis = axis](double x) {
+        return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
+      };
+      if (c.IsBorder(k, static_cast<Side>(2 * axis)) && least < box.lower[axis] + margin)
+        reader.Refuse(option + "_lower", reader.Text(box.lower), from(least));
+      if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && most > box.upper[axis] - margin)
+        reader.Refuse(option + "_upper", reader.Text(box.upper), from(most));
     }
     if (c.IsBorder(k, static_cast<Side>(2 * up)) && std::isfinite(lowest) && lowest < box.lower[up] + margin)
       reader.Refuse(option + "_lower", reader.Text(box.lower),
@@ -315,6 +368,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   if (method == "pressure" || reader.Help())
     reader.Number({"-contact_width", "half width of the kernel of a contact pressure in cells; 1 is the hat"},
                   {0, 1, true, false}, false, &c->model.contact.width);
+  ReadFriction(reader, &c->model.contact);
   if (has_solver && !reader.Help()) CheckContactSolver(reader);
   Indenter &indenter = c->model.indenter.emplace();
   indenter.up = UpAxis(geometry);

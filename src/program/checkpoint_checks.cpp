@@ -147,11 +147,12 @@ std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const 
   return right ? "" : "its grids are not divided among ranks as a run divides them";
 }
 
-std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures)
+std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures, int per_column)
 {
-  const bool right = keys.size() == pressures.size() && AllWhole(keys, -kLargestWhole, kLargestWhole) &&
-                     std::all_of(pressures.begin(), pressures.end(), [](double p) { return p >= 0 && std::isfinite(p); }) &&
-                     std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
+  bool right = keys.size() == pressures.size() && AllWhole(keys, -kLargestWhole, kLargestWhole);
+  for (std::size_t k = 0; right && k < keys.size(); ++k)
+    right = std::isfinite(pressures[k]) && (pressures[k] >= 0 || static_cast<std::int64_t>(keys[k]) % per_column != 0);
+  right = right && std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
   return right ? "" : "its contact pressures are not those of a run";
 }
 

@@ -239,7 +239,8 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   ContactPressures pressures;
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
     Note(WrongClock(clock, state.step, case_, l));
-  if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values)) Note(WrongPressures(keys, values));
+  if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
+    Note(WrongPressures(keys, values, UnknownsPerColumn(case_.model.contact, case_.model.geometry)));
   Settle("checkpoint_pace");
   ReadLayout(l);
   ReadPoints(group, level, level.PointStore());

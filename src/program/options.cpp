@@ -137,6 +137,17 @@ bool OptionReader::Number(const OptionText &option, const Range &range, bool req
   return given;
 }
 
+void OptionReader::NumberOrInfinity(const OptionText &option, const Range &range, double *value)
+{
+  std::string text;
+  Raw(option, FormatNumber(*value), &text);
+  if (text == "inf")
+    *value = HUGE_VAL;
+  else if (!ParseNumber(text, value) || !range.Contains(*value))
+    Refuse(option.name, text.empty() ? "(nothing)" : text, range.Text() + " or inf");
+  if (identify_) identity_.back() = option.name + " " + FormatNumber(*value);
+}
+
 static std::string FormatNumbers(const std::vector<double> &values)
 {
   std::vector<std::string> words;

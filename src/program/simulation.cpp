@@ -246,17 +246,32 @@ void Simulation::WriteState()
   last_checkpoint_ = state_.step;
 }
 
+/// The mean force of tractions since the last row: on the body along the indenter's sideways motion, along x without one.
+void Simulation::SetFrictionForce(double passed)
+{
+  const auto &indenter = case_.model.indenter;
+  const Vec3 impulse = budgets_.friction_impulse, last = state_.friction_at_row;
+  if (!indenter) return;
+  const Vec3 way = indenter->Sideways(state_.time) - indenter->Sideways(state_.time_at_row);
+  const Vec3 along = Norm(way) > 0 ? (1 / Norm(way)) * way : Vec3{1, 0, 0};
+  if (passed > 0) friction_force_ = Dot(impulse - last, along) / passed;
+  state_.friction_at_row = impulse;
+  budgets_.friction_force = friction_force_;
+}
+
 void Simulation::WriteHistoryRow()
 {
   const auto &indenter = case_.model.indenter;
   EndOn(hierarchy_.ReduceBudgets(&budgets_));
   const double passed = state_.time - state_.time_at_row, impulse = budgets_.contact_impulse[case_.Dim() - 1];
   if (passed > 0) load_ = -(impulse - state_.impulse_at_row) / passed;
+  SetFrictionForce(passed);
   state_.impulse_at_row = impulse;
   state_.time_at_row = state_.time;
   budgets_.time = state_.time;
   budgets_.depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
   budgets_.load = load_;
+  for (int axis = 0; axis < case_.Dim(); ++axis) budgets_.tip[axis] = hierarchy_.Tip().At(state_.time)[axis];
   warnings_.Look(comm_, case_, budgets_, AtEnd());
   CheckWritten(history_.Write(state_.step, budgets_));
 }

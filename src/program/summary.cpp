@@ -140,7 +140,7 @@ std::string Simulation::WriteSummary(const std::string &status)
                {"points_lost", Number(state_.initial_points + created - budgets.points)},
                {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
   json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
-  json["contact_excess"] = Number(budgets.contact_work - budgets.indenter_work);
+  json["contact_excess"] = Number(budgets.contact_work + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
   json["warnings"] = warnings_.Lines();
   json["options"] = OptionsJson(case_.identity);

@@ -2,6 +2,8 @@
 //
 // Under load control the indenter's travel u in the step is one more unknown, and the load P one more equation:
 //   A lambda - r - u c >= 0,  lambda >= 0, complementary,  c . lambda = P.
+// With friction the rows of tractions tau stand behind that of their pressure (friction.cpp): with s = A x - r - u c there and x
+// all unknowns,  |tau| <= mu lambda,  s = 0 or tau = -mu lambda s/|s|;  tractions take part in c . x = P.
 #pragma once
 
 #include "base/handle.hpp"
@@ -20,6 +22,9 @@ struct ComplementarityProblem {
   bool by_load = false;
   std::vector<double> c;            ///< [rows of this rank] load of each pressure, m2; zero in rows that can carry none
   double load = 0, most_travel = 0; ///< P, N; largest |u|, at which the load is what it is, m
+
+  int tractions = 0;   ///< rows of tractions behind each of a pressure
+  double friction = 0; ///< mu; infinite where surfaces stick
 };
 
 struct ActiveSetReport {
@@ -27,14 +32,22 @@ struct ActiveSetReport {
   bool fallback = false, solved = true;
   double travel = 0;    ///< u
   bool limited = false; ///< the load would need a larger |u|
+  double heat = 0;      ///< -sum tau . s of the rows of this rank, J
+};
+
+/// Friction on a column: it sticks, or slips with its traction along a direction.
+struct SlipState {
+  bool slips = false;
+  double direction[2] = {0, 0}; ///< of the traction
+  double share = 0;             ///< mu lambda/|tau - s/d|, d the diagonal: how stiff the traction is across that direction
 };
 
 /// Finds lambda on all ranks of a communicator together.
 class ActiveSetSolver
 {
 public:
-  /// Creates the KSP with the prefix -contact_ and reads its options. `symmetric` chooses the default method. Collective on comm,
-  /// which must outlive the solver.
+  /// Creates the KSP with the prefix -contact_ and reads its options. `symmetric` chooses the default method: CG, or GMRES where
+  /// the equations are not, as with friction. Collective on comm, which must outlive the solver.
   PetscErrorCode Create(MPI_Comm comm, bool symmetric);
   /// lambda [rows of this rank]: the previous pressures on entry (the set starts from them), the solution on return. report: the
   /// same on all ranks. Collective.
@@ -49,6 +62,16 @@ private:
   PetscErrorCode SolveActive(Vec right_side, Vec solution, ActiveSetReport *report);
   PetscErrorCode UpdateSet(int *changed);
   PetscErrorCode SolveByRowSums();
+  PetscErrorCode Settle(std::vector<double> *lambda, ActiveSetReport *report);
+
+  // With friction (friction.cpp).
+  bool IsPressure(PetscInt row) const { return row % (1 + tractions_) == 0; }
+  PetscErrorCode StartFriction();
+  PetscErrorCode SetFrictionPart();
+  PetscErrorCode AddRow(PetscInt from, PetscInt to, double factor);
+  PetscErrorCode ProjectSlips(Vec right_side, Vec projected);
+  PetscErrorCode UpdateFriction(int *changed);
+  PetscErrorCode SettleFriction(ActiveSetReport *report);
 
   // Under load control (load_control.cpp).
   PetscErrorCode SetLoad(const ComplementarityProblem &problem);
@@ -70,6 +93,10 @@ private:
   double load_ = 0, travel_ = 0; ///< P; u times the scale
   VecHandle c_, r_at_rest_;      ///< r with u = 0
   VecHandle x1_, x2_;            ///< solutions of the active rows for r with u = 0 and for c
+
+  int tractions_ = 0;            ///< rows of tractions behind each of a pressure
+  double friction_ = 0;          ///< mu
+  std::vector<SlipState> slips_; ///< [pressures of this rank]
 };
 
 } // namespace mlgimp

@@ -52,6 +52,10 @@ struct ContactColumn {
 /// would give work that the indenter has not done; elastic surfaces do not flow, and leave them out.
 Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int corner, double width);
 
+/// Unit tangent of the indenter's surface at its normal n beside a horizontal axis: that axis after the smallest turn that brings
+/// the upward axis to -n. The tangents beside all horizontal axes are normal to each other and change as smoothly as n does.
+Vec3 SurfaceTangent(Vec3 normal, int axis, int up);
+
 /// The columns under all segments within reach of the indenter, the same on all ranks of the grid.
 class ContactColumns
 {

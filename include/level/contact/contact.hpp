@@ -32,6 +32,8 @@ struct ContactView {
 struct ContactReport {
   Vec3 impulse{};                 ///< on the body, N s
   Vec3 side_impulse{};            ///< what sides take up of it at once, N s
+  Vec3 friction_impulse{};        ///< the part of the impulse that tractions give, N s
+  double friction_work = 0;       ///< heat that slipping makes, -sum tau . s, J
   std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
   double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
   int local_points = 0;           ///< points under pressure
@@ -45,7 +47,7 @@ struct ContactReport {
   double peak_pressure = 0; ///< largest pressure found, Pa
 };
 
-/// Pressures that were found, by the key of their unknown.
+/// Pressures that were found, and tractions beside them, by the key of their unknown.
 using ContactPressures = std::map<std::int64_t, double>;
 
 class Contact

@@ -12,9 +12,16 @@ namespace mlgimp
 struct ContactSettings {
   std::string method = "pressure"; ///< one of ContactMethods, or none
   double width = 1;                ///< alpha: half width of the kernels of `pressure` in cells, (0, 1]
+  double friction = 0;             ///< Coulomb's coefficient, of `pressure`; infinite where surfaces stick
   int serial_unknowns = 2000;      ///< with fewer unknowns one rank solves
   bool monitor = false;            ///< a line per solve
 };
+
+/// Unknowns of a column of cells in `pressure`: the pressure and, with friction, tractions along the horizontal axes.
+inline int UnknownsPerColumn(const ContactSettings &settings, const Geometry &geometry)
+{
+  return settings.friction > 0 ? geometry.Dim() : 1;
+}
 
 /// Names that -contact accepts besides none: pressure, and in plane strain point_pressure and multimesh for comparison.
 std::vector<std::string> ContactMethods(GeometryKind geometry);

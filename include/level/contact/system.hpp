@@ -5,6 +5,9 @@
 //   A lambda - r >= 0,  A_jk = dt^2 sum_i c_ij . t_ik/m_i,  r_j = -gap_j - dt sum_i c_ij . v_i^0.
 // Under load control gap_j is that with the indenter at rest, which travels by u: A lambda - r - u c >= 0, c . lambda = P, with
 // c_j = -sum_i (t_ij along the indenter's axis), the load that a pressure carries.
+//
+// With friction each pressure is followed by its tractions, whose t_ij lie along the surface and whose rows give the slip,
+//   s_j = dt sum_i c_ij . (v_i - V) = (A x - r)_j,  r_j = dt sum_i c_ij . (V - v_i^0),  V the velocity of the indenter.
 #pragma once
 
 #include "level/contact/active_set.hpp"
@@ -35,13 +38,13 @@ public:
   /// `symmetric`: t is c; `diagonal_shift`: added to the diagonal, as a part of it.
   PetscErrorCode Create(bool symmetric, double diagonal_shift, const ContactSettings &settings);
 
-  /// Solves and applies. unknowns: the same on all ranks, by rising keys; couplings: this rank's part, to any nodes. Adds to the
-  /// report what it did. Collective on the grid's ranks.
+  /// Solves and applies. unknowns: the same on all ranks, by rising keys, columns of UnknownsPerColumn; couplings: this rank's
+  /// part, to any nodes. Adds to the report what it did. Collective on the grid's ranks.
   PetscErrorCode Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                        std::vector<ContactCoupling> couplings, ContactReport *report);
 
-  /// The pressures of the last solve, on every rank: in the order of its unknowns, and those above zero by their keys. The next
-  /// solve starts from them.
+  /// The pressures and tractions of the last solve, on every rank: in the order of its unknowns, and those that are not zero by
+  /// their keys. The next solve starts from them.
   const std::vector<double> &Lambda() const { return lambda_; }
   const ContactPressures &Pressures() const { return pressures_; }
   void SetPressures(const ContactPressures &pressures) { pressures_ = pressures; }
@@ -53,15 +56,18 @@ private:
     double value;
   };
   static constexpr int kRightSide = -1, kLoad = -2;
-  /// Which rank holds the equation of which unknown: ranges of equal size, which may be empty, on the first or on all
+  /// Which rank holds the equations of which columns: ranges of equal size, which may be empty, on the first or on all
   /// ranks.
   struct Layout {
-    int unknowns, ranks;
-    int First(int rank) const { return static_cast<int>(static_cast<std::int64_t>(unknowns) * std::min(rank, ranks) / ranks); }
-    int Owner(int row) const { return static_cast<int>(((row + std::int64_t(1)) * ranks - 1) / unknowns); }
+    int columns, per_column, ranks;
+    int First(int rank) const
+    {
+      return per_column * static_cast<int>(static_cast<std::int64_t>(columns) * std::min(rank, ranks) / ranks);
+    }
+    int Owner(int row) const { return static_cast<int>(((row / per_column + std::int64_t(1)) * ranks - 1) / columns); }
   };
 
-  void AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings);
+  void AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings, int per_column);
   PetscErrorCode MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                                const std::vector<ContactCoupling> &couplings, const Layout &layout);
   PetscErrorCode FindPressures(const ContactView &view, const Layout &layout, ContactReport *report);

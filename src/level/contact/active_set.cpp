@@ -7,7 +7,7 @@
 namespace mlgimp
 {
 
-static constexpr int kMaxSetUpdates = 20;
+static constexpr int kMaxSetUpdates = 20, kMaxFrictionUpdates = 40;
 
 PetscErrorCode ActiveSetSolver::Create(MPI_Comm comm, bool symmetric)
 {
@@ -87,6 +87,7 @@ PetscErrorCode ActiveSetSolver::StartSet()
   for (PetscInt k = 0; k < size_; ++k) active[k] = values[k] > 0;
   PetscCall(VecRestoreArray(active_, &active));
   PetscCall(VecRestoreArrayRead(source, &values));
+  if (tractions_) PetscCall(StartFriction());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,9 +95,13 @@ PetscErrorCode ActiveSetSolver::StartSet()
 PetscErrorCode ActiveSetSolver::SetActivePart()
 {
   PetscFunctionBeginUser;
-  PetscCall(MatCopy(A_, active_part_, SAME_NONZERO_PATTERN));
-  PetscCall(MatDiagonalScale(active_part_, active_, active_));
-  PetscCall(MatDiagonalSet(active_part_, diagonal_, INSERT_VALUES));
+  if (tractions_) {
+    PetscCall(SetFrictionPart());
+  } else {
+    PetscCall(MatCopy(A_, active_part_, SAME_NONZERO_PATTERN));
+    PetscCall(MatDiagonalScale(active_part_, active_, active_));
+    PetscCall(MatDiagonalSet(active_part_, diagonal_, INSERT_VALUES));
+  }
   PetscCall(KSPSetOperators(ksp_, active_part_, active_part_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,6 +114,7 @@ PetscErrorCode ActiveSetSolver::SolveActive(Vec right_side, Vec solution, Active
   PetscFunctionBeginUser;
   PetscCall(VecPointwiseMult(work_, active_, right_side));
   PetscCall(VecPointwiseMult(solution, active_, solution));
+  if (tractions_) PetscCall(ProjectSlips(right_side, work_));
   PetscCall(KSPSolve(ksp_, work_, solution));
   PetscCall(KSPGetConvergedReason(ksp_, &reason));
   PetscCall(KSPGetIterationNumber(ksp_, &iterations));
@@ -156,10 +162,11 @@ PetscErrorCode ActiveSetSolver::SolveByRowSums()
 PetscErrorCode ActiveSetSolver::FindSet(ActiveSetReport *report)
 {
   int updates = 0;
+  const int most = tractions_ ? kMaxFrictionUpdates : kMaxSetUpdates;
   PetscFunctionBeginUser;
   for (int changed = 1; changed && report->solved;) {
     PetscScalar active;
-    if (updates++ == kMaxSetUpdates) {
+    if (updates++ == most) {
       report->fallback = true;
       PetscCall(travels_ ? SolveByRowSumsAndLoad() : SolveByRowSums());
       break;
@@ -172,7 +179,7 @@ PetscErrorCode ActiveSetSolver::FindSet(ActiveSetReport *report)
       PetscCall(SolveActive(r_, lambda_, report));
     else
       PetscCall(VecSet(lambda_, 0));
-    if (report->solved) PetscCall(UpdateSet(&changed));
+    if (report->solved) PetscCall(tractions_ ? UpdateFriction(&changed) : UpdateSet(&changed));
   }
   report->set_updates += updates;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -180,10 +187,11 @@ PetscErrorCode ActiveSetSolver::FindSet(ActiveSetReport *report)
 
 PetscErrorCode ActiveSetSolver::Solve(const ComplementarityProblem &problem, std::vector<double> *lambda, ActiveSetReport *report)
 {
-  const PetscScalar *values;
   PetscFunctionBeginUser;
   *report = {};
   travels_ = false;
+  tractions_ = problem.tractions;
+  friction_ = problem.friction;
   PetscCall(SetPattern(problem));
   PetscCall(SetValues(problem, *lambda));
   PetscCall(StartSet());
@@ -193,10 +201,22 @@ PetscErrorCode ActiveSetSolver::Solve(const ComplementarityProblem &problem, std
   } else {
     PetscCall(FindSet(report));
   }
+  PetscCall(Settle(lambda, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Hands out what was found: pressures that are not negative, and tractions within what friction allows.
+PetscErrorCode ActiveSetSolver::Settle(std::vector<double> *lambda, ActiveSetReport *report)
+{
+  const PetscScalar *values;
+  PetscFunctionBeginUser;
+  if (tractions_) PetscCall(SettleFriction(report));
   PetscCall(VecGetArrayRead(lambda_, &values));
-  for (PetscInt k = 0; k < size_; ++k) (*lambda)[k] = std::max(values[k], 0.0);
+  for (PetscInt k = 0; k < size_; ++k) {
+    (*lambda)[k] = IsPressure(k) ? std::max(values[k], 0.0) : values[k];
+    report->active += IsPressure(k) && values[k] > 0;
+  }
   PetscCall(VecRestoreArrayRead(lambda_, &values));
-  report->active = static_cast<int>(std::count_if(lambda->begin(), lambda->end(), [](double value) { return value > 0; }));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->active, 1, MPI_INT, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -50,6 +50,16 @@ Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int cor
   return segment.area * change;
 }
 
+Vec3 SurfaceTangent(Vec3 normal, int axis, int up)
+{
+  constexpr double kOpposite = 1e-12; // of a normal that points up there is no smallest turn; an indenter's tip has none
+  Vec3 tangent{}, middle = -1 * normal;
+  const double turned = -normal[axis] / std::max(1 - normal[up], kOpposite);
+  middle[up] += 1;
+  tangent[axis] = 1;
+  return tangent - turned * middle;
+}
+
 /// Adds columns of one rank to those of another, as MPI asks for it.
 static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
 {

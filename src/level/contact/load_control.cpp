@@ -24,7 +24,7 @@ PetscErrorCode ActiveSetSolver::SetLoad(const ComplementarityProblem &problem)
   PetscCall(VecGetArray(active_, &active));
   for (PetscInt k = 0; k < size_; ++k) {
     c[k] = problem.c[k];
-    if (!(c[k] > 0)) active[k] = 0;
+    if (IsPressure(k) && !(c[k] > 0)) active[k] = 0;
   }
   PetscCall(VecRestoreArray(active_, &active));
   PetscCall(VecRestoreArray(c_, &c));
@@ -60,7 +60,7 @@ PetscErrorCode ActiveSetSolver::FindTouch()
   PetscCall(VecGetArrayRead(c_, &c));
   PetscCall(VecGetArrayRead(r_at_rest_, &r));
   for (PetscInt k = 0; k < size_; ++k)
-    if (c[k] > 0 && r[k] / c[k] > first.ratio) first.ratio = r[k] / c[k], row = k;
+    if (IsPressure(k) && c[k] > 0 && r[k] / c[k] > first.ratio) first.ratio = r[k] / c[k], row = k;
   PetscCall(VecRestoreArrayRead(r_at_rest_, &r));
   PetscCall(VecRestoreArrayRead(c_, &c));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_));
@@ -79,7 +79,8 @@ PetscErrorCode ActiveSetSolver::SolveActiveByLoad(ActiveSetReport *report)
   PetscCall(SolveActive(c_, x2_, report));
   PetscCall(VecDot(c_, x1_, &at_rest));
   PetscCall(VecDot(c_, x2_, &by_travel));
-  PetscCall(MoveTo((load_ - at_rest) / by_travel));
+  // Friction that carries more than all the load, in a set that is not yet the right one, leaves the indenter where it was.
+  if (by_travel > 0) PetscCall(MoveTo((load_ - at_rest) / by_travel));
   PetscCall(VecWAXPY(lambda_, travel_, x2_, x1_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,7 +130,7 @@ PetscErrorCode ActiveSetSolver::SolveByRowSumsAndLoad()
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     double sums[2] = {0, 0}; // of c r/d and c c/d over the rows under pressure
     for (PetscInt k = 0; k < size_; ++k)
-      if (c[k] > 0 && (std::isinf(travel) || r[k] + travel * c[k] > 0))
+      if (IsPressure(k) && c[k] > 0 && (std::isinf(travel) || r[k] + travel * c[k] > 0))
         sums[0] += c[k] * r[k] / d[k], sums[1] += c[k] * c[k] / d[k];
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, comm_));
     const double next = (load_ - sums[0]) / sums[1];
@@ -137,12 +138,15 @@ PetscErrorCode ActiveSetSolver::SolveByRowSumsAndLoad()
     travel = next;
   }
   PetscCall(VecGetArray(lambda_, &lambda));
-  for (PetscInt k = 0; k < size_; ++k) lambda[k] = c[k] > 0 ? std::max(0.0, r[k] + travel * c[k]) / d[k] : 0;
+  for (PetscInt k = 0; k < size_; ++k) {
+    const double pushed = (r[k] + travel * c[k]) / d[k];
+    lambda[k] = !IsPressure(k) ? pushed : c[k] > 0 ? std::max(0.0, pushed) : 0;
+  }
   PetscCall(VecRestoreArray(lambda_, &lambda));
   PetscCall(VecRestoreArrayRead(work_, &d));
   PetscCall(VecRestoreArrayRead(r_at_rest_, &r));
   PetscCall(VecRestoreArrayRead(c_, &c));
-  travel_ = travel;
+  PetscCall(MoveTo(travel));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

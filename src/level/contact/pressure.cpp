@@ -41,7 +41,7 @@ class PressureContact : public Contact
 public:
   PetscErrorCode Create(const ContactSettings &settings)
   {
-    width_ = settings.width;
+    settings_ = settings;
     return system_.Create(true, 0, settings);
   }
 
@@ -53,7 +53,7 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     PetscCall(CollectSegments(view, report));
-    PetscCall(columns_.Sum(view, width_, segments_));
+    PetscCall(columns_.Sum(view, settings_.width, segments_));
     NumberUnknowns(view);
     MakeCouplings(view);
     PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), report));
@@ -65,7 +65,7 @@ private:
   /// The couplings of the columns of a cell with its corners, [columns][corners].
   struct CellCouplings {
     CellPlace place = {kNoCell, {}, {}};
-    Vec3 B[4][8] = {};
+    Vec3 B[3][4][8] = {}; ///< of the pressure and of tractions along the horizontal axes
   };
 
   PetscErrorCode CollectSegments(const ContactView &view, ContactReport *report)
@@ -98,15 +98,17 @@ private:
   void NumberUnknowns(const ContactView &view)
   {
     const double h = view.grid.Geometry().spacing;
+    const int per_column = UnknownsPerColumn(settings_, view.geometry);
     unknowns_.clear();
     number_.clear();
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
-      const double full = FullKernelArea(view, width_, at), area = column.kernel_area;
+      const double full = FullKernelArea(view, settings_.width, at), area = column.kernel_area;
       const double gap = column.gap + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
       const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
-      if (kept) unknowns_.push_back({at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1], gap});
+      const std::int64_t key = per_column * (at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1]);
+      for (int u = 0; kept && u < per_column; ++u) unknowns_.push_back({key + u, u == 0 ? gap : 0});
     });
   }
 
@@ -114,29 +116,45 @@ private:
   void MakeCouplings(const ContactView &view)
   {
     const int dim = view.geometry.Dim(), columns = 1 << (dim - 1), corners = 1 << dim;
+    const int per_column = UnknownsPerColumn(settings_, view.geometry);
     CellCouplings cell;
     couplings_.clear();
     for (const PressedSegment &segment : segments_) {
       const CellPlace &place = segment.place;
-      if (place.cell != cell.place.cell) Flush(dim, cell), cell = {place, {}};
+      if (place.cell != cell.place.cell) Flush(dim, per_column, cell), cell = {place, {}};
       for (int c = 0; c < columns; ++c) {
         if (NumberOf(place, c) < 0) continue;
-        const Vec3 change = GapGradient(view, segment, c, width_);
-        for (int k = 0; k < corners; ++k) cell.B[c][k] = cell.B[c][k] + CornerHat(place.part, k, dim) * change;
+        for (int u = 0; u < per_column; ++u) {
+          const Vec3 change = u == 0 ? GapGradient(view, segment, c, settings_.width) : SlipGradient(view, segment, c, u - 1);
+          for (int k = 0; k < corners; ++k) cell.B[u][c][k] = cell.B[u][c][k] + CornerHat(place.part, k, dim) * change;
+        }
       }
     }
-    Flush(dim, cell);
+    Flush(dim, per_column, cell);
+  }
+
+  /// How the weighted slip of a column along an axis grows as a segment moves, m2. At a side that is held across that axis there
+  /// is none: tractions of both its sides are opposite.
+  Vec3 SlipGradient(const ContactView &view, const PressedSegment &segment, int corner, int axis) const
+  {
+    const int axes = view.geometry.Dim() - 1;
+    const Index column = Corner(segment.place.column, corner);
+    for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
+      if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) return {};
+    const double kernel = CornerHat(segment.place.part, corner, axes, settings_.width);
+    return segment.area * kernel * SurfaceTangent(segment.normal, axis, axes);
   }
 
   int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }
 
-  void Flush(int dim, const CellCouplings &cell)
+  void Flush(int dim, int per_column, const CellCouplings &cell)
   {
     if (cell.place.cell == kNoCell) return;
     for (int c = 0; c < 1 << (dim - 1); ++c) {
       const int number = NumberOf(cell.place, c);
       for (int k = 0; number >= 0 && k < 1 << dim; ++k)
-        couplings_.push_back({Corner(cell.place.cell, k), number, cell.B[c][k], cell.B[c][k]});
+        for (int u = 0; u < per_column; ++u)
+          couplings_.push_back({Corner(cell.place.cell, k), number + u, cell.B[u][c][k], cell.B[u][c][k]});
     }
   }
 
@@ -203,11 +221,11 @@ private:
     return count;
   }
 
-  double width_ = 1;
+  ContactSettings settings_;
   std::vector<PressedSegment> segments_;
   std::vector<std::size_t> point_ends_; ///< in segments_, of each point near the indenter
   ContactColumns columns_;
-  std::vector<int> number_; ///< of each column's unknown, or -1
+  std::vector<int> number_; ///< of each column's pressure among the unknowns, or -1
   std::vector<ContactUnknown> unknowns_;
   std::vector<ContactCoupling> couplings_;
   ContactSystem system_;

@@ -44,7 +44,7 @@ PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCouplin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds what the pressures do to the velocities of nodes.
+/// Adds what pressures and tractions do to the velocities of nodes.
 void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
           ContactReport *report)
 {
@@ -55,21 +55,32 @@ void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings
   });
 }
 
+/// The part of that impulse that tractions give.
+Vec3 FrictionImpulse(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
+                     int per_column)
+{
+  Vec3 impulse{};
+  for (const ContactCoupling &c : couplings)
+    if (c.unknown % per_column) impulse = impulse + view.dt * lambda[c.unknown] * c.traction;
+  return impulse;
+}
+
 } // namespace
 
 PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, const ContactSettings &settings)
 {
   PetscFunctionBeginUser;
-  symmetric_ = symmetric;
+  symmetric_ = symmetric && settings.friction == 0;
   diagonal_shift_ = diagonal_shift;
   settings_ = settings;
-  PetscCall(serial_.Create(PETSC_COMM_SELF, symmetric));
+  PetscCall(serial_.Create(PETSC_COMM_SELF, symmetric_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// The part of A, r and c that comes from the nodes of this rank, [unknowns][terms] in `rows_`.
-void ContactSystem::AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings)
+void ContactSystem::AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings, int per_column)
 {
+  const Vec3 way = view.tip.end - view.tip.start;
   const auto add = [&](int row, int column, double value) {
     std::vector<Term> &terms = rows_[row];
     const auto same = std::find_if(terms.begin(), terms.end(), [&](const Term &term) { return term.column == column; });
@@ -84,6 +95,7 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
     for (auto a = first; a != end; ++a) {
       const Vec3 mobile = view.dt * view.dt / mass * FreePart(view, a->node, a->constraint);
       add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, velocity));
+      if (a->unknown % per_column) add(a->unknown, kRightSide, Dot(a->constraint, way)); // of pressures the gap has it
       if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
       for (auto b = first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
     }
@@ -99,7 +111,7 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   PetscFunctionBeginUser;
   rows_.resize(unknowns.size());
   for (std::vector<Term> &row : rows_) row.clear();
-  AddProducts(view, couplings);
+  AddProducts(view, couplings, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
   PetscCall(ExchangeRecords(view.grid.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
 
@@ -109,6 +121,8 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   problem_.by_load = view.tip.IsFree();
   problem_.load = view.tip.load;
   problem_.most_travel = view.tip.most_travel;
+  problem_.tractions = layout.per_column - 1;
+  problem_.friction = settings_.friction;
   problem_.c.resize(problem_.by_load ? count : 0);
   for (int row = 0; row < count; ++row) problem_.r.push_back(-unknowns[first + row].gap);
   for (const Term &term : terms) {
@@ -130,7 +144,7 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
     problem_.rows.push_back(first + row);
     problem_.columns.push_back(first + row);
     problem_.values.push_back(largest > 0 ? largest : 1);
-    problem_.r[row] = -1;
+    problem_.r[row] = row % layout.per_column ? 0 : -1;
     if (problem_.by_load) problem_.c[row] = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,19 +172,20 @@ PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layou
     report->limited = found[1] != 0;
   }
   report->solved = solved.solved;
+  report->friction_work = solved.heat;
   if (rank > 0) PetscFunctionReturn(PETSC_SUCCESS);
   report->set_updates = solved.set_updates;
   report->fallback = solved.fallback;
   if (settings_.monitor && solved.active)
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n", view.time,
-                          layout.unknowns, solved.active, solved.set_updates, solved.linear_iterations));
+                          layout.columns * layout.per_column, solved.active, solved.set_updates, solved.linear_iterations));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                                     std::vector<ContactCoupling> couplings, ContactReport *report)
 {
-  const int count = static_cast<int>(unknowns.size());
+  const int count = static_cast<int>(unknowns.size()), per_column = UnknownsPerColumn(settings_, view.geometry);
   PetscFunctionBeginUser;
   lambda_.clear();
   for (const ContactUnknown &unknown : unknowns) {
@@ -180,13 +195,14 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   pressures_.clear();
   if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  const Layout layout = {count, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
+  const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
   PetscCall(GatherAtNodes(view, &couplings));
   PetscCall(MakeEquations(view, unknowns, couplings, layout));
   PetscCall(FindPressures(view, layout, report));
   for (int j = 0; j < count; ++j)
-    if (lambda_[j] > 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
+    if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
   Push(view, couplings, lambda_, report);
+  report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

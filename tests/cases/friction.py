@@ -1,0 +1,284 @@
+"""Coulomb friction under the indenter: sliding and sticking punches, scratches, heat and energy, on levels and ranks."""
+import functools
+import math
+
+import numpy
+import pytest
+
+import bad_input
+import harness
+from load_control import load_error
+from ranks import largest_difference
+from restart import rows_after
+
+# Lengths in cells, E = 1; waves need 14 through the block. The punch is not in the middle, and nothing is symmetric.
+PUNCH = {
+    "domain_lower": "0,0", "domain_upper": "32,20", "cell_size": 1, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
+    "boundary_y_lower": "symmetry", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block",
+    "block_lower": "0,0", "block_upper": "32,16", "indenter": "flat_punch", "indenter_width": 8, "indenter_tip": "14,16", "damping": 0.05,
+    "frames": 0, "indenter_control": "load"}
+TIMES = (0, 40, 50, 60, 90)  # up, hold, from rest to sliding, slide
+LOADS = (0, 0.2, 0.2, 0.2, 0.2)
+SPEED = 0.04
+
+
+def schedule(times, loads, **speeds):
+    """Speeds by axis, in the order of the times."""
+    moves = {f"indenter_velocities_{axis}": [float(v) for v in values] for axis, values in speeds.items()}
+    return {"indenter_times": list(times), "indenter_loads": list(loads), "end_time": times[-1], **moves}
+
+
+def along(speed):
+    return (0, 0, 0, speed, speed)
+
+
+def without(case, *names):
+    return {name: value for name, value in case.items() if name not in names}
+
+
+CYLINDER = {**without(PUNCH, "indenter_width"), "indenter": "cylinder", "indenter_radius": 60.0, "indenter_tip": "12,16"}
+SCRATCH = {**CYLINDER, **schedule(TIMES, LOADS, x=along(SPEED)), "indenter_friction": 0.3}
+
+
+def energy_error(history):
+    """Largest difference of the energy there is and was lost from the work done, of the largest work."""
+    energy = sum(history[part] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    work = history["indenter_work"] + history["external_work"]
+    return numpy.max(numpy.abs(energy - energy[0] - work)) / numpy.max(numpy.abs(work))
+
+
+def expect_sound(expect, result, times, loads):
+    history = result.history
+    expect("load against the one set, each step", load_error(history, times, loads), at_most=1e-8)
+    expect("least heat of friction in a step", numpy.diff(history["friction_work"]).min(), at_least=0)
+    expect("steps that did not settle", result.summary["contact_fallbacks"], at_most=0)
+
+
+def test_sliding_punch(expect):
+    """Tangential over normal force is the coefficient once all slips, forth and back; the tip is where its speed takes it."""
+    times, speed = (0, 40, 50, 60, 80, 90, 110), numpy.array((0, 0, 0, SPEED, SPEED, -SPEED, -SPEED))
+    result = harness.run({**PUNCH, **schedule(times, (0,) + 6 * (0.2,), x=speed), "indenter_friction": 0.3})
+    history = result.history
+    expect_sound(expect, result, times, (0,) + 6 * (0.2,))
+    for name, rows in (("forth", (history["time"] > 70) & (history["time"] < 80)), ("back", history["time"] > 100)):
+        ratio = history["friction_force"][rows] / history["load"][rows]
+        expect(f"{name}: friction over load, largest difference from the coefficient", numpy.max(numpy.abs(ratio / 0.3 - 1)), at_most=1e-6)
+    force = numpy.diff(history["contact_impulse_x"]) / numpy.diff(history["time"])
+    expect("force on the body along x, back", force[-1] / history["load"][-1], near=-0.3, tolerance=3e-7)
+    expect("last place of the tip", history["tip_x"][-1], near=14 + 0.5 * numpy.sum((speed[1:] + speed[:-1]) * numpy.diff(times)), tolerance=1e-12)
+    expect("height of the tip and depth", numpy.max(numpy.abs(history["tip_y"] + history["depth"] - 16)), at_most=1e-12)
+    heat, way = (history[name][-1] - history[name][-20] for name in ("friction_work", "tip_x"))
+    expect("heat over way, back, by friction", heat / way / -(0.3 * 0.2), near=1, tolerance=0.1)
+
+
+def test_scratch_closes_the_work(expect):
+    result = harness.run(SCRATCH)
+    expect_sound(expect, result, TIMES, LOADS)
+    expect("energy less the work, of the work", energy_error(result.history), at_most=0.01)
+    expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"][-1], at_least=0.5)
+
+
+def test_left_is_the_mirror_of_right(expect):
+    right = harness.run(SCRATCH).history
+    mirrored = {**SCRATCH, "indenter_tip": "20,16", **schedule(TIMES, LOADS, x=along(-SPEED))}
+    left = harness.run(mirrored).history
+    left = {name: -values if name.endswith("_x") else values for name, values in left.items()}
+    left["tip_x"] = left["tip_x"] + 32
+    left["friction_force"] *= numpy.where(numpy.diff(left["tip_x"], prepend=left["tip_x"][0]) == 0, -1, 1)  # along x, or along the motion
+    difference, column = largest_difference(left, right)
+    expect(f"history (worst column {column})", difference, at_most=1e-9)
+
+
+def test_no_traction_where_nothing_moves_sideways(expect):
+    """A block between smooth walls is pressed as a whole, with and without friction alike."""
+    case = {**PUNCH, "domain_upper": "6,12", "block_upper": "6,8", "indenter_width": 8, "indenter_tip": "3,8", **schedule((0, 40, 60), (0, 0.1, 0.1))}
+    smooth, rough = (harness.run({**case, "indenter_friction": friction}).history for friction in (0, "inf"))
+    expect("friction", numpy.max(numpy.abs(rough["friction_force"])), at_most=1e-12)
+    difference, column = largest_difference(without(rough, "friction_force"), smooth)
+    expect(f"history (worst column {column})", difference, at_most=1e-9)
+
+
+# A block on a smooth floor, pressed by a plate that is wider.
+SLED = {**PUNCH, "domain_upper": "24,7", "block_lower": "3,0", "block_upper": "17,4", "indenter_width": 24, "indenter_tip": "12,4"}
+del SLED["boundary_x_lower"], SLED["boundary_x_upper"]
+
+
+def test_block_under_a_plate_slides_by_what_friction_leaves(expect):
+    """Newton's law: pulled by gravity, it gains m g - mu P where that is above zero, and else stays."""
+    load, pull, mass = 0.06, 0.001, 56
+    for friction, gain in ((0.3, mass * pull - 0.3 * load), (2.0, 0.0)):
+        case = {**SLED, **schedule((0, 30, 100), (load, load, load)), "damping": 0.1, "indenter_friction": friction, "gravity": f"{pull},0"}
+        history = harness.run(case).history
+        given = history["momentum_x"] - history["damping_impulse_x"]
+        last = history["time"] > 70
+        expect(f"mu {friction}: force along x", numpy.polyfit(history["time"][last], given[last], 1)[0] / (mass * pull), near=gain / (mass * pull),
+               tolerance=0.01)
+
+
+def test_stick_holds(expect):
+    """A block that is pulled does not creep, and one that is carried forth and back comes back."""
+    case = {**SLED, **schedule((0, 30, 480), (0, 0.3, 0.3)), "damping": 0.1, "indenter_friction": 2.0, "gravity": "0.001,0", "frames": 2}
+    result = harness.run(case)
+    half_time, end = (result.frame(k)["position"][:, 0].mean() - 10 for k in (1, 2))
+    expect("way in the second half, of the elastic one", (end - half_time) / end, near=0, tolerance=0.02)
+    speeds = numpy.array((0, 0, 1, 0, -1, 0, 0)) * SPEED / 4
+    case = {**SLED, **schedule((0, 40, 80, 120, 160, 200, 300), (0,) + 6 * (1,), x=speeds), "damping": 0.1, "indenter_friction": "inf", "frames": 1}
+    result = harness.run(case)
+    x, y = result.frame()["position"].T
+    expect("top of the block after the way forth and back, of that", (numpy.mean(x[y > 3.4]) - 10) / (40 * SPEED / 2), near=0, tolerance=0.005)
+    expect("heat without slip", result.history["friction_work"][-1], at_most=0)
+
+
+# A round punch and a sphere on a block in space, load and motion as above.
+SPACE = {
+    "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "12,12,8", "cell_size": 1, "boundary_z_lower": "fixed", "bodies": "block",
+    "block_lower": "1,1,0", "block_upper": "11,11,6", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1,
+    "indenter": "flat_punch", "indenter_radius": 2.7, "indenter_tip": "5.2,5.3,6", "damping": 0.15, "frames": 0, "indenter_control": "load",
+    "indenter_friction": 0.3}
+
+
+def in_space(angle, load=0.02, speed=0.1):
+    speeds = {axis: along(speed * part) for axis, part in (("x", math.cos(math.radians(angle))), ("y", math.sin(math.radians(angle))))}
+    return {**SPACE, **schedule((0, 8, 12, 14, 28), (0,) + 4 * (load,), **speeds)}
+
+
+@pytest.mark.parametrize("angle", (0, 30))
+def test_friction_in_space_is_a_circle(expect, angle):
+    result = harness.run(in_space(angle))
+    history = result.history
+    expect_sound(expect, result, (0, 8, 12, 14, 28), (0,) + 4 * (0.02,))
+    expect("friction over load", history["friction_force"][-1] / history["load"][-1] / 0.3, near=1, tolerance=1e-6)
+    force = [history[f"contact_impulse_{axis}"][-1] - history[f"contact_impulse_{axis}"][-2] for axis in "xy"]
+    expect("direction of the force, degrees", math.degrees(math.atan2(force[1], force[0])), near=angle, tolerance=0.1)
+    expect("energy less the work, of the work", energy_error(history), at_most=0.01)
+
+
+LEVELS = {**SCRATCH, "cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level_1_upper": "24,20", "points_per_rank": 1, "checkpoint_interval": 15}
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", ("scratch on levels", "space"))
+def test_ranks_and_restart(expect, name):
+    """From the middle of sliding to the last bit; equations on one rank, and in space on all."""
+    sphere = {**in_space(30, 0.1), "indenter": "sphere", "indenter_radius": 12.0, "checkpoint_interval": 15, "points_per_rank": 1, "end_time": 20,
+              "contact_serial_unknowns": 4}
+    case = {"scratch on levels": LEVELS, "space": sphere}[name]
+    runs = {ranks: harness.run(case, ranks=ranks) for ranks in (1, 2, 3)}
+    history = runs[1].history
+    for ranks in (2, 3):
+        difference, column = largest_difference(runs[ranks].history, history)
+        expect(f"history on {ranks} ranks (worst column {column})", difference, at_most=1e-9)
+    step = int(15 * (0.85 * history["step"][-1] // 15))
+    assert history["friction_force"][step] > 0.25 * history["load"][step]
+    again = harness.run({**case, "restart": runs[3].folder / f"checkpoint_{step:06d}.h5"}, ranks=3)
+    expect.that(f"from step {step}, 3 ranks: to the last bit", rows_after(again.folder, 0) == rows_after(runs[3].folder, step))
+    again = harness.run({**case, "restart": runs[3].folder / f"checkpoint_{step:06d}.h5"}, ranks=2)
+    difference, column = largest_difference(again.history, history)
+    expect(f"from 3 on 2 ranks (worst column {column})", difference, at_most=1e-9)
+
+
+# Lengths in cells of the finer level: a round punch of radius 8 on a block of linear elasticity.
+def stiffness(poisson, friction, width, radius=8.0, cell=2, fine=1, **more):
+    """Mean load at rest, over depth, after a press in four passages of waves."""
+    passage = width / math.sqrt((1 - poisson) / ((1 + poisson) * (1 - 2 * poisson)))
+    depth = 1e-3 * radius
+    case = {
+        "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": [width, width + 2 * cell], "cell_size": cell, "boundary_x_upper": "symmetry",
+        "boundary_y_lower": "symmetry", "materials": "m", "m_model": "linear", "m_youngs_modulus": 1, "m_poissons_ratio": poisson, "m_density": 1,
+        "bodies": "block", "block_lower": "0,0", "block_upper": [width, width], "indenter": "flat_punch", "indenter_radius": radius,
+        "indenter_tip": [0, width], "indenter_times": [passage * t for t in (0.0, 2.0, 4.0, 6.0)], "damping": 1.2 / passage,
+        "indenter_velocities": [v * depth / (4 * passage) for v in (0.0, 1.0, 1.0, 0.0)], "end_time": 14 * passage, "frames": 0,
+        "indenter_friction": friction, **more}
+    history = harness.run(case).history
+    return numpy.mean(history["load"][history["time"] > 11 * passage]) / depth
+
+
+def adhering(poisson):
+    """Load of a sticking flat punch over that of a smooth one, on a half space (Mossakovskii 1954, Spence 1968)."""
+    return (1 - poisson) * math.log(3 - 4 * poisson) / (1 - 2 * poisson)
+
+
+@pytest.mark.parametrize("poisson", (0.2, 0.3))
+def test_sticking_punch(expect, poisson):
+    """On 4 cells under the punch; verify_sticking_punch has more, and a block without end."""
+    smooth, sticks = (stiffness(poisson, friction, 32, radius=4.0, cell=1) for friction in (0, "inf"))
+    expect("load of a sticking punch over a smooth one, of the exact ratio", sticks / smooth / adhering(poisson), near=1, tolerance=0.005)
+
+
+def verify_sticking_punch(study):
+    """Sticking flat punch
+
+    Load of a flat punch that sticks over that of a smooth one, nu 0, .2 and .3, in axisymmetry: (1 - nu) ln(3 - 4 nu)/(1 - 2 nu) on a half space. A block
+    of width and height L is stiffer, as its far field ends: 1/k is less by a share of a/L, which two blocks tell.
+    """
+    widths = (64, 96)
+    cells = []
+    for poisson in (0.0, 0.2, 0.3):
+        ratios, ends = [], []
+        soft = {friction: [] for friction in (0, "inf")}
+        for width in widths:
+            levels = {"levels": 2, "level_1_lower": [0, width - 24], "level_1_upper": [24, width + 4]}
+            for friction, found in soft.items():
+                found.append(1 / stiffness(poisson, friction, width, **levels))
+            ratios.append(soft[0][-1] / soft["inf"][-1])
+        for found in soft.values():
+            ends.append((widths[1] * found[1] - widths[0] * found[0]) / (widths[1] - widths[0]))
+        ratio = ends[0] / ends[1]
+        cells.append([poisson, *(f"{r:.4f}" for r in ratios), f"{ratio:.4f}", f"{adhering(poisson):.4f}"])
+        study.expect(f"nu {poisson}: ratio of loads over the exact one, block of {widths[1] // 8} radii", ratios[1] / adhering(poisson), near=1, tolerance=0.005)
+        study.expect(f"nu {poisson}: the same, block without end", ratio / adhering(poisson), near=1, tolerance=0.005)
+    study.table("Load of a sticking punch over a smooth one", ["nu", *(f"L/a = {w // 8}" for w in widths), "no end", "exact"], cells)
+
+
+def verify_energy_of_scratches(study):
+    """Energy of scratches
+
+    A cylinder that is pressed on, and slides under a constant load: heat and energy against the work, with finer cells and shorter steps. What
+    is missing is what contact takes up or gives while the tip passes from column to column, a share of the step.
+    """
+    cells = []
+    for cell, cfl in ((1, 0.4), (1, 0.2), (0.5, 0.4), (0.5, 0.2)):
+        result = harness.run({**SCRATCH, "cell_size": cell, "cfl": cfl})
+        history = result.history
+        error, share = energy_error(history), history["friction_work"][-1] / history["indenter_work"][-1]
+        cells.append([cell, cfl, f"{100 * error:.2f}", f"{100 * share:.1f}", result.summary["contact_fallbacks"]])
+        study.expect(f"cell {cell}, CFL {cfl}: energy less the work, of the work", error, at_most=0.01)
+    study.table("Scratch by a cylinder of radius 60, load 0.2, mu 0.3", ["cell", "CFL", "difference, % of the work", "heat, %", "fallbacks"], cells)
+
+
+# What is tried, the options that differ from those of a sliding punch, words of the line that is expected.
+MOVES = schedule(TIMES, LOADS, x=along(SPEED))
+AXIS = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "indenter_radius": 4, "indenter_tip": "0,16"}
+REFUSED = [
+    ("below zero", {"indenter_friction": "-0.1"}, ["-indenter_friction -0.1:", ">= 0"]),
+    ("not a number", {"indenter_friction": "nan"}, ["-indenter_friction nan:", ">= 0"]),
+    ("minus infinite", {"indenter_friction": "-inf"}, ["-indenter_friction -inf:", ">= 0"]),
+    ("a word", {"indenter_friction": "rough"}, ["-indenter_friction rough:", "inf"]),
+    ("nothing", {"indenter_friction": ""}, ["-indenter_friction (nothing):", ">= 0"]),
+    ("two", {"indenter_friction": "0.1,0.2"}, ["-indenter_friction 0.1,0.2:", ">= 0"]),
+    ("fewer speeds than times", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 2 values:", "as many as -indenter_times has: 5"]),
+    ("speeds that are none", {"indenter_velocities_x": "0,0,0,0,fast"}, ["-indenter_velocities_x 0,0,0,0,fast:", "numbers"]),
+    ("a third axis in the plane", {"indenter_velocities_y": "0,0,0,0,1"}, ["-indenter_velocities_y:"]),
+    ("from a side of symmetry", {"indenter_tip": "0,16"}, ["-indenter_velocities_x:", "side of symmetry"]),
+    ("out of a level", {"cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level_1_upper": "24,20", "indenter_velocities_x": "0,0,0,1,1"},
+     ["-level_1_upper 24,20:", "indenter's tip at x"]),
+]
+OTHERS = [
+    ("multi-mesh contact", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "multimesh"},
+     ["-indenter_friction 0.1:", "-contact multimesh"]),
+    ("pressures of points", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "point_pressure"},
+     ["-indenter_friction 0.1:", "-contact point_pressure"]),
+    ("no contact", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "none"},
+     ["-indenter_friction 0.1:", "-contact none"]),
+    ("sideways in axisymmetry", {**AXIS, **MOVES}, ["-indenter_velocities_x:", "axisymmetric"]),
+]
+
+
+@pytest.mark.mpi
+def test_refused(tmp_path):
+    tried = [(name, {**PUNCH, **MOVES, **changes}, expected) for name, changes, expected in REFUSED]
+    tried += [(name, {**case, "indenter_friction": 0.1}, expected) for name, case, expected in OTHERS]
+    for ranks, some in ((1, tried), (2, tried[::8])):
+        for name, case, expected in some:
+            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, ranks, expected)
+            assert not problem, f"{name} on {ranks} ranks: {problem}"

@@ -28,6 +28,7 @@ enum class Shown {
   kColumn,      ///< history.csv; the components along a third axis come after all other columns of this kind
   kHoopColumn,  ///< the same, in axisymmetry alone
   kLaterColumn, ///< the same, after all of these: new columns go to the end
+  kSlowColumn,  ///< the same, in slow tests alone
   kSummary,     ///< summary.json
   kTransfers,   ///< `transfers` in summary.json
 };
@@ -99,6 +100,8 @@ struct Budgets {
   /// Kinetic energy of the points less that of the nodes they make, at the start of the last step: motion that the grid cannot
   /// see.
   ScalarBudget noise_energy{"noise_energy", Adds::kNow, Shown::kLaterColumn};
+  /// Set in the sums of a slow test, see QuasiStaticWatch.
+  ScalarBudget load_quasi_static{"load_quasi_static", Adds::kNow, Shown::kSlowColumn};
 
   // summary.json
   ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};

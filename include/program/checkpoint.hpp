@@ -20,6 +20,7 @@ struct RunState {
   double initial_mass = 0, initial_points = 0;
   double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
+  std::vector<double> quasi_static;           ///< of the watch over a slow test
 };
 
 /// directory/checkpoint_SSSSSS.h5

@@ -9,9 +9,9 @@
 namespace mlgimp
 {
 
-/// The load less what inertia and damping add to it, by their power: with E_k the kinetic energy, W what -damping, XPIC and
-/// the short-wave viscosity have taken, z the depth, all as changes over the last transit of a wave,
-///   P_qs = P - (dE_k + dW) dz/(dz^2 + (u T)^2),   u = 0.05 of the largest speed so far,
+/// The load less what inertia and damping add to it, by their power: with E_k the kinetic energy of nodes, W the work of
+/// -damping, z the depth, as changes over the last transit of a wave,
+///   P_qs = P - (dE_k + dW) dz/(dz^2 + (0.05 z/N)^2),   z/N: the way in a transit of a loading to z,
 /// so that a tip at rest has P_qs = P.
 class QuasiStaticWatch
 {
@@ -28,7 +28,7 @@ public:
   double NoiseShare() const { return numbers_[kNoiseShare]; }     ///< of the indenter's work
   /// Largest change of the load, under load control of the depth, in the last transit of a hold, of itself.
   double HoldDrift() const { return numbers_[kHoldDrift]; }
-  double FastestSpeed() const { return numbers_[kFastest]; } ///< of the tip, over a transit, m/s
+  double FastestSpeed() const { return numbers_[kFastest]; } ///< of the tip, mean over a transit, m/s
 
   /// What it keeps from row to row; empty without a plan.
   std::vector<double> State() const;
@@ -51,6 +51,7 @@ private:
   const QuasiStaticPlan &plan_;
   std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
   std::vector<Sample> window_; ///< of the last transit
+  double speed_ = 0;           ///< mean over it, of the last row, m/s
 };
 
 } // namespace mlgimp

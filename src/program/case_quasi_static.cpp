@@ -13,10 +13,11 @@ namespace
 {
 
 // By measurement (docs/indentation.md): inertia and damping of the ratio kDampingRatio add about kShare/N to the load.
-constexpr double kShare = 0.4, kLeastTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.02;
+constexpr double kShare = 0.4, kLeastTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.05;
 constexpr double kXpicFraction = 0.02; ///< in holds and slow motion the noise of velocities does not go by itself
+constexpr double kPlaneStrain = 2;     ///< more transits where the load grows like the depth, and its beginning counts
 constexpr double kLoadControl = 2;     ///< more transits for metals, whose depth lags behind their load
-constexpr double kMostStress = 0.3;    ///< of rho c V over the shear yield stress
+constexpr double kMostStress = 15;     ///< of rho c V over the shear yield stress, times the tolerance
 
 /// The material that holds a place; null where no body is.
 const Material *MaterialAt(const Model &model, Vec3 x)
@@ -109,8 +110,8 @@ double MostSpeed(const Case &c)
 {
   double most = HUGE_VAL;
   for (const auto &material : c.model.materials)
-    most =
-        std::min(most, kMostStress * material->FlowStress(0) / std::sqrt(3) / (material->Density() * material->SpeedOfSound()));
+    most = std::min(most, kMostStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
+                              (material->Density() * material->SpeedOfSound()));
   return most;
 }
 
@@ -211,6 +212,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
                     "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
   FindTransit(*c, &plan);
   plan.pace.transits = std::max(kLeastTransits, std::ceil(kShare / plan.tolerance - 1e-9));
+  if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
   double &damping = c->model.nodal.damping;
   const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit

@@ -20,10 +20,9 @@ double QuasiStaticWatch::Added(const Sample &now)
   const Sample &then = window_.front();
   const double time = now.time - then.time, way = now.depth - then.depth;
   if (!(time > 0)) return 0;
-  double &fastest = numbers_[kFastest];
-  fastest = std::max(fastest, std::abs(way) / time);
-  const double least = kSlow * fastest * time;
-  return fastest > 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  speed_ = std::abs(way) / time;
+  const double least = kSlow * now.depth / plan_.pace.transits * time / transit;
+  return way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
 }
 
 /// value: the load, or under load control the depth.
@@ -53,6 +52,7 @@ void QuasiStaticWatch::Look(Budgets &row)
   LookAtHold(row.time, plan_.depth > 0 ? row.load : row.depth);
   if (!IsLoaded(row)) return;
   const auto raise = [this](Kept which, double share) { numbers_[which] = std::max(numbers_[which], share); };
+  raise(kFastest, speed_);
   raise(kLoadShare, std::abs(row.load / row.load_quasi_static - 1));
   raise(kKineticShare, kinetic / (row.strain_energy + row.plastic_work));
   raise(kNoiseShare, row.noise_energy / row.indenter_work);

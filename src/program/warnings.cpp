@@ -1,6 +1,7 @@
 // The warnings of a run, one function each: a line where there is something to tell, else empty.
 #include "program/warnings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -61,9 +62,9 @@ std::string OfBorder(const Case &c, const Budgets &budgets, const QuasiStaticWat
 /// A slow test that is not slow.
 std::string OfSpeed(const Case &c, const Budgets &, const QuasiStaticWatch &slow)
 {
-  constexpr double kMostKinetic = 0.01, kMostAdded = 2; // the latter of the tolerance
+  constexpr double kLeast = 0.01, kMostAdded = 2; // of energy; of the tolerance
   const double share = slow.LoadShare(), kinetic = slow.KineticShare();
-  if (share <= kMostAdded * c.quasi_static.tolerance && kinetic <= kMostKinetic) return "";
+  if (share <= kMostAdded * c.quasi_static.tolerance && kinetic <= std::max(kLeast, c.quasi_static.tolerance)) return "";
   return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": inertia and damping have added up to " +
          FormatRounded(100 * share) + " % to the load, and kinetic energy was up to " + FormatRounded(100 * kinetic) +
          " % of what the body has taken: try a smaller one, or less -damping where that was given";

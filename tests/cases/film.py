@@ -40,10 +40,63 @@ def test_film_of_the_same_material(expect, constants, options):
     expect("energy, largest difference", numpy.max(numpy.abs(one["strain_energy"] - two["strain_energy"])) / one["strain_energy"].max(), at_most=1e-9)
 
 
-def interpolation_error(cell, beside):
-    """Load with a film of 4 and a part of a cell, against the cubic through those of whole cells around it; beside: parts of a cell."""
-    stiff = SOFT | {"youngs_modulus": 4}
+RATIO = 4  # of the moduli of substrate and film
+STIFF = SOFT | {"youngs_modulus": RATIO}
+
+
+def over_thickness(cell):
+    """Load over the film's thickness around 4, and the cubic through those with the interface on cell lines."""
     case = {"cell_size": cell, "history_interval": int(5 / cell)}
     whole = 4 + cell * numpy.arange(-1, 3)
-    cubic = numpy.polynomial.Polynomial.fit(whole, [held_load(film(t, SOFT, stiff), **case) for t in whole], 3)
-    return max(abs(held_load(film(4 + cell * part, SOFT, stiff), **case) / cubic(4 + cell * part) - 1) for part in beside)
+    loads = [held_load(film(thickness, SOFT, STIFF), **case) for thickness in whole]
+    return lambda thickness: held_load(film(thickness, SOFT, STIFF), **case), numpy.polynomial.Polynomial.fit(whole, loads, 3)
+
+
+def missing_thickness(part):
+    """Of a cell with this part of the film in it, in cells: its points share one strain, so that it has the mean of the moduli, part + (1 - part) r,
+    in place of the mean of the compliances, part + (1 - part)/r, of layers one upon the other; by so much less film the same compliance is lost."""
+    return (part + (1 - part) / RATIO - 1 / (part + (1 - part) * RATIO)) / (1 - 1 / RATIO)
+
+
+def test_interface_off_cell_lines(expect):
+    """A cut cell is too stiff, by no more than layers that share their strain."""
+    load, cubic = over_thickness(1)
+    for part in (0.15, 0.5, 0.85):
+        seen, thinner = load(4 + part), cubic(4 + part - missing_thickness(part))
+        expect(f"{part} of a cell: load, of that with the interface on a line", seen / cubic(4 + part), at_least=0.999)
+        expect(f"{part} of a cell: load, of that with as much less film as layers in parallel lack", seen / thinner, at_most=1.001)
+        if part <= 0.5:
+            expect(f"{part} of a cell: the same, from below", seen / thinner, at_least=0.995)
+
+
+def verify_interface(study):
+    """A film with its interface between cell lines
+
+    Load of a sphere on an elastic film of four cells on a substrate four times as stiff, against films that end on cell lines: a cut cell is too
+    stiff, an error of the first order in the size of cells.
+    """
+    errors = []
+    for cell in (1, 0.5, 0.25):
+        load, cubic = over_thickness(cell)
+        errors.append(load(4 + 0.5 * cell) / cubic(4 + 0.5 * cell) - 1)
+        study.expect(f"cells of {cell}: load with half a cell of film more, of that by interpolation, less 1", errors[-1], at_most=0.04 * cell)
+    for coarse, fine in zip(errors, errors[1:]):
+        study.expect("order of the error", numpy.log2(coarse / fine), at_least=0.9)
+
+
+def verify_shipped(study):
+    """The film's shipped case
+
+    Hardness and modulus of a soft metal film on a stiff substrate over depth (options/film.opts): between film and substrate, and rising.
+    """
+    result = harness.run({"frames": 0}, file="film.opts", ranks=2)
+    rows = oliver_pharr.analyse(load_depth.read_run(result.folder), oliver_pharr.Constants(poisson=0.33))
+    study.expect("unloadings", len(rows), near=4, tolerance=0)
+    hardness, modulus = ([row[name] for row in rows] for name in ("true_hardness_GPa", "true_modulus_GPa"))
+    study.expect("least growth of the modulus from one to the next", min(b / a for a, b in zip(modulus, modulus[1:])), at_least=1.02)
+    study.expect("hardness of the last over the first", hardness[-1] / hardness[0], at_least=1.05)
+    study.expect("modulus of the first, GPa, that of the film being 70", modulus[0], at_least=70)
+    study.expect("modulus of the last, GPa, that of the substrate being 160", modulus[-1], at_most=160)
+    study.expect("wall time, s", result.summary["wall_seconds"], at_most=120)
+    study.table("Cycles", ["depth, um", "load, mN", "load over true area, GPa", "modulus with the true area, GPa"],
+                [[f"{row[name]:.3f}" for name in ("depth_um", "load_mN", "true_hardness_GPa", "true_modulus_GPa")] for row in rows])

@@ -205,3 +205,28 @@ def test_what_is_told():
     fast = harness.run({**{name: value for name, value in CONE.items() if name not in ("quasi_static", "indenter_depths")}, "indenter_times": "0",
                         "indenter_velocities": 0.01, "end_time": 5})
     assert "load_quasi_static" not in fast.history and "quasi_static" not in fast.summary and fast.stdout == ""
+
+
+# Two levels, lengths in cells of the finer one: a contact of 4 of them on a block of 40 x 32. A blunt cone where the body is elastic, as its short
+# waves grow in long runs at large strains.
+LARGE = {**CONE, "domain_upper": "40,36", "cell_size": 2, "levels": 2, "level_1_lower": "0,16", "level_1_upper": "16,36", "block_upper": "40,32",
+         "m_youngs_modulus": 0.91, "indenter_tip": "0,32", "history_interval": 4}
+BLUNT = {"indenter_half_angle": 85, "indenter_depths": "0.55,0"}
+SHARP = {"m_model": "j2", "m_yield_stress": 0.0091, "m_hardening_modulus": 0.0455, "indenter_half_angle": 70.3, "indenter_depths": "1.43,1.2"}
+
+
+def verify_cones(study):
+    """Slow tests of cones against some ten times slower
+
+    With the default tolerance of 1 %: an elastic and a plastic body on two levels.
+    """
+    for name, case in (("elastic, 85 degrees", BLUNT), ("metal, 70.3 degrees", SHARP)):
+        compare(lambda what, *words, **limits: study.expect(f"{name}: {what}", *words, **limits), {**LARGE, **case}, 0.01, 10, (0.01, 0.01, 0.005, 0.02))
+
+
+def verify_tutorial(study):
+    """The tutorial's case slowly, and at half the speed
+
+    With the default tolerance of 1 %.
+    """
+    expect_half_speed(study.expect, {**press_of_tutorial(), "quasi_static": "true", "frames": 0}, 0.01)

@@ -187,6 +187,18 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
     }
 }
 
+/// A case keeps its history where depths are given for a slow test.
+void LeaveHistoryAside(OptionReader &reader)
+{
+  std::string text;
+  for (const char *option : {"-indenter_times", "-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
+    reader.Text({option, "not used with -indenter_depths"}, false, &text);
+  text = "displacement";
+  reader.Text({"-indenter_control", "not used with -indenter_depths"}, false, &text);
+  if (text != "displacement")
+    reader.Refuse("-indenter_control", text, "displacement or left out where -indenter_depths are given");
+}
+
 } // namespace
 
 void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan)
@@ -199,6 +211,7 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
   reader.Numbers({"-indenter_depths", "depths at the turns of a slow test, in place of its history", "m"}, kNotNegative, 1, 0,
                  false, &plan->turns);
   if (reader.Help()) plan->turns.clear();
+  if (!plan->turns.empty()) LeaveHistoryAside(reader);
   reader.Number({"-quasi_static_tolerance", "share of the load that inertia and damping may add"}, {0, 0.1, true, false}, false,
                 &plan->tolerance);
 }

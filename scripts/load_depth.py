@@ -34,7 +34,8 @@ SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 
 def read_run(directory):
     """Returns the Curve of a result folder, with the load of the whole tip.
 
-    A load is the mean since the last row, so the depth beside it is that in the middle between two rows.
+    A load is the mean since the last row, so the depth beside it is that in the middle between two rows. Of a slow test it is the one
+    without what inertia and damping add.
     """
     history, options = results.read_history(directory), results.read_summary(directory).get("options", {})
     if not results.has_indenter(history):
@@ -46,8 +47,9 @@ def read_run(directory):
         raise results.ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
     history = {name: values[np.append(True, np.diff(history["time"]) > 0)] for name, values in history.items()}
     middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
+    load = "load_quasi_static" if "load_quasi_static" in history else "load"
     area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
-    return Curve(Path(directory).resolve().name, middle["time"], 1e6 * middle["depth"], 1e3 * parts * history["load"][1:], area,
+    return Curve(Path(directory).resolve().name, middle["time"], 1e6 * middle["depth"], 1e3 * parts * history[load][1:], area,
                  None if plane else tip, poisson, plane, list(notes_on(options, parts, plane)))
 
 

@@ -28,6 +28,7 @@ enum class Shown {
   kColumn,      ///< history.csv; the components along a third axis come after all other columns of this kind
   kHoopColumn,  ///< the same, in axisymmetry alone
   kLaterColumn, ///< the same, after all of these: new columns go to the end
+  kSlowColumn,  ///< the same, in slow tests alone
   kSummary,     ///< summary.json
   kTransfers,   ///< `transfers` in summary.json
 };
@@ -102,6 +103,8 @@ struct Budgets {
   VectorBudget tip{"tip", Adds::kNow, Shown::kLaterColumn};                       ///< of the indenter, set in the sums
   ScalarBudget friction_work{"friction_work", Adds::kTotal, Shown::kLaterColumn}; ///< heat
   ScalarBudget friction_force{"friction_force", Adds::kNow, Shown::kLaterColumn}; ///< set in the sums
+  /// Set in the sums of a slow test, see QuasiStaticWatch.
+  ScalarBudget load_quasi_static{"load_quasi_static", Adds::kNow, Shown::kSlowColumn};
 
   // summary.json
   ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};

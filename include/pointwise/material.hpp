@@ -8,6 +8,7 @@
 #include "pointwise/laws.hpp"
 #include "pointwise/shape.hpp"
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -67,6 +68,10 @@ public:
   virtual int HistorySize() const { return 0; }
   virtual void InitialHistory(double *) const {}
   bool IsMetal() const { return HistorySize() > 0; }
+  /// Flow stress at an equivalent plastic strain, without a rate and heat, Pa; infinite where nothing flows.
+  virtual double FlowStress(double /*plastic_strain*/) const { return HUGE_VAL; }
+  /// Simulated time over real time, of a law that knows a rate; 0 of others.
+  virtual double RateScale() const { return 0; }
   /// Place of an internal variable with a name of its own, or -1.
   virtual int PlaceOf(InternalVariable) const { return -1; }
 

@@ -17,6 +17,11 @@ public:
   double Mean(double from, double to) const { return Between(from, to) / (to - from); }
   const std::vector<double> &Times() const { return times_; }
   double EndTime() const { return times_.empty() ? 0 : times_.back(); }
+  double EndValue() const { return values_.empty() ? 0 : values_.back(); }
+  /// The value at time 0, those where it turns from rising to falling or back, and that at the last time.
+  std::vector<double> Turns() const;
+  /// The same of the integral from 0 to `end`.
+  std::vector<double> TurnsOfIntegral(double end) const;
   double LargestMagnitude(double from, double to) const;
   /// First t in (0, end] where the integral reaches `target` > 0; infinity where it does not.
   double TimeOfIntegral(double target, double end) const;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "hierarchy/hierarchy.hpp"
+#include "pointwise/slow_schedule.hpp"
 #include "program/options.hpp"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mlgimp
@@ -19,6 +21,25 @@ struct TimeSettings {
   int max_steps = 0;          ///< of level 0; 0 = no limit
   double time_step = 0;       ///< s; 0 = from cfl
   double cfl = 0.4;           ///< fraction of h/(c + |v|)
+};
+
+/// A slow test: what -quasi_static has chosen.
+struct QuasiStaticPlan {
+  bool on = false;
+  double tolerance = 0.01;                      ///< share of the load that inertia and damping may add
+  std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
+  bool own_damping = true;                      ///< none was given
+  bool own_xpic = true;                         ///< no fraction of XPIC was given
+  double distance = 0;                          ///< from the contact to the farthest held side, m
+  SlowPace pace;                                ///< of depths, or of roots of the load
+  double damping_ratio = 0;                     ///< of the body's lowest mode
+  double largest_speed = 0;                     ///< of the tip, m/s; 0 under load control
+  double wave_speed = 0;                        ///< distance over transit, m/s
+  double depth = 0, load = 0;                   ///< largest that is wanted, m or N, the other 0
+  double exponent = 1;                          ///< of the load over depth, elastic
+  double end_time = 0;                          ///< of the schedule, s
+  std::vector<std::pair<double, double>> holds; ///< begin and end, s
+  std::vector<std::string> lines;               ///< for people
 };
 
 /// What is written, and where.
@@ -40,6 +61,7 @@ struct Case {
   Model model;
   TimeSettings time;
   OutputSettings output;
+  QuasiStaticPlan quasi_static;
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity;   ///< options that a restart must share
 

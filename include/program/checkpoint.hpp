@@ -21,6 +21,7 @@ struct RunState {
   double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
   Vec3 friction_at_row{};                     ///< impulse of friction then, N s
+  std::vector<double> quasi_static;           ///< of the watch over a slow test
 };
 
 /// directory/checkpoint_SSSSSS.h5

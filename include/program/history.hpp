@@ -19,9 +19,9 @@ struct HistoryColumn {
 class History
 {
 public:
-  /// Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it. Returns, as Write, nothing, or why the
-  /// file cannot be written, the same on every rank. Collective.
-  std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step);
+  /// slow: with the columns of -quasi_static. Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to
+  /// it. Returns, as Write, nothing, or why the file cannot be written, the same on every rank. Collective.
+  std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, bool slow, long resume_step);
   std::string Write(long step, const Budgets &budgets);
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }

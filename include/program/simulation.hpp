@@ -7,6 +7,7 @@
 #include "program/frames.hpp"
 #include "program/history.hpp"
 #include "program/output_folder.hpp"
+#include "program/quasi_static.hpp"
 #include "program/warnings.hpp"
 
 #include <string>
@@ -21,7 +22,8 @@ class Simulation
 public:
   /// The case is kept by reference and must outlive the simulation.
   explicit Simulation(const Case &settings)
-      : case_(settings), folder_(settings.output), frames_(settings.output.directory, settings.model)
+      : case_(settings), folder_(settings.output), frames_(settings.output.directory, settings.model),
+        watch_(settings.quasi_static)
   {
   }
 
@@ -70,6 +72,7 @@ private:
   OutputFolder folder_;
   History history_;
   FrameWriter frames_;
+  QuasiStaticWatch watch_;
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0, friction_force_ = 0;

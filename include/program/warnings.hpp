@@ -3,6 +3,7 @@
 
 #include "level/budgets.hpp"
 #include "program/case.hpp"
+#include "program/quasi_static.hpp"
 
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ class Warnings
 public:
   /// Looks at the budgets of all ranks, which are the same on each, and warns of what is new; some are for the end
   /// of a run. Collective.
-  void Look(MPI_Comm comm, const Case &c, const Budgets &budgets, bool ended);
+  void Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended);
   /// The lines so far, for summary.json.
   const std::vector<std::string> &Lines() const { return lines_; }
 

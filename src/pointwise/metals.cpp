@@ -26,6 +26,16 @@ public:
   {
   }
 
+  double FlowStress(double plastic_strain) const override
+  {
+    return hardening_.At(plastic_strain, 0, initial_temperature_).stress;
+  }
+  double RateScale() const override
+  {
+    constexpr double kStrain = 0.1, kFast = 1e30; // 1/s
+    return hardening_.At(kStrain, kFast, initial_temperature_).stress == FlowStress(kStrain) ? 0 : rate_scale_;
+  }
+
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
     Flow flow = {};

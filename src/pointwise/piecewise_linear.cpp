@@ -19,12 +19,51 @@ double PiecewiseLinear::Value(double t) const
 double PiecewiseLinear::Between(double from, double to) const
 {
   double sum = 0;
-  for (double knot : times_)
-    if (knot > from && knot < to) {
-      sum += 0.5 * (Value(from) + Value(knot)) * (knot - from);
-      from = knot;
+  double value = Value(from);
+  for (std::size_t k = 0; k < times_.size(); ++k)
+    if (times_[k] > from && times_[k] < to) {
+      sum += 0.5 * (value + values_[k]) * (times_[k] - from);
+      from = times_[k];
+      value = values_[k];
     }
-  return sum + 0.5 * (Value(from) + Value(to)) * (to - from);
+  return sum + 0.5 * (value + Value(to)) * (to - from);
+}
+
+/// Of a list of values those at its ends and where it turns.
+static std::vector<double> OnlyTurns(const std::vector<double> &values)
+{
+  std::vector<double> turns;
+  for (double value : values) {
+    const std::size_t n = turns.size();
+    if (n > 0 && value == turns[n - 1]) continue;
+    if (n > 1 && (turns[n - 1] > turns[n - 2]) == (value > turns[n - 1])) turns.pop_back();
+    turns.push_back(value);
+  }
+  return turns;
+}
+
+std::vector<double> PiecewiseLinear::Turns() const
+{
+  std::vector<double> values = {Value(0)};
+  for (std::size_t k = 0; k < times_.size(); ++k)
+    if (times_[k] > 0) values.push_back(values_[k]);
+  return OnlyTurns(values);
+}
+
+std::vector<double> PiecewiseLinear::TurnsOfIntegral(double end) const
+{
+  std::vector<double> knots, values = {0};
+  double from = 0;
+  for (double knot : times_)
+    if (knot > 0 && knot < end) knots.push_back(knot);
+  knots.push_back(end);
+  for (double to : knots) {
+    const double v0 = Value(from), v1 = Value(to);
+    if (v0 * v1 < 0) values.push_back(Integral(from + (to - from) * v0 / (v0 - v1)));
+    values.push_back(Integral(to));
+    from = to;
+  }
+  return OnlyTurns(values);
 }
 
 double PiecewiseLinear::LargestMagnitude(double from, double to) const

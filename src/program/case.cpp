@@ -98,11 +98,12 @@ void ReadMethod(OptionReader &reader, Case *c)
   model.short_wave = {viscosity[0], viscosity[1]};
   const auto is_metal = [](const auto &material) { return material->IsMetal(); };
   if (std::any_of(model.materials.begin(), model.materials.end(), is_metal)) model.nodal.xpic_fraction = 0.02;
-  reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2)"}, Closed(0, 1),
-                false, &model.nodal.xpic_fraction);
+  c->quasi_static.own_xpic = !reader.Number(
+      {"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or -quasi_static)"},
+      Closed(0, 1), false, &model.nodal.xpic_fraction);
   reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC"}, Closed(1, 2), &model.nodal.xpic_order);
-  reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"}, kNotNegative, false,
-                &model.nodal.damping);
+  c->quasi_static.own_damping = !reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"},
+                                               kNotNegative, false, &model.nodal.damping);
 }
 
 void ReadTime(OptionReader &reader, Case *c)

@@ -362,6 +362,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   methods.push_back("none");
   ChooseInGeometry(reader, {"-indenter", "rigid indenter"}, geometry, kIndenters, &kind);
   reader.Choice({"-contact", "contact method"}, methods, &c->model.contact.method);
+  ReadQuasiStatic(reader, kind != "none", &c->quasi_static);
   if (kind == "none" && !reader.Help()) return;
   const std::string &method = c->model.contact.method;
   const bool has_solver = method == "pressure" || method == "point_pressure";
@@ -374,11 +375,16 @@ void ReadIndenter(OptionReader &reader, Case *c)
   indenter.up = UpAxis(geometry);
   ReadSurface(reader, geometry, kind, &indenter.surface);
   reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip);
-  ReadControl(reader, c);
+  const bool slow = c->quasi_static.on && !reader.Help();
+  const double end_time = c->time.end_time;
+  if (slow) c->time.end_time = HUGE_VAL; // it is of another clock than the schedule
+  const bool by_depths = !c->quasi_static.turns.empty();
+  if (!by_depths) ReadControl(reader, c);
   if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric");
   if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
-  if (!indenter.by_load) ReadTurningPoint(reader, c);
+  if (!indenter.by_load && !by_depths) ReadTurningPoint(reader, c);
+  if (slow) PlanQuasiStatic(reader, end_time, c);
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
   CheckReach(reader, *c);

@@ -2,6 +2,7 @@
 #include "program/agree.hpp"
 #include "program/checkpoint_checks.hpp"
 #include "program/checkpoint_format.hpp"
+#include "program/quasi_static.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +105,7 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip;
+  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch;
   std::string then, difference;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
@@ -117,8 +118,11 @@ void CheckpointReader::ReadHead(RunState *state)
     Note(NotFinite(copies, "copies"));
   }
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
+  if (FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
+  Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
   Settle("checkpoint_state");
   *state = StateFromNumbers(numbers);
+  state->quasi_static = watch;
   hierarchy_.Tip().SetState(tip);
   hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
 }

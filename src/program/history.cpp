@@ -17,7 +17,7 @@ namespace
 {
 
 /// In the order of the file: that of the table, but new columns go to the end.
-std::vector<HistoryColumn> Columns(const Geometry &geometry)
+std::vector<HistoryColumn> Columns(const Geometry &geometry, bool slow)
 {
   const Budgets table;
   std::vector<HistoryColumn> columns;
@@ -31,6 +31,7 @@ std::vector<HistoryColumn> Columns(const Geometry &geometry)
   if (geometry.HasHoop()) add(Shown::kHoopColumn, 0, 1);
   add(Shown::kColumn, 2, geometry.Dim());
   add(Shown::kLaterColumn, 0, geometry.Dim());
+  if (slow) add(Shown::kSlowColumn, 0, 1);
   return columns;
 }
 
@@ -58,11 +59,11 @@ std::string Header(const std::vector<HistoryColumn> &columns)
 
 } // namespace
 
-std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, long resume_step)
+std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, bool slow, long resume_step)
 {
   comm_ = comm;
   path_ = directory + "/history.csv";
-  columns_ = Columns(geometry);
+  columns_ = Columns(geometry, slow);
   std::string problem = OnFirstRank(comm, "history_open", [&] {
     const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
     const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);

@@ -29,6 +29,7 @@ void Simulation::SetUp(MPI_Comm comm)
       Refuse("-restart " + Shortened(case_.output.restart) + ": must be from before the end of the run; it is at time " +
              FormatNumber(state_.time) + ", step " + std::to_string(state_.step));
     start_step_ = state_.step;
+    watch_.SetState(state_.quasi_static);
   } else {
     CheckBodies(hierarchy_, case_);
     CheckIndenter(hierarchy_, case_);
@@ -53,7 +54,7 @@ void Simulation::PrepareOutputFolder()
   if (goes_on) last_checkpoint_ = state_.step;
   if (goes_on) check(frames_.Resume(comm_, state_.frames)); // the series, before frames go that it may name
   check(folder_.Clear(comm_, state_.step, frames_.Last()));
-  check(history_.Open(comm_, case_.output.directory, case_.model.geometry, goes_on ? state_.step : -1));
+  check(history_.Open(comm_, case_.output.directory, case_.model.geometry, case_.quasi_static.on, goes_on ? state_.step : -1));
 }
 
 bool Simulation::IsEnd(long step, double now) const
@@ -139,6 +140,7 @@ void Simulation::Run()
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
     Warn(comm_, "-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
                 "contact comes late");
+  for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
   if (state_.step == 0) WriteHistoryRow();
@@ -242,6 +244,7 @@ std::string Simulation::FindKept() const
 
 void Simulation::WriteState()
 {
+  state_.quasi_static = watch_.State();
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
   last_checkpoint_ = state_.step;
 }
@@ -272,7 +275,8 @@ void Simulation::WriteHistoryRow()
   budgets_.depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
   budgets_.load = load_;
   for (int axis = 0; axis < case_.Dim(); ++axis) budgets_.tip[axis] = hierarchy_.Tip().At(state_.time)[axis];
-  warnings_.Look(comm_, case_, budgets_, AtEnd());
+  watch_.Look(budgets_);
+  warnings_.Look(comm_, case_, budgets_, watch_, AtEnd());
   CheckWritten(history_.Write(state_.step, budgets_));
 }
 

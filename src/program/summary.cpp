@@ -97,6 +97,26 @@ Json BudgetsJson(const Budgets &budgets, Shown shown, int dim)
   return json;
 }
 
+/// What a slow test has chosen, and what inertia and damping came to.
+Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
+{
+  const QuasiStaticPlan &plan = c.quasi_static;
+  return {{"tolerance", plan.tolerance},
+          {"transit", Number(plan.pace.transit)},
+          {"transits", Number(plan.pace.transits)},
+          {"distance", Number(plan.distance)},
+          {"speed", Number(watch.FastestSpeed())},
+          {"speed_over_wave_speed", Number(watch.FastestSpeed() / plan.wave_speed)},
+          {"damping", Number(c.model.nodal.damping)},
+          {"damping_ratio", Number(plan.damping_ratio)},
+          {"xpic_fraction", Number(c.model.nodal.xpic_fraction)},
+          {"end_time", Number(plan.end_time)},
+          {"kinetic_over_internal", Number(watch.KineticShare())},
+          {"added_load", Number(watch.LoadShare())},
+          {"noise_over_work", Number(watch.NoiseShare())},
+          {"hold_drift", Number(watch.HoldDrift())}};
+}
+
 } // namespace
 
 std::string Simulation::WriteSummary(const std::string &status)
@@ -142,6 +162,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
   json["contact_excess"] = Number(budgets.contact_work + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
+  if (case_.quasi_static.on) json["quasi_static"] = QuasiStaticJson(case_, watch_);
   json["warnings"] = warnings_.Lines();
   json["options"] = OptionsJson(case_.identity);
   json["versions"] = Versions();

@@ -1,6 +1,7 @@
 // The warnings of a run, one function each: a line where there is something to tell, else empty.
 #include "program/warnings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -13,7 +14,7 @@ namespace
 std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
 
 /// The surface lies deeper inside the indenter than a sharp tip between two columns explains.
-std::string OfPenetration(const Case &c, const Budgets &budgets)
+std::string OfPenetration(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const int level = c.LevelAtTip();
@@ -24,7 +25,7 @@ std::string OfPenetration(const Case &c, const Budgets &budgets)
 }
 
 /// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
-std::string OfViscosity(const Case &c, const Budgets &budgets)
+std::string OfViscosity(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   constexpr double kGiven = 0.01; // of the energy there is
   if (budgets.short_wave_dissipation >= -kGiven * (budgets.kinetic_energy + budgets.strain_energy)) return "";
@@ -34,7 +35,7 @@ std::string OfViscosity(const Case &c, const Budgets &budgets)
 }
 
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
-std::string OfNoise(const Case &c, const Budgets &budgets)
+std::string OfNoise(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   constexpr double kMost = 0.005;
   bool has_metal = false;
@@ -47,7 +48,7 @@ std::string OfNoise(const Case &c, const Budgets &budgets)
 }
 
 /// Where levels share nodes, the pressures of contact and the coupling work against each other.
-std::string OfBorder(const Case &c, const Budgets &budgets)
+std::string OfBorder(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   constexpr double kMost = 0.02;
   const double all = std::abs(budgets.contact_impulse[c.Dim() - 1]);
@@ -58,18 +59,29 @@ std::string OfBorder(const Case &c, const Budgets &budgets)
          "farther from the contact, above the surface at the domain's side";
 }
 
+/// A slow test that is not slow.
+std::string OfSpeed(const Case &c, const Budgets &, const QuasiStaticWatch &slow)
+{
+  constexpr double kLeast = 0.01, kMostAdded = 2; // of energy; of the tolerance
+  const double share = slow.LoadShare(), kinetic = slow.KineticShare();
+  if (share <= kMostAdded * c.quasi_static.tolerance && kinetic <= std::max(kLeast, c.quasi_static.tolerance)) return "";
+  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": inertia and damping have added up to " +
+         FormatRounded(100 * share) + " % to the load, and kinetic energy was up to " + FormatRounded(100 * kinetic) +
+         " % of what the body has taken: try a smaller one, or less -damping where that was given";
+}
+
 } // namespace
 
-void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, bool ended)
+void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
 {
   constexpr struct {
-    std::string (*line)(const Case &, const Budgets &);
+    std::string (*line)(const Case &, const Budgets &, const QuasiStaticWatch &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false}, {OfNoise, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false}, {OfNoise, true}, {OfSpeed, true}};
   told_.resize(std::size(kAll));
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     if (told_[k] || (kAll[k].at_end && !ended)) continue;
-    const std::string line = kAll[k].line(c, budgets);
+    const std::string line = kAll[k].line(c, budgets, slow);
     if (line.empty()) continue;
     told_[k] = true;
     lines_.push_back(line);

@@ -211,14 +211,15 @@ QUARTER = {**CONE_OPTIONS, "-geometry": "3d", "-domain_lower": "0,0,0", "-domain
 HALF = {**QUARTER, "-domain_lower": "-1e-5,0,0", "-indenter": "berkovich"}
 
 
-def write_run(folder, options, repeated=False):
-    """A result folder with a history of metal(), whose loads are means over the intervals."""
+def write_run(folder, options, repeated=False, slow=False):
+    """A result folder with a history of metal(), whose loads are means over the intervals; slow: a fifth of them is inertia and damping."""
     folder.mkdir()
     depth, load = metal(rows=2001)
     depth, load = 1e-6 * depth[::2], 1e-3 * np.append(0, load[1::2])
     columns = dict.fromkeys([*HISTORY, "contact_area"], np.zeros(len(depth))) | {"step": np.arange(len(depth)), "time": 1e-9 * np.arange(len(depth)),
                                                                                  "depth": depth, "load": load}
     columns["contact_area"] = np.full(len(depth), 3e-12)
+    columns |= {"load_quasi_static": load, "load": 1.25 * load} if slow else {}
     table = np.column_stack(list(columns.values()))
     table = np.insert(table, 100, table[99], axis=0) if repeated else table
     np.savetxt(folder / "history.csv", table, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
@@ -247,6 +248,12 @@ def test_run_to_files(tmp_path, capsys, expect):
     expect("stiffness", cycle["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=2e-3)
     expect("beta", cycle["beta"], near=1.067, tolerance=5e-4)
     assert np.ptp(plot.plt.imread(folder / "indentation.png")) > 0.5
+
+
+def test_slow_run(tmp_path, expect):
+    """Of a run with -quasi_static the load is taken without inertia and damping."""
+    [row] = oliver_pharr.analyse(load_depth.read_run(write_run(tmp_path / "run", CONE_OPTIONS, slow=True)))
+    expect("load", row["load_mN"], near=10, tolerance=0.02)
 
 
 def test_plane_strain_has_only_the_mean_pressure(tmp_path, capsys):

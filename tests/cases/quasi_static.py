@@ -1,0 +1,234 @@
+"""Slow tests: the load does not depend on the speed by more than the tolerance, and what is chosen is told, kept and refused where it cannot be."""
+import numpy
+import pytest
+
+import bad_input
+import harness
+import load_depth
+import oliver_pharr
+from ranks import largest_difference
+from restart import rows_after
+
+# Lengths in cells, E = 1: a cone on a block of 16 x 16, through which waves need 14 to 17.
+CONE = {
+    "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "16,18", "cell_size": 1, "boundary_x_upper": "symmetry",
+    "boundary_y_lower": "symmetry", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block",
+    "block_lower": "0,0", "block_upper": "16,16", "indenter": "cone", "indenter_half_angle": 80, "indenter_tip": "0,16", "frames": 0,
+    "quasi_static": "true", "indenter_depths": "0.9,0"}
+METAL = {"m_model": "j2", "m_yield_stress": 0.01, "m_hardening_modulus": 0.1, "indenter_depths": "0.6,0.5"}
+CASES = {"elastic": CONE, "metal": {**CONE, **METAL}}
+
+
+def parts(history):
+    """(last row of the loading, last row of the hold)."""
+    resting = numpy.flatnonzero(history["depth"] > history["depth"].max() * (1 - 1e-9))
+    return resting[0], resting[-1]
+
+
+def loading(history, column, shares):
+    """The load at shares of the largest depth, by parabolas over a tenth of it."""
+    deepest, last = history["depth"].max(), parts(history)[0]
+    depth, load = history["depth"][:last] / deepest, history[column][:last]
+    near = [abs(depth - share) < 0.05 for share in shares]
+    return numpy.array([numpy.polyfit(depth[rows] - share, load[rows], 2)[-1] for rows, share in zip(near, shares)])
+
+
+def unloading(history, column):
+    """(load at the end of the hold, slope there): a parabola through it, over the rows from 97 to 50 % of it."""
+    first, last = parts(history)
+    held = numpy.mean(history[column][last - (last - first) // 3:last])
+    depth, load = history["depth"][last:] - history["depth"][last], history[column][last:]
+    rows = numpy.arange(numpy.argmax(load < 0.97 * held), numpy.argmax(load < 0.5 * held))
+    x = depth[rows]
+    return held, numpy.linalg.lstsq(numpy.stack([x, x**2], axis=1), load[rows] - held, rcond=None)[0][0]
+
+
+def compare(expect, case, tolerance, factor, limits):
+    """A run against one that is slower by a factor; limits of load, load less what inertia and damping add, load in the hold, and slope."""
+    fast = harness.run({**case, "quasi_static_tolerance": tolerance})
+    slow = harness.run({**case, "quasi_static_tolerance": tolerance / factor, "history_interval": 4})
+    shares = numpy.linspace(0.25, 0.95, 8)
+    exact = loading(slow.history, "load", shares)
+    for column, limit in zip(("load", "load_quasi_static"), limits):
+        error = loading(fast.history, column, shares) / exact - 1
+        expect(f"{column}, largest difference from a run {factor} times slower", numpy.max(numpy.abs(error)), at_most=limit)
+    (held, slope), (held_slow, slope_slow) = (unloading(run.history, "load_quasi_static") for run in (fast, slow))
+    expect("load at the end of the hold, of that", held / held_slow, near=1, tolerance=limits[2])
+    expect("slope of the unloading, of that", slope / slope_slow, near=1, tolerance=limits[3])
+    return fast
+
+
+def expect_half_speed(expect, case, tolerance):
+    """Half the speed changes the load by less than the tolerance in the mean, and less than half of it in the hold; history of the slower run."""
+    fast, slow = (harness.run({**case, "quasi_static_tolerance": each}).history for each in (tolerance, tolerance / 2))
+    shares = numpy.linspace(0.25, 0.95, 15)
+    for column in ("load", "load_quasi_static"):
+        change = loading(fast, column, shares) / loading(slow, column, shares) - 1
+        expect(f"{column}, mean change by half the speed", numpy.mean(numpy.abs(change)), at_most=tolerance)
+    held = [numpy.mean(history["load"][slice(*parts(history))]) for history in (fast, slow)]
+    expect("load in the hold, change", held[0] / held[1] - 1, near=0, tolerance=tolerance / 2)
+    return slow
+
+
+def press_of_tutorial():
+    """The first case of the tutorial: an elastic block under a cylinder."""
+    text = (harness.ROOT / "docs" / "tutorial.md").read_text()
+    blocks = [part.partition("```")[0] for part in text.split("```opts press.opts\n")[1:3]]
+    lines = [line.split() for block in blocks for line in block.splitlines() if line.startswith("-")]
+    return {name[1:]: value for name, value in lines}
+
+
+@pytest.mark.parametrize("name, limits", [("elastic", (0.02, 0.02, 0.005, 0.02)), ("metal", (0.02, 0.01, 0.01, 0.02))])
+def test_ten_times_slower(expect, name, limits):
+    """With a tolerance of 2 %."""
+    fast = compare(expect, CASES[name], 0.02, 10, limits)
+    told = fast.summary["quasi_static"]
+    history = fast.history
+    expect("speed told, over that of the history", told["speed"] / numpy.max(numpy.gradient(history["depth"], history["time"])), near=1, tolerance=0.01)
+    expect("largest share of inertia and damping in the load", told["added_load"], at_most=0.04)
+    expect("drift in the hold", told["hold_drift"], at_most=0.01)
+
+
+def test_tutorial(expect):
+    """The tutorial's cylinder at half the speed."""
+    case = {**press_of_tutorial(), "quasi_static": "true", "frames": 0}
+    expect_half_speed(expect, case, 0.02)
+
+
+def test_turns_count(expect):
+    """Three ways to the same turns, whatever the speeds, make the same run; depths go before a history."""
+    ways = [{"indenter_depths": "0.4,0.3,0.6,0"}, {"indenter_depths": "0.4,0.3,0.6,0", "indenter_times": "0", "indenter_velocities": 3, "indenter_max_depth": 1},
+            {"indenter_depths": None, "indenter_times": "0,1,1.5,2,3", "indenter_velocities": "0.8,0,-0.2,0,0.6", "indenter_max_depth": 0.6,
+             "indenter_unload_velocity": 77}]
+    plans = []
+    for way in ways:
+        case = {name: value for name, value in {**CONE, **way, "max_steps": 30}.items() if value is not None}
+        plans.append(harness.run(case).summary["quasi_static"])
+    for plan in plans[1:]:
+        expect("end of the schedule", plan["end_time"] / plans[0]["end_time"], near=1, tolerance=1e-12)
+    expect("transits", plans[0]["transits"], near=40, tolerance=0)
+
+
+def test_schedule_in_the_history(expect):
+    """A partial unloading: the tip turns at the depths that are given, its speed has no jump, and what acts on it is smooth."""
+    history = harness.run({**CONE, "indenter_depths": "0.4,0.3,0.6,0.5", "quasi_static_tolerance": 0.05}).history
+    depth, time = history["depth"], history["time"]
+    speed = numpy.diff(depth) / numpy.diff(time)
+    for turn in (0.4, 0.3, 0.6, 0.5):
+        expect(f"nearest the tip comes to rest to {turn}", numpy.min(abs(depth - turn)), at_most=1e-6)
+    expect("largest change of speed in a step, of the largest speed", numpy.max(numpy.abs(numpy.diff(speed))) / speed.max(), at_most=0.06)
+    expect("speed at the end, of the largest", abs(speed[-1]) / speed.max(), at_most=0.01)
+
+
+LOADS = {"indenter_control": "load", "indenter_times": "0,1,2,3", "indenter_loads": "0,2.5,2.5,0.1", "indenter_depths": None}
+
+
+def test_load_control(expect):
+    """The same curve as under displacement control, and the same figures by Oliver and Pharr."""
+    case = {name: value for name, value in {**CONE, **LOADS, "quasi_static_tolerance": 0.02}.items() if value is not None}
+    result = harness.run(case)
+    held = result.history["depth"][parts(result.history)[1]]
+    other = harness.run({**CONE, "indenter_depths": [float(held), 0.0], "quasi_static_tolerance": 0.02})
+    by_load, by_depth = (oliver_pharr.analyse(load_depth.read_run(run.folder))[0] for run in (result, other))
+    expect("load of the hold", by_load["load_mN"] / by_depth["load_mN"], near=1, tolerance=0.005)
+    expect("stiffness", by_load["stiffness_mN_per_um"] / by_depth["stiffness_mN_per_um"], near=1, tolerance=0.02)
+    expect("reduced modulus", by_load["reduced_modulus_GPa"] / by_depth["reduced_modulus_GPa"], near=1, tolerance=0.02)
+    expect("load that is set, N", result.history["load"].max(), near=2.5, tolerance=1e-6)
+
+
+LEVELS = {"cell_size": 2, "levels": 2, "level_1_lower": "0,8", "level_1_upper": "8,18", "points_per_rank": 1, "quasi_static_tolerance": 0.08,
+          "checkpoint_interval": 50}
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("control", ("displacement", "load"))
+def test_levels_ranks_and_restart(expect, control):
+    case = {**CASES["metal"], **LEVELS, **({} if control == "displacement" else {**LOADS, "indenter_loads": "0,0.5,0.5,0.1"}), "max_steps": 300}
+    case = {name: value for name, value in case.items() if value is not None}
+    runs = {ranks: harness.run(case, ranks=ranks) for ranks in (1, 3)}
+    difference, column = largest_difference(runs[3].history, runs[1].history)
+    expect(f"history on 3 ranks (worst column {column})", difference, at_most=1e-9)
+    for wrote, ranks in ((1, 1), (3, 3), (3, 2)):
+        again = harness.run({**case, "restart": runs[wrote].folder / "checkpoint_000150.h5"}, ranks=ranks)
+        difference, column = largest_difference(again.history, runs[1].history)
+        expect(f"from {wrote} on {ranks} ranks (worst column {column})", difference, at_most=1e-9)
+        if ranks == wrote:
+            expect.that(f"from {wrote} on {ranks} ranks: to the last bit", rows_after(again.folder, 0) == rows_after(runs[wrote].folder, 150))
+            expect.that("summary of the test is the same", again.summary["quasi_static"] == runs[wrote].summary["quasi_static"])
+
+
+OTHERS = {
+    "plane strain": {"geometry": "plane_strain", "indenter": "wedge", "boundary_x_lower": "symmetry", "boundary_x_upper": "free"},
+    "space": {"geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "6,6,8", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+              "boundary_z_lower": "symmetry", "boundary_x_upper": "free", "block_lower": "0,0,0", "block_upper": "6,6,6", "indenter": "sphere",
+              "indenter_half_angle": None, "indenter_radius": 20, "indenter_tip": "0,0,6", "indenter_depths": "0.2,0"}}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_geometries(expect, name):
+    """Half the speed changes the load by less than the tolerance."""
+    case = {name: value for name, value in {**CONE, **OTHERS[name]}.items() if value is not None}
+    slow = expect_half_speed(expect, case, 0.05)
+    expect("depth reached, of that wanted", slow["depth"].max() / float(case["indenter_depths"].split(",")[0]), near=1, tolerance=1e-9)
+    expect("depth at the end", slow["depth"][-1], near=0, tolerance=1e-9)
+
+
+# What is tried, the options that differ from those of the cone, words of the line that is expected.
+REFUSED = [
+    ("no indenter", {"indenter": None, "indenter_half_angle": None, "indenter_tip": None, "indenter_depths": None, "end_time": 1},
+     ["-quasi_static true:", "-indenter"]),
+    ("no end of the history", {"indenter_depths": None, "indenter_times": "0", "indenter_velocities": "1"}, ["-indenter_max_depth:", "-indenter_times"]),
+    ("not to the surface", {"indenter_depths": None, "indenter_times": "0,1", "indenter_velocities": "-1,-1"}, ["-quasi_static true:", "surface"]),
+    ("depths under load control", {"indenter_control": "load", "indenter_times": "0,1", "indenter_loads": "0,1"}, ["-indenter_control load:", "depths"]),
+    ("no load", {**LOADS, "indenter_loads": "0,0,0,0"}, ["-quasi_static true:", "load above 0"]),
+    ("pressures that change", {"loads": "p", "p_body": "block", "p_side": "y_upper", "p_times": "0,1", "p_pressures": "0,1"},
+     ["-quasi_static true:", "not stretched"]),
+    ("too large a tolerance", {"quasi_static_tolerance": 0.5}, ["-quasi_static_tolerance 0.5:", "0.1"]),
+    ("depths of a fast test", {"quasi_static": "false", "indenter_times": "0,1", "indenter_velocities": "1,1", "end_time": 1}, ["-indenter_depths", "not"]),
+]
+
+
+def test_refused(tmp_path):
+    for name, changes, expected in REFUSED:
+        case = {name: value for name, value in {**CONE, **changes}.items() if value is not None}
+        problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, 1, expected)
+        assert not problem, f"{name}: {problem}"
+
+
+def test_what_is_told():
+    """The user's damping, end and rate are kept and told."""
+    own = harness.run({**CONE, "damping": 0.05, "xpic_fraction": 0, "end_time": 5, "quasi_static_tolerance": 0.1})
+    assert "damping 0.05 1/s as given" in own.stdout and "-end_time 5 ends the run before its schedule" in own.stdout
+    assert own.summary["quasi_static"]["damping"] == 0.05 and own.summary["quasi_static"]["xpic_fraction"] == 0 and own.summary["simulated_time"] == 5
+    law = {"m_model": "j2", "m_hardening": "johnson_cook", "m_yield_stress": 0.01, "m_hardening_modulus": 0.1, "m_hardening_exponent": 0.5,
+           "m_rate_sensitivity": 0.1, "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}
+    for more, told in (({}, True), ({"rate_scale": 1e9}, False), ({"m_rate_sensitivity": 0}, False)):
+        assert ("knows a rate" in harness.run({**CONE, **law, **more, "max_steps": 2}).stdout) == told
+    fast = harness.run({**{name: value for name, value in CONE.items() if name not in ("quasi_static", "indenter_depths")}, "indenter_times": "0",
+                        "indenter_velocities": 0.01, "end_time": 5})
+    assert "load_quasi_static" not in fast.history and "quasi_static" not in fast.summary and fast.stdout == ""
+
+
+# Two levels, lengths in cells of the finer one: a contact of 4 of them on a block of 40 x 32. A blunt cone where the body is elastic, as its short
+# waves grow in long runs at large strains.
+LARGE = {**CONE, "domain_upper": "40,36", "cell_size": 2, "levels": 2, "level_1_lower": "0,16", "level_1_upper": "16,36", "block_upper": "40,32",
+         "m_youngs_modulus": 0.91, "indenter_tip": "0,32"}
+BLUNT = {"indenter_half_angle": 85, "indenter_depths": "0.55,0"}
+SHARP = {"m_model": "j2", "m_yield_stress": 0.0091, "m_hardening_modulus": 0.0455, "indenter_half_angle": 70.3, "indenter_depths": "1.43,1.2"}
+
+
+def verify_cones(study):
+    """Slow tests of cones against some ten times slower
+
+    With the default tolerance of 1 %: an elastic and a plastic body on two levels.
+    """
+    for name, case in (("elastic, 85 degrees", BLUNT), ("metal, 70.3 degrees", SHARP)):
+        compare(lambda what, *words, **limits: study.expect(f"{name}: {what}", *words, **limits), {**LARGE, **case}, 0.01, 10, (0.01, 0.01, 0.005, 0.02))
+
+
+def verify_tutorial(study):
+    """The tutorial's case slowly, and at half the speed
+
+    With the default tolerance of 1 %.
+    """
+    expect_half_speed(study.expect, {**press_of_tutorial(), "quasi_static": "true", "frames": 0}, 0.01)

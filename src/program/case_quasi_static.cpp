@@ -219,6 +219,9 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
 void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
+  for (const char *option : {"-indenter_velocities_x", "-indenter_velocities_y"})
+    if (std::string text; reader.Text({option, "sideways speed"}, false, &text))
+      reader.Refuse(option, text, "left out with -quasi_static, which does not stretch its times");
   for (std::size_t k = 0; k < c->model.loads.size(); ++k)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true",

@@ -183,6 +183,7 @@ REFUSED = [
     ("no load", {**LOADS, "indenter_loads": "0,0,0,0"}, ["-quasi_static true:", "load above 0"]),
     ("pressures that change", {"loads": "p", "p_body": "block", "p_side": "y_upper", "p_times": "0,1", "p_pressures": "0,1"},
      ["-quasi_static true:", "not stretched"]),
+    ("sideways motion, whose times would be others", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 0,1:", "-quasi_static"]),
     ("too large a tolerance", {"quasi_static_tolerance": 0.5}, ["-quasi_static_tolerance 0.5:", "0.1"]),
     ("depths of a fast test", {"quasi_static": "false", "indenter_times": "0,1", "indenter_velocities": "1,1", "end_time": 1}, ["-indenter_depths", "not"]),
 ]

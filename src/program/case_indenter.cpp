@@ -281,6 +281,7 @@ void CheckReach(OptionReader &reader, const Case &c)
   const double above = indenter.tip[indenter.up] - indenter.initial_surface;
   const double height = c.domain.upper[indenter.up] - c.domain.lower[indenter.up];
   const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
+  if (!std::isfinite(above)) return; // there is no body
   if (above > height)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
                   "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +

@@ -240,25 +240,30 @@ void ReadFriction(OptionReader &reader, ContactSettings *contact)
 /// Those of PETSc's types that solve the contact equations; others end with PETSc's errors, or never.
 const std::vector<std::string> kSolvers = {"cg",     "cr",  "minres", "symmlq", "gmres", "fgmres",
                                            "lgmres", "gcr", "bicg",   "bcgs",   "cgs",   "tfqmr"};
+const std::vector<std::string> kSymmetricSolvers = {"cg", "cr", "minres", "symmlq"},
+                               kSymmetricPreconditioners = {"eisenstat", "icc", "cholesky"};
 const std::vector<std::string> kPreconditioners = {"jacobi", "none", "sor", "eisenstat", "icc", "ilu", "cholesky", "lu", "svd"};
 
-/// One of the types, where the option is given.
-void CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
+/// One of the types, where the option is given; with friction none of those that ask for symmetry.
+void CheckType(OptionReader &reader, const std::string &option, std::vector<std::string> types,
+               const std::vector<std::string> &symmetric, bool friction)
 {
   std::string text = "default";
+  for (const std::string &type : symmetric)
+    if (friction) types.erase(std::find(types.begin(), types.end(), type));
   if (reader.Text({option, "type of the solver of the contact pressures"}, false, &text) &&
       std::find(types.begin(), types.end(), text) == types.end())
     reader.Refuse(option, text, "one of " + Join(types, ", "));
 }
 
 /// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
-void CheckContactSolver(OptionReader &reader)
+void CheckContactSolver(OptionReader &reader, bool friction)
 {
   double tolerance = 1e-10;
   int iterations = 10000;
   reader.Identify(false);
-  CheckType(reader, "-contact_ksp_type", kSolvers);
-  CheckType(reader, "-contact_pc_type", kPreconditioners);
+  CheckType(reader, "-contact_ksp_type", kSolvers, kSymmetricSolvers, friction);
+  CheckType(reader, "-contact_pc_type", kPreconditioners, kSymmetricPreconditioners, friction);
   reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, Open(0, 1), false, &tolerance);
   reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
   reader.Identify(true);
@@ -371,7 +376,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
     reader.Number({"-contact_width", "half width of the kernel of a contact pressure in cells; 1 is the hat"},
                   {0, 1, true, false}, false, &c->model.contact.width);
   ReadFriction(reader, &c->model.contact);
-  if (has_solver && !reader.Help()) CheckContactSolver(reader);
+  if (has_solver && !reader.Help()) CheckContactSolver(reader, c->model.contact.friction > 0);
   Indenter &indenter = c->model.indenter.emplace();
   indenter.up = UpAxis(geometry);
   ReadSurface(reader, geometry, kind, &indenter.surface);

@@ -255,6 +255,7 @@ REFUSED = [
     ("minus infinite", {"indenter_friction": "-inf"}, ["-indenter_friction -inf:", ">= 0"]),
     ("a word", {"indenter_friction": "rough"}, ["-indenter_friction rough:", "inf"]),
     ("nothing", {"indenter_friction": ""}, ["-indenter_friction (nothing):", ">= 0"]),
+    ("a solver for symmetric equations", {"indenter_friction": 0.1, "contact_ksp_type": "cg"}, ["-contact_ksp_type cg:", "gmres"]),
     ("two", {"indenter_friction": "0.1,0.2"}, ["-indenter_friction 0.1,0.2:", ">= 0"]),
     ("fewer speeds than times", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 2 values:", "as many as -indenter_times has: 5"]),
     ("speeds that are none", {"indenter_velocities_x": "0,0,0,0,fast"}, ["-indenter_velocities_x 0,0,0,0,fast:", "numbers"]),

@@ -78,6 +78,18 @@ def test_scratch_closes_the_work(expect):
     expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"][-1], at_least=0.5)
 
 
+def test_sphere_on_the_axis(expect):
+    """Pressed and let go in axisymmetry: the surface slips under the rim, and the work closes."""
+    case = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "domain_upper": "24,27", "block_upper": "24,24",
+            "indenter": "sphere", "indenter_radius": 40.0, "indenter_tip": "0,24", "damping": 0.1, "cfl": 0.2, "indenter_friction": 0.1}
+    times, loads = (0, 150, 200, 300), (0, 4.0, 4.0, 0.4)
+    result = harness.run({**case, **schedule(times, loads)})
+    expect_sound(expect, result, times, loads)
+    expect("energy less the work, of the work", energy_error(result.history), at_most=0.01)
+    expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"].max(), at_least=0.001)
+    expect("shear along the radius, of the load", numpy.max(numpy.abs(result.history["friction_force"])) / 4, at_least=0.02)
+
+
 def test_left_is_the_mirror_of_right(expect):
     right = harness.run(SCRATCH).history
     mirrored = {**SCRATCH, "indenter_tip": "20,16", **schedule(TIMES, LOADS, x=along(-SPEED))}

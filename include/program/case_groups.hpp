@@ -14,6 +14,8 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
+/// What goes with a method of contact that has been chosen.
+void ReadContact(OptionReader &reader, ContactSettings *contact);
 /// -quasi_static and what goes with it; has_indenter: there is one that it could move.
 void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan);
 /// Puts a slow schedule with the same turns in place of the one that was read; end_time: what the user gave, or infinity.

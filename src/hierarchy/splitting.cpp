@@ -128,8 +128,8 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Points with an edge that has grown longer than a cell along an axis of their undeformed box. A child beyond the grid would be
-/// lost: such a point stays whole.
+/// Points with an edge that has grown longer than a cell, and than twice the usual, along an axis of their undeformed box. A
+/// child beyond the grid would be lost: such a point stays whole.
 static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, int axis)
 {
   const GridGeometry &grid = level.Geometry().grid;
@@ -146,7 +146,8 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
     Vec3 along{};
     along[axis] = a.HalfSize(p)[axis];
     const Vec3 edge = a.Deform(p, along); // half of it
-    if (Norm(edge) <= 0.5 * grid.spacing || !numbers.CanSplit(a.id[p])) continue;
+    const double most = grid.spacing * std::max(0.5, 1.0 / model.bodies[a.body[p]].points_per_cell);
+    if (Norm(edge) <= most || !numbers.CanSplit(a.id[p])) continue;
     if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);
   }
   return found;

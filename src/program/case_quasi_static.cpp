@@ -187,12 +187,16 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
     }
 }
 
+constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
+
 /// A case keeps its history where depths are given for a slow test.
 void LeaveHistoryAside(OptionReader &reader)
 {
   std::string text;
   for (const char *option : {"-indenter_times", "-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
     reader.Text({option, "not used with -indenter_depths"}, false, &text);
+  for (const char *option : {"-indenter_velocities_x", "-indenter_velocities_y"})
+    if (reader.Text({option, "sideways speed"}, false, &text)) reader.Refuse(option, text, kNotSideways);
   text = "displacement";
   reader.Text({"-indenter_control", "not used with -indenter_depths"}, false, &text);
   if (text != "displacement")
@@ -219,9 +223,9 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
 void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
-  for (const char *option : {"-indenter_velocities_x", "-indenter_velocities_y"})
-    if (std::string text; reader.Text({option, "sideways speed"}, false, &text))
-      reader.Refuse(option, text, "left out with -quasi_static, which does not stretch its times");
+  for (int axis = 0; axis < 2; ++axis)
+    if (!c->model.indenter->sideways[axis].Times().empty())
+      reader.Refuse(std::string("-indenter_velocities_") + "xy"[axis], "", kNotSideways);
   for (std::size_t k = 0; k < c->model.loads.size(); ++k)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true",

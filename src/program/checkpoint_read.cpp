@@ -118,7 +118,7 @@ void CheckpointReader::ReadHead(RunState *state)
     Note(NotFinite(copies, "copies"));
   }
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
-  if (FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
+  if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
   Settle("checkpoint_state");
   *state = StateFromNumbers(numbers);

@@ -84,7 +84,8 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
                  {double(copies.ready), copies.momentum_left[0], copies.momentum_left[1], copies.momentum_left[2]});
   file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), MakeSlab(hierarchy.Comm(), 1), totals.data());
   file.List("/tip", RankIn(hierarchy.Comm()) == 0 ? hierarchy.Tip().State() : std::vector<double>());
-  if (!state.quasi_static.empty()) file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
+  if (!state.quasi_static.empty())
+    file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
   for (int l = 0; l < hierarchy.Levels(); ++l) WriteLevel(file, hierarchy, l);
   for (int b = 0; b + 1 < hierarchy.Levels(); ++b) WriteBorder(file, hierarchy, b);
   return file.Finish();

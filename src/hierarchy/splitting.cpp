@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace mlgimp
 {
@@ -50,9 +49,10 @@ static Index PlaceOf(int child, const Index &parts)
   return {child % parts[0], child / parts[0] % parts[1], child / (parts[0] * parts[1])};
 }
 
-/// From the centre of a deformed parent to that of a child, m. half: that of the parent's box.
-static Vec3 OffsetOf(const PointArrays &a, int parent, const Vec3 &half, int child, const Index &parts)
+/// From the centre of a deformed parent to that of a child, m.
+static Vec3 OffsetOf(const PointArrays &a, int parent, int child, const Index &parts)
 {
+  const Vec3 half = a.HalfSize(parent);
   const Index place = PlaceOf(child, parts);
   Vec3 offset;
   for (int d = 0; d < 3; ++d) offset[d] = ((2 * place[d] + 1.0) / parts[d] - 1) * half[d];
@@ -65,7 +65,7 @@ static Vec3 MeanOffset(const PointArrays &a, int parent, const PointSplit &split
   const double r = a.position[PointArrays::At(parent, a.dim)];
   Vec3 mean{};
   for (int child = 0; child < split.Children(); ++child) {
-    const Vec3 dx = OffsetOf(a, parent, a.HalfSize(parent), child, split.parts);
+    const Vec3 dx = OffsetOf(a, parent, child, split.parts);
     mean = mean + (1 + dx[0] / r) / split.Children() * dx;
   }
   return mean;
@@ -78,7 +78,7 @@ static void MakeChild(const Model &model, const PointArrays &a, int target, int 
 {
   const int dim = a.dim;
   const Index place = PlaceOf(child, split.parts);
-  const Vec3 dx = OffsetOf(a, target, a.HalfSize(target), child, split.parts);
+  const Vec3 dx = OffsetOf(a, target, child, split.parts);
   Vec3 mean{};
   if (a.initial_radius) {
     const double r = a.position[PointArrays::At(target, dim)];
@@ -156,12 +156,12 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
 PetscErrorCode SplitStretched(MPI_Comm world, Level &level, const PointNumbers &numbers)
 {
   const int dim = level.Geometry().grid.dim;
-  int counts[3] = {};
+  int any = 0;
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
-  for (int axis = 0; axis < dim; ++axis) counts[axis] = static_cast<int>(FindStretched(level, numbers, axis).size());
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT, MPI_SUM, world));
-  if (counts[0] + counts[1] + counts[2] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int axis = 0; axis < dim && !any; ++axis) any = !FindStretched(level, numbers, axis).empty();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world));
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   for (int axis = 0; axis < dim; ++axis) {
     Index parts{1, 1, 1};
     parts[axis] = 2;

@@ -2,6 +2,7 @@
 #include "program/case_groups.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mlgimp
 {
@@ -17,6 +18,10 @@ void ReadFriction(OptionReader &reader, ContactSettings *contact)
                           kNotNegative, &friction);
   if (friction > 0 && contact->method != "pressure")
     reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
+  constexpr double kLargest = 3; // of dry surfaces; more is meant in per cent
+  if (friction > kLargest && std::isfinite(friction))
+    Warn(reader.Comm(), "-indenter_friction " + FormatNumber(friction) +
+                            ": is Coulomb's coefficient, not per cent; surfaces hardly slip with as much");
   contact->friction = friction;
 }
 

@@ -53,6 +53,13 @@ def test_indenters_narrower_than_a_cell_are_refused(indenter):
     assert f"-indenter {indenter['indenter']}: must be at least as wide as 1 m" in refusal({**PRESS, **indenter})
 
 
+@pytest.mark.parametrize("friction,warned", [(30, True), (3.5, True), (3, False), ("inf", False)])
+def test_friction_in_per_cent(friction, warned):
+    """30 for a coefficient of 0.3 sticks everywhere, and looks like an answer."""
+    said = warnings({**PRESS, "indenter": "wedge", "indenter_half_angle": 70, "indenter_max_depth": 0.2, "indenter_friction": friction})
+    assert [line.startswith(WARNING + "-indenter_friction") for line in said] == [True] * warned
+
+
 def test_punch_as_wide_as_a_cell_of_its_level():
     levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
     case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05}

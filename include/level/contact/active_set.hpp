@@ -60,6 +60,7 @@ private:
   PetscErrorCode FindSet(ActiveSetReport *report);
   PetscErrorCode SetActivePart();
   PetscErrorCode SolveActive(Vec right_side, Vec solution, ActiveSetReport *report);
+  PetscErrorCode FindSlack();
   PetscErrorCode UpdateSet(int *changed);
   PetscErrorCode SolveByRowSums();
   PetscErrorCode Settle(std::vector<double> *lambda, ActiveSetReport *report);

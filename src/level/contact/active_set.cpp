@@ -123,14 +123,22 @@ PetscErrorCode ActiveSetSolver::SolveActive(Vec right_side, Vec solution, Active
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A lambda - r, in work_: what is left of each gap, and slips.
+PetscErrorCode ActiveSetSolver::FindSlack()
+{
+  PetscFunctionBeginUser;
+  PetscCall(MatMult(A_, lambda_, work_));
+  PetscCall(VecAXPY(work_, -1, r_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// A row stays in the set with lambda > 0 and enters it with A lambda - r < 0.
 PetscErrorCode ActiveSetSolver::UpdateSet(int *changed)
 {
   PetscScalar *active;
   const PetscScalar *lambda, *slack;
   PetscFunctionBeginUser;
-  PetscCall(MatMult(A_, lambda_, work_));
-  PetscCall(VecAXPY(work_, -1, r_));
+  PetscCall(FindSlack());
   PetscCall(VecGetArray(active_, &active));
   PetscCall(VecGetArrayRead(lambda_, &lambda));
   PetscCall(VecGetArrayRead(work_, &slack));

@@ -146,8 +146,7 @@ PetscErrorCode ActiveSetSolver::UpdateFriction(int *changed)
   const PetscScalar *x, *slack, *diagonal;
   PetscScalar *active;
   PetscFunctionBeginUser;
-  PetscCall(MatMult(A_, lambda_, work_));
-  PetscCall(VecAXPY(work_, -1, r_));
+  PetscCall(FindSlack());
   PetscCall(VecGetArray(active_, &active));
   PetscCall(VecGetArrayRead(lambda_, &x));
   PetscCall(VecGetArrayRead(work_, &slack));
@@ -190,8 +189,7 @@ PetscErrorCode ActiveSetSolver::SettleFriction(ActiveSetReport *report)
   PetscCall(VecRestoreArray(lambda_, &x));
   if (report->fallback && travels_) PetscCall(VecDot(c_, lambda_, &carried));
   if (carried > 0) PetscCall(VecScale(lambda_, load_ / carried));
-  PetscCall(MatMult(A_, lambda_, work_));
-  PetscCall(VecAXPY(work_, -1, r_));
+  PetscCall(FindSlack());
   PetscCall(VecGetArray(lambda_, &x));
   PetscCall(VecGetArrayRead(work_, &slip));
   for (PetscInt k = 0; k < size_; k += 1 + tractions_) {

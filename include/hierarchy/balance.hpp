@@ -22,4 +22,7 @@ bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points);
 /// the first ones. `changed` tells whether it is better than that in use. Collective on `world`.
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed);
 
+/// The first layout for points of any rank on a grid. Collective on `world`.
+PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &grid, double least_points, GridLayout *layout);
+
 } // namespace mlgimp

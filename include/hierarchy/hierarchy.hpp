@@ -1,6 +1,7 @@
 // The hierarchy of levels: creation, the recursion of the paper's Fig. 8, and the budgets of the whole run.
 #pragma once
 
+#include "hierarchy/following.hpp"
 #include "hierarchy/level_interface.hpp"
 #include "hierarchy/point_copies.hpp"
 #include "hierarchy/point_transfer.hpp"
@@ -23,21 +24,42 @@ struct HierarchySettings {
   std::vector<LevelGeometry> levels;
   int sort_interval = 50;
   double rebalance_threshold = 1.1;
-  int ratio = 2;     ///< of neighbouring levels' cells and steps
-  int tip_level = 0; ///< the finest that holds the surface under the indenter's tip
-  std::vector<double>
-      blend_widths;            ///< of the bands inside the borders, cells of the coarser level; kBlendWidth where none is given
+  int ratio = 2;               ///< of neighbouring levels' cells and steps
+  int tip_level = 0;           ///< the finest that holds the surface under the indenter's tip
   bool merge_siblings = false; ///< points that leave a level become their parent again
+  double most_loss = HUGE_VAL; ///< share of their strain energy that may be lost by it, else they stay
   int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
   LevelCoupling coupling = LevelCoupling::kNodes;
   CopyRepairs repairs; ///< of the coupling by points
   int ghost_cells = 4; ///< the coupling by points copies so far outside a level's box, cells of the level
+  FollowSettings follow;
+  LevelRules rules; ///< where boxes may lie; kBlendWidth where it has no widths of bands
+};
+
+/// The grid and the sides of level k in a box. sides: of the domain; padding: see GridGeometry.
+LevelGeometry GeometryOf(const LevelRules &rules, const std::array<BoundaryKind, kSides> &sides, const Box &box, int k,
+                         int padding);
+
+/// A level's box that has moved, a level that has ended or one that has begun.
+struct LevelMove {
+  double step = 0, time = 0; ///< of level 0; s
+  int level = 0;
+  bool active = true; ///< false: the level has ended, and rests in its box
+  Box box;
+  double split = 0, merged = 0;                          ///< points on their way to the level, and from it
+  double mass_error = 0, momentum_error = 0, energy = 0; ///< absolute changes of mass and momentum, kg and N s; J
 };
 
 /// What the coupling by points carries from step to step beside the copies.
 struct CopyState {
   bool ready = false;   ///< there are copies
   Vec3 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
+};
+
+/// Where the boxes of levels are, and how far the contact has come since they were last looked at.
+struct FollowState {
+  BoxPlan plan;
+  double half_width = 0, reach = 0; ///< see ContactPlace; m
 };
 
 /// Largest speeds over all points, and whether any level has failed.
@@ -67,6 +89,15 @@ public:
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
+  /// After a step that ends at `time`: moves the boxes that follow where it is due, adds what has moved to `moves`, and tells
+  /// why a box cannot lie where it should; the same on every rank. Collective.
+  PetscErrorCode Follow(double step, double time, std::vector<LevelMove> *moves, std::string *problem);
+  /// Where boxes are now; while they follow, what the contact has reached since they were last looked at.
+  const FollowState &Following() const { return follow_; }
+  /// Puts empty levels there. Collective.
+  PetscErrorCode RestoreFollowing(const FollowState &state);
+  /// The same with the largest reach of all ranks. Collective.
+  PetscErrorCode ShareReach();
   /// The budgets of all levels and ranks, but what only a run knows. Collective.
   PetscErrorCode ReduceBudgets(Budgets *budgets);
   /// Whether the next steps measure the noise of velocities, a budget that costs.
@@ -98,12 +129,21 @@ private:
   PetscErrorCode MapRanks();
   std::vector<BlockTraffic> Traffic() const;
   RankMap RanksInUse() const;
-  PetscErrorCode RenewInterface(int b);
+  PetscErrorCode RenewInterface(int b, bool keeps_state);
   PetscErrorCode Reconnect();
   bool CoupledByNodes() const { return Levels() > 1 && settings_.coupling == LevelCoupling::kNodes; }
   void CoupleNodes(int l);
   PetscErrorCode RebalanceIfNeeded(int l);
   PetscErrorCode Rebalance(int l);
+  PetscErrorCode FindContact(double time, ContactPlace *place);
+  PetscErrorCode MoveLevels(const BoxPlan &next);
+  PetscErrorCode SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active);
+  PetscErrorCode SortIntoBoxes(const std::vector<LevelGeometry> &next, int active);
+  PetscErrorCode PlaceLevel(int l, const LevelGeometry &geometry);
+  PetscErrorCode MergeLeft();
+  std::vector<LevelGeometry> GeometriesOf(const std::vector<Box> &boxes) const;
+  /// Whether level l has points now.
+  bool IsActive(int l) const { return l < follow_.plan.active; }
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   const Model *model_ = nullptr;
@@ -117,6 +157,7 @@ private:
   std::vector<std::unique_ptr<CopyBorder>> ghosts_; ///< where the coupling is by points
   CopyState copies_;
   TipTrack tip_;
+  FollowState follow_;
 };
 
 } // namespace mlgimp

@@ -13,6 +13,10 @@ Box WidenedBox(const LevelGeometry &geometry, double distance);
 /// The points inside or outside a box.
 std::vector<int> PointsIn(const PointArrays &points, const Box &box, bool inside);
 
+/// Distances from the finer level's box where points change levels that are coupled through nodes, its cells; not one, where
+/// points may lie at the start.
+inline constexpr double kEnter = 0.999, kLeave = 1.25;
+
 /// When points change levels, and what happens to them then.
 struct PointTransferRule {
   double enter, leave; ///< distances from the finer level's box, its cells: points nearer than `enter` go to it, points
@@ -20,6 +24,7 @@ struct PointTransferRule {
   int ring;            ///< cells outside the box in which the coarser level has points of the finer one's size; 0: none
   bool velocity_shift; ///< velocities move from one level's half step to the other's
   bool merge;          ///< points that leave become their parent again
+  double most_loss;    ///< share of their strain energy that may be lost by it
 };
 
 /// Moves points between two neighbouring levels.
@@ -43,7 +48,11 @@ public:
   Budgets &Totals() { return budgets_; }
 
 private:
-  std::vector<int> FindParents(const std::vector<int> &points);
+  /// Those of some points of the coarser level that are of its size.
+  std::vector<int> ParentsAmong(const std::vector<int> &points)
+  {
+    return FindParents(coarse_, points, fine_.Geometry().grid.spacing, ratio_, numbers_, &budgets_);
+  }
   PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 

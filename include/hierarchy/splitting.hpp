@@ -48,6 +48,11 @@ struct PointSplit {
 PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vector<int> &parents,
                            const std::vector<VelocitySample> &samples, std::vector<int> *points, Budgets *budgets);
 
+/// Those of some points that are of the size usual on levels coarser than one with cells of `spacing`, so that they have to be
+/// split there; counts those that cannot.
+std::vector<int> FindParents(Level &level, const std::vector<int> &points, double spacing, int ratio, const PointNumbers &numbers,
+                             Budgets *budgets);
+
 /// Splits points of materials that want it where an edge has grown longer than a cell: halves it, so that the
 /// surface and the stress of metal that flows far are still carried by points that see the nodes at their ends. Collective on
 /// `world`.

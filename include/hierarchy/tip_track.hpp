@@ -17,6 +17,9 @@ public:
   /// indenter: null for none; it must outlive this. tip_level: the level that finds the way, of so many.
   void Create(const Indenter *indenter, int tip_level, int levels);
 
+  /// Another level finds the way from now on.
+  void SetLevel(int tip_level);
+
   /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
   Vec3 At(double time) const;
   /// What a step of level l from `time` on is told; start: the tip when it began.

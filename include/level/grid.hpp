@@ -23,6 +23,9 @@ struct GridGeometry {
   int padding;    ///< layers of nodes beyond the box, along the axes of its dimension
   int dim = 2;
 
+  /// Box index of the node nearest to x.
+  int Nearest(int axis, double x) const { return static_cast<int>(std::floor((x - lower[axis]) / spacing + 0.5)); }
+  Index Nearest(Vec3 x) const { return {Nearest(0, x[0]), Nearest(1, x[1]), dim == 3 ? Nearest(2, x[2]) : 0}; }
   int Padding(int axis) const { return axis < dim ? padding : 0; }
   int Nodes(int axis) const { return axis < dim ? cells[axis] + 1 + 2 * padding : 1; }
   /// All nodes, by their box indices.
@@ -112,12 +115,7 @@ public:
            lattice_.stride[2] * static_cast<std::ptrdiff_t>(at[2]);
   }
   double Coordinate(int axis, int index) const { return geometry_.lower[axis] + index * geometry_.spacing; }
-  /// Box index of the node nearest to x.
-  int Nearest(int axis, double x) const
-  {
-    return static_cast<int>(std::floor((x - geometry_.lower[axis]) / geometry_.spacing + 0.5));
-  }
-  Index Nearest(Vec3 x) const { return {Nearest(0, x[0]), Nearest(1, x[1]), geometry_.dim == 3 ? Nearest(2, x[2]) : 0}; }
+  Index Nearest(Vec3 x) const { return geometry_.Nearest(x); }
   /// The block that holds a node, which is also its owner's rank in Comm(); -1 outside the grid.
   int BlockOfNode(Index node) const;
   /// The owner's rank among all ranks; -1 outside the grid.

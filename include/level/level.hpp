@@ -44,11 +44,12 @@ struct LevelClock {
   bool contact_awake = true;
 };
 
-/// What contact did to the indenter's tip in a step.
+/// What contact did to the indenter's tip in a step, and how wide it was; the same on all ranks that hold a part of the grid.
 struct TipReport {
-  double travel = 0;    ///< of a free tip, downward; the same on all ranks that hold a part of the grid, m
-  bool limited = false; ///< it would have had to travel farther to carry its load
-  double load = 0;      ///< this rank's part, N
+  double travel = 0;                ///< of a free tip, downward, m
+  bool limited = false;             ///< it would have had to travel farther to carry its load
+  double load = 0;                  ///< this rank's part, N
+  double half_width = 0, reach = 0; ///< see ContactReport, m
 };
 
 class Level
@@ -92,6 +93,12 @@ public:
   /// The rank, among all, that owns the node nearest to point p of some level's arrays; -1, and a failure, where the point
   /// lies beyond this level's grid.
   PetscMPIInt OwnerOf(const PointArrays &points, int p);
+  /// Velocities of all nodes, p/m of the points where they are now, without a change. Collective on the level's ranks.
+  PetscErrorCode FindVelocities();
+  /// Moves the level to another place; its points must lie there. Contact starts from nothing. Collective on all ranks.
+  PetscErrorCode Move(const LevelGeometry &geometry, const GridLayout &layout);
+  /// Nothing touches the level while it has no points.
+  void Rest();
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.

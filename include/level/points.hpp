@@ -97,4 +97,7 @@ PetscErrorCode MovePoints(MPI_Comm comm, Points &from, Points &to, const Migrant
 /// of storage, its rank and its place among that rank's migrants.
 PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Migrants &migrants, std::vector<PetscSFNode> *origins);
 
+/// Adds copies of points of this rank to another store of the same fields.
+PetscErrorCode AppendPoints(const Points &from, const std::vector<int> &points, Points &to);
+
 } // namespace mlgimp

@@ -87,6 +87,7 @@ struct Case {
   /// The lowest place that the tip may come to while it is on a level.
   double LowestTip(int k) const
   {
+    if (hierarchy.follow.kind == FollowKind::kContact) return domain.lower[model.indenter->up]; // no box holds it back
     const Side below = static_cast<Side>(2 * model.indenter->up);
     return boxes[k].At(below) + (IsBorder(k, below) ? BorderMargin(k) : 0);
   }

@@ -10,6 +10,12 @@ namespace mlgimp
 {
 
 void ReadLevels(OptionReader &reader, Case *c);
+/// Whether and how boxes follow.
+void ReadFollowing(OptionReader &reader, Case *c);
+/// What ReadFollowing could not know before the indenter was read.
+void CheckFollowing(OptionReader &reader, const Case &c);
+/// The grids of the levels, once all is known that they follow.
+void PlaceLevels(Case *c);
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
@@ -31,6 +37,8 @@ struct NamedInGeometry {
 void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
                       const std::vector<NamedInGeometry> &values, std::string *value);
 
+/// Times of a history, increasing; returns whether they were given.
+bool ReadTimes(OptionReader &reader, const std::string &name, bool required, std::vector<double> *times);
 /// Times and values of a piecewise-linear history.
 void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, const Range &range,
                  PiecewiseLinear *history);

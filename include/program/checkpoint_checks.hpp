@@ -19,6 +19,8 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
 std::string WrongState(const std::vector<double> &numbers, const Case &settings);
 /// numbers: TipTrack::State, of a run that has `count` of them and is at a time.
 std::string WrongTip(const std::vector<double> &numbers, std::size_t count, double time);
+/// Boxes off the cell lines, or where no run has them.
+std::string WrongBoxes(const FollowState &now, const Case &settings);
 /// numbers: as the attribute "pace" of level l has them, at a step of level 0.
 std::string WrongClock(const std::vector<double> &numbers, long step, const Case &settings, int l);
 /// counts: of the points of each rank that wrote, which must add up to `rows`.

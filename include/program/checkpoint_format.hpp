@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 14;
+inline constexpr int kFormatVersion = 15;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 
@@ -32,8 +32,25 @@ inline std::vector<double> StateAsNumbers(const RunState &s)
 /// The numbers must have been found sensible.
 inline RunState StateFromNumbers(const std::vector<double> &n)
 {
-  return {n[0],  n[1],  {n[2], n[3], n[4]},    n[5], static_cast<long>(n[6]), static_cast<int>(n[7]), n[8], n[9], n[10],
-          n[11], n[12], {n[13], n[14], n[15]}, {}};
+  return {n[0],
+          n[1],
+          {n[2], n[3], n[4]},
+          n[5],
+          static_cast<long>(n[6]),
+          static_cast<int>(n[7]),
+          n[8],
+          n[9],
+          n[10],
+          n[11],
+          n[12],
+          {n[13], n[14], n[15]},
+          {},
+          {}};
 }
+
+/// What follows, and what has moved: active levels, half width, reach, the boxes, and the moves.
+std::vector<double> FollowingAsNumbers(const FollowState &now, const std::vector<LevelMove> &moves);
+/// False where the numbers are not such, for so many levels.
+bool FollowingFromNumbers(const std::vector<double> &numbers, int levels, FollowState *now, std::vector<LevelMove> *moves);
 
 } // namespace mlgimp

@@ -35,6 +35,7 @@ public:
 private:
   void PrepareOutputFolder();
   void ControlStep();
+  void FollowBoxes();
   void WriteDue();
   void WriteHistoryRow();
   void SetFrictionForce(double passed);

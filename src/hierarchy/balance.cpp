@@ -195,21 +195,39 @@ bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points)
   return (each < 0.5 * least_points || each > 2 * least_points) && SuitableRanks(points, ranks, least_points) != blocks;
 }
 
+/// Points of all ranks per node of a grid, the first axis fastest. Collective on `world`.
+static PetscErrorCode CountByNode(MPI_Comm world, Points &store, const GridGeometry &grid, std::vector<double> *counts)
+{
+  const IndexBox nodes = grid.NodeBox();
+  const PointArrays points = store.Arrays();
+  PetscFunctionBeginUser;
+  counts->assign(static_cast<std::size_t>(nodes.Count()), 0.0);
+  for (int p = 0; p < points.count; ++p) {
+    const Index at = grid.Nearest(points.Position(p)) - nodes.lower;
+    ++(*counts)[at[0] + nodes.Size(0) * (at[1] + nodes.Size(1) * static_cast<std::size_t>(at[2]))];
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts->data(), static_cast<int>(counts->size()), MPI_DOUBLE, MPI_SUM, world));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &grid, double least_points, GridLayout *layout)
+{
+  std::vector<double> counts;
+  PetscFunctionBeginUser;
+  PetscCall(CountByNode(world, points, grid, &counts));
+  FirstLayout(RanksOf(world), least_points, counts, grid, layout);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
   constexpr double kWorthWhile = 0.98; // of the busiest block's work
   const Grid &grid = level.Mesh();
   const GridGeometry &geometry = grid.Geometry();
-  const IndexBox nodes = geometry.NodeBox();
-  std::vector<double> counts(static_cast<std::size_t>(nodes.Count()), 0.0);
   const PetscMPIInt ranks = RanksOf(world);
+  std::vector<double> counts;
   PetscFunctionBeginUser;
-  const PointArrays points = level.PointStore().Arrays();
-  for (int p = 0; p < points.count; ++p) {
-    const Index at = grid.Nearest(points.Position(p)) - nodes.lower;
-    ++counts[at[0] + nodes.Size(0) * (at[1] + nodes.Size(1) * static_cast<std::size_t>(at[2]))];
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_DOUBLE, MPI_SUM, world));
+  PetscCall(CountByNode(world, level.PointStore(), geometry, &counts));
   const double total = std::accumulate(counts.begin(), counts.end(), 0.0);
   if (NeedsOtherRanks(total, grid.Layout().Blocks(), ranks, least_points)) {
     FirstLayout(ranks, least_points, counts, geometry, layout);

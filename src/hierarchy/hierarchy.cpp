@@ -28,8 +28,8 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 {
   std::int64_t first_id = 0;
   std::vector<Seeding> seedings;
-  const auto cell_size_at = [levels = settings.levels](Vec3 x) {
-    std::size_t l = levels.size() - 1;
+  const auto cell_size_at = [levels = settings.levels, follows = settings.follow.kind != FollowKind::kNone](Vec3 x) {
+    std::size_t l = follows ? 0 : levels.size() - 1; // points that boxes leave behind need a parent to become again
     while (l > 0 && !WidenedBox(levels[l], 0).Contains(x)) --l;
     return levels[l].grid.spacing;
   };
@@ -39,6 +39,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   settings_ = settings;
   events_ = events;
   levels_.resize(settings.levels.size());
+  follow_.plan = {settings.follow.start, Levels()};
   tip_.Create(model.indenter ? &*model.indenter : nullptr, settings.tip_level, Levels());
   for (int l = 0; l < Levels(); ++l) {
     const LevelGeometry &geometry = settings.levels[l];
@@ -59,11 +60,10 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 
 PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 {
-  constexpr double kEnter = 0.999, kLeave = 1.25; // cells; not one, where points may lie at the start
   const bool copies = settings_.coupling == LevelCoupling::kPoints;
   const CopyRepairs &repairs = settings_.repairs;
-  const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings};
-  const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false};
+  const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings, settings_.most_loss};
+  const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false, 0};
   const int dim = settings_.levels[0].grid.dim;
   numbers_.emplace(seeds, static_cast<int>(std::lround(std::pow(settings_.ratio, dim))));
   PetscFunctionBeginUser;
@@ -72,7 +72,7 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
     borders_.push_back(std::make_unique<LevelInterface>());
     transfers_.push_back(
         std::make_unique<PointTransfer>(comm_, coarse, fine, settings_.ratio, *numbers_, copies ? by_points : by_nodes));
-    PetscCall(RenewInterface(b));
+    PetscCall(RenewInterface(b, false));
     if (!copies) continue;
     ghosts_.push_back(std::make_unique<CopyBorder>());
     PetscCall(ghosts_[b]->Create(comm_, coarse, fine, settings_.ratio, repairs, {settings_.ghost_cells}));
@@ -134,14 +134,14 @@ void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
   *unmapped = BytesBetweenRanks(traffic, map);
 }
 
-/// Creates a border anew, with the state and totals it had.
-PetscErrorCode Hierarchy::RenewInterface(int b)
+/// Creates a border anew, with the totals and, where its nodes are the same, the state it had.
+PetscErrorCode Hierarchy::RenewInterface(int b, bool keeps_state)
 {
   std::vector<double> state;
   auto border = std::make_unique<LevelInterface>();
   PetscFunctionBeginUser;
-  PetscCall(borders_[b]->GatherState(&state));
-  const double width = settings_.blend_widths.empty() ? kBlendWidth : settings_.blend_widths[b];
+  if (keeps_state) PetscCall(borders_[b]->GatherState(&state));
+  const double width = settings_.rules.blend_widths.empty() ? kBlendWidth : settings_.rules.blend_widths[b];
   PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, width));
   border->RestoreState(state);
   border->Totals() = borders_[b]->Totals();
@@ -154,14 +154,14 @@ void Hierarchy::CoupleNodes(int l)
   std::vector<CoupledNode> nodes;
   if (!CoupledByNodes()) return;
   if (l > 0) nodes = borders_[l - 1]->FineNodes();
-  if (l + 1 < Levels()) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
+  if (IsActive(l + 1)) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
   levels_[l]->SetCoupledNodes(std::move(nodes));
 }
 
 PetscErrorCode Hierarchy::Reconnect()
 {
   PetscFunctionBeginUser;
-  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b));
+  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, true));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,7 +169,7 @@ PetscErrorCode Hierarchy::Reconnect()
 PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double> &state)
 {
   PetscFunctionBeginUser;
-  PetscCall(RenewInterface(b));
+  PetscCall(RenewInterface(b, false));
   borders_[b]->RestoreState(state);
   CoupleNodes(b), CoupleNodes(b + 1);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -195,7 +195,7 @@ PetscErrorCode Hierarchy::Advance(double time, double dt)
 PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int substep)
 {
   Level &level = *levels_[l];
-  const bool has_finer = l + 1 < Levels();
+  const bool has_finer = IsActive(l + 1);
   const double fine_dt = dt / settings_.ratio;
   const Vec3 tip = tip_.At(time);
   PetscFunctionBeginUser;
@@ -210,6 +210,8 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   }
   PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip, time, dt)));
   PetscCall(tip_.Follow(comm_, l, level, time, dt));
+  follow_.half_width = std::max(follow_.half_width, level.Tip().half_width);
+  follow_.reach = std::max(follow_.reach, level.Tip().reach);
   PetscCall(level.AdvancePoints(dt));
   if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
   if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0)

@@ -116,7 +116,8 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
 
 } // namespace
 
-PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, Budgets *budgets)
+PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, double most_loss,
+                             Budgets *budgets)
 {
   const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
   const PetscMPIInt rank = RankIn(world);
@@ -135,13 +136,19 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), migrants));
 
   std::vector<int> spent;
+  std::vector<char> record(level.PointStore().RecordBytes());
   for (const auto &[parent, family] : WholeFamilies(FindSmall(level, numbers, rank), numbers, children)) {
     std::vector<int> points;
     Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
+    level.PointStore().Pack(points.front(), record.data());
     MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
     PetscCall(level.SumPoints({points.front()}, &after));
+    if (std::abs(after.strain_energy - before.strain_energy) > most_loss * before.strain_energy) {
+      level.PointStore().Unpack(record.data(), points.front());
+      continue;
+    }
     AddChange(before, after, budgets);
     spent.insert(spent.end(), points.begin() + 1, points.end());
     budgets->points_merged += 1;

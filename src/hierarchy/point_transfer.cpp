@@ -53,7 +53,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   budgets_.points_entered += static_cast<double>(entering.size());
   budgets_.points_left += static_cast<double>(leaving.size());
   if (counts[0] > 0) {
-    const std::vector<int> parents = FindParents(entering);
+    const std::vector<int> parents = ParentsAmong(entering);
     std::vector<VelocitySample> samples;
     PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
     if (border) {
@@ -69,7 +69,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
       PetscCall(border->ShiftForces(true));
     }
     PetscCall(Send(fine_, coarse_, leaving, fine_dt, -shift));
-    if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, &budgets_));
+    if (rule_.merge) PetscCall(MergeSiblings(world_, coarse_, numbers_, ratio_, rule_.most_loss, &budgets_));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -81,7 +81,7 @@ PetscErrorCode PointTransfer::SplitRing()
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
   std::vector<int> near = PointsIn(coarse_.PointStore().Arrays(), box, true);
-  const std::vector<int> parents = FindParents(near);
+  const std::vector<int> parents = ParentsAmong(near);
   PetscCall(coarse_.SampleVelocity(parents, &samples));
   PetscCall(Split(parents, samples, &near));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -111,23 +111,6 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
   budgets_.mass_adrift += sent.mass - received.mass;
   budgets_.momentum_adrift += sent.momentum - received.momentum;
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Those of some points of the coarser level that are of its size.
-std::vector<int> PointTransfer::FindParents(const std::vector<int> &points)
-{
-  const double h = fine_.Geometry().grid.spacing;
-  const PointArrays a = coarse_.PointStore().Arrays();
-  std::vector<int> parents;
-  for (int p : points) {
-    const double usual = 0.5 * h / coarse_.Physics().bodies[a.body[p]].points_per_cell;
-    if (LargestComponent(a.HalfSize(p)) <= 0.75 * ratio_ * usual) continue;
-    if (numbers_.CanSplit(a.id[p]))
-      parents.push_back(p);
-    else
-      budgets_.points_unsplit += 1;
-  }
-  return parents;
 }
 
 /// Splits the parents among some points of the coarser level, and adds the children to the points.

@@ -128,6 +128,22 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+std::vector<int> FindParents(Level &level, const std::vector<int> &points, double spacing, int ratio, const PointNumbers &numbers,
+                             Budgets *budgets)
+{
+  const PointArrays a = level.PointStore().Arrays();
+  std::vector<int> parents;
+  for (int p : points) {
+    const double usual = 0.5 * spacing / level.Physics().bodies[a.body[p]].points_per_cell;
+    if (LargestComponent(a.HalfSize(p)) <= 0.75 * ratio * usual) continue;
+    if (numbers.CanSplit(a.id[p]))
+      parents.push_back(p);
+    else
+      budgets->points_unsplit += 1;
+  }
+  return parents;
+}
+
 /// Points with an edge that has grown longer than a cell, and than twice the usual, along an axis of their undeformed box. A
 /// child beyond the grid would be lost: such a point stays whole.
 static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, int axis)

@@ -14,6 +14,12 @@ void TipTrack::Create(const Indenter *indenter, int tip_level, int levels)
   beside_.assign(levels, 0.0);
 }
 
+void TipTrack::SetLevel(int tip_level)
+{
+  tip_level_ = tip_level;
+  std::fill(beside_.begin(), beside_.end(), 0.0);
+}
+
 Vec3 TipTrack::At(double time) const
 {
   if (!indenter_) return {};

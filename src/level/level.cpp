@@ -128,7 +128,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
   PetscFunctionBeginUser;
-  tip_ = {tip.FreeTravel(), false, 0};
+  tip_ = {tip.FreeTravel()};
   if (!grid_->Participates() || !clock_.contact_awake) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
@@ -299,6 +299,15 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   PetscCall(Sort());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layout)
+{
+  PetscFunctionBeginUser;
+  geometry_ = geometry;
+  PetscCall(Repartition(layout));
+  SetPressures({}); // of columns that are others now
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -15,6 +15,13 @@ void Level::NoteContact(const ContactReport &report, double area)
   budgets_.contact_area = area;
 }
 
+void Level::Rest()
+{
+  NoteContact({}, 0);
+  tip_ = {};
+  budgets_.noise_energy = 0;
+}
+
 static Vec3 VelocityOf(const Grid &grid, std::ptrdiff_t node)
 {
   Vec3 velocity{};
@@ -35,7 +42,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
   PetscCall(contact_->Apply(view, &report));
   pushed_ = report.pushed;
-  tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt};
+  tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   for (std::size_t k = 0; k < shared.size(); ++k) {
     const std::ptrdiff_t node = coupled_nodes_[k].node;
     budgets_.shared_contact_impulse +=
@@ -45,6 +52,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   NoteContact(report, rank == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
+  budgets_.penetration_cells = std::max<double>(budgets_.penetration_cells, report.penetration / grid_->Geometry().spacing);
   budgets_.contact_impulse += report.impulse;
   budgets_.support_impulse += report.side_impulse;
   budgets_.indenter_work += Dot(report.impulse, tip.end - tip.start + indenter.Up(-report.travel)) / dt;

@@ -19,6 +19,20 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Level::FindVelocities()
+{
+  Budgets discarded;
+  PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  grid_->ClearSums();
+  kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, nullptr, bodies_}, {}, time_, discarded);
+  PetscCall(grid_->ReduceSums());
+  UpdateVelocities(*grid_, nodal_, 0);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, discarded);
+  PetscCall(grid_->BroadcastVelocity());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign)
 {
   Budgets discarded;

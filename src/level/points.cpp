@@ -214,4 +214,18 @@ PetscErrorCode CopyPoints(MPI_Comm comm, Points &from, Points &to, const Migrant
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode AppendPoints(const Points &from, const std::vector<int> &points, Points &to)
+{
+  std::vector<char> record(from.RecordBytes());
+  int next = to.Count();
+  PetscFunctionBeginUser;
+  if (points.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(to.Resize(next + static_cast<int>(points.size())));
+  for (int point : points) {
+    from.Pack(point, record.data());
+    to.Unpack(record.data(), next++);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 } // namespace mlgimp

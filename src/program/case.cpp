@@ -180,8 +180,10 @@ void ReadCase(OptionReader &reader, Case *c)
   reader.Identify(false);
   Group(reader, "Output", [&] { ReadOutput(reader, c); });
   c->identity = reader.Identity();
-  if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0 && !reader.Help())
-    reader.Refuse("-end_time", "", "given, or -max_steps");
+  if (reader.Help()) return;
+  CheckFollowing(reader, *c);
+  PlaceLevels(c);
+  if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) reader.Refuse("-end_time", "", "given, or -max_steps");
 }
 
 } // namespace mlgimp

@@ -160,16 +160,21 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
   }
 }
 
-/// Times and values of a piecewise-linear history.
+bool ReadTimes(OptionReader &reader, const std::string &name, bool required, std::vector<double> *times)
+{
+  const bool given = reader.Numbers({name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, required, times);
+  for (std::size_t k = 1; k < times->size() && !reader.Help(); ++k)
+    if ((*times)[k] <= (*times)[k - 1]) reader.Refuse(name, FormatNumber((*times)[k]), "increasing");
+  return given;
+}
+
 void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, const Range &range,
                  PiecewiseLinear *history)
 {
   std::vector<double> times, values;
-  reader.Numbers({times_name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, true, &times);
+  ReadTimes(reader, times_name, true, &times);
   reader.Numbers(values_text, range, 1, 0, true, &values);
   if (reader.Help()) return;
-  for (std::size_t k = 1; k < times.size(); ++k)
-    if (times[k] <= times[k - 1]) reader.Refuse(times_name, FormatNumber(times[k]), "increasing");
   if (times.size() != values.size())
     reader.Refuse(values_text.name, std::to_string(values.size()) + " values",
                   "as many as " + times_name + " has: " + std::to_string(times.size()));

@@ -105,13 +105,14 @@ void ReadNodeCoupling(OptionReader &reader, Case *c)
                                     "where it is not given and boxes lie closer, less, down to 2",
                                     ""},
                                    Closed(0, 64), false, &width);
-  settings.blend_widths.assign(c->levels - 1, width);
+  settings.rules.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
-  settings.merge_siblings = settings.ratio > 2; // points much smaller than the cells make noise
-  reader.Flag(
-      {"-merge_siblings",
-       "nodes: points that leave a level are merged into the one they were split from (default: true for ratios above 2)"},
-      &settings.merge_siblings);
+  settings.merge_siblings = settings.ratio > 2 || settings.follow.kind != FollowKind::kNone; // small points make noise
+  constexpr double kMostLoss = 3e-4; // of strain energy: what is near the tip of an indenter, where strain varies, stays small
+  if (settings.follow.kind != FollowKind::kNone) settings.most_loss = kMostLoss;
+  reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true "
+                                  "for ratios above 2 and with -level_follow)"},
+              &settings.merge_siblings);
 }
 
 void ReadPointCoupling(OptionReader &reader, Case *c)
@@ -147,31 +148,13 @@ void ReadCoupling(OptionReader &reader, Case *c)
 /// Narrows the band of each border to what the box of the next finer level leaves, but not below the least.
 void FitBlendWidths(Case *c)
 {
-  std::vector<double> &widths = c->hierarchy.blend_widths;
+  std::vector<double> &widths = c->hierarchy.rules.blend_widths;
   for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
     for (int s = 0; s < 2 * c->Dim(); ++s) {
       const Side side = static_cast<Side>(s);
       const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
       if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
     }
-}
-
-LevelGeometry MakeLevel(const Case &c, int k)
-{
-  const Box &box = c.boxes[k];
-  const double h = c.CellSize(k);
-  const int reach = c.hierarchy.coupling == LevelCoupling::kPoints ? c.hierarchy.ghost_cells + 2 : kHaloWidth;
-  LevelGeometry geometry;
-  geometry.grid = {box.lower, h, {}, k > 0 ? reach : 1, c.Dim()};
-  for (int axis = 0; axis < c.Dim(); ++axis)
-    geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
-  for (int s = 0; s < 2 * c.Dim(); ++s) {
-    const Side side = static_cast<Side>(s);
-    geometry.border[s] = c.IsBorder(k, side);
-    geometry.sides.kind[s] = geometry.border[s] ? BoundaryKind::kFree : c.model.sides[s];
-    geometry.sides.node[s] = SignOf(side) < 0 ? 0 : geometry.grid.cells[AxisOf(side)];
-  }
-  return geometry;
 }
 
 } // namespace
@@ -181,13 +164,35 @@ void ReadLevels(OptionReader &reader, Case *c)
   reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest"}, Closed(1, 16), &c->levels);
   reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels"}, Closed(2, 16),
                  &c->hierarchy.ratio);
+  if (c->levels > 1 || reader.Help()) ReadFollowing(reader, c);
   if (c->levels > 1 || reader.Help()) ReadCoupling(reader, c);
   c->boxes = {c->domain};
   const int last = reader.Help() ? 1 : c->levels - 1;
-  for (int k = 1; k <= last; ++k) ReadBox(reader, c, k);
-  if (reader.Help()) return;
-  FitBlendWidths(c);
-  for (int k = 0; k < c->levels; ++k) c->hierarchy.levels.push_back(MakeLevel(*c, k));
+  const bool finds_boxes = c->hierarchy.follow.kind == FollowKind::kContact; // when it knows the indenter
+  if (finds_boxes) c->boxes.assign(c->levels, c->domain);
+  for (int k = 1; k <= last && !finds_boxes; ++k) ReadBox(reader, c, k);
+  if (!reader.Help() && !finds_boxes) FitBlendWidths(c);
+}
+
+void PlaceLevels(Case *c)
+{
+  HierarchySettings &settings = c->hierarchy;
+  settings.rules.domain = c->domain;
+  settings.rules.cell_size = c->cell_size;
+  settings.rules.ratio = settings.ratio, settings.rules.dim = c->Dim(), settings.rules.levels = c->levels;
+  settings.rules.border_cells = kBorderCells;
+  if (settings.follow.kind == FollowKind::kContact) {
+    const Indenter &indenter = *c->model.indenter;
+    BoxPlan now{c->boxes, c->levels}, first;
+    FollowContact(settings.rules, settings.follow, {indenter.tip, 0, 0, indenter.initial_surface, indenter.initial_surface}, now,
+                  &first);
+    c->boxes = first.boxes;
+  }
+  settings.follow.start = c->boxes;
+  for (int k = 0; k < c->levels; ++k) {
+    const int reach = settings.coupling == LevelCoupling::kPoints ? settings.ghost_cells + 2 : kHaloWidth;
+    settings.levels.push_back(GeometryOf(settings.rules, c->model.sides, c->boxes[k], k, k > 0 ? reach : 1));
+  }
 }
 
 } // namespace mlgimp

@@ -36,6 +36,42 @@ static void WritePoints(H5Writer &file, MPI_Comm comm, const std::string &group,
   }
 }
 
+static void AddBox(const Box &box, std::vector<double> *numbers)
+{
+  numbers->insert(numbers->end(), box.lower.begin(), box.lower.end());
+  numbers->insert(numbers->end(), box.upper.begin(), box.upper.end());
+}
+
+static Box TakeBox(const double *n) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
+
+static constexpr std::size_t kOfBox = 6, kOfMove = 9; ///< numbers of a box; of a move beside its box
+
+std::vector<double> FollowingAsNumbers(const FollowState &now, const std::vector<LevelMove> &moves)
+{
+  std::vector<double> numbers = {double(now.plan.active), now.half_width, now.reach};
+  for (const Box &box : now.plan.boxes) AddBox(box, &numbers);
+  for (const LevelMove &m : moves) {
+    for (double x :
+         {m.step, m.time, double(m.level), double(m.active), m.split, m.merged, m.mass_error, m.momentum_error, m.energy})
+      numbers.push_back(x);
+    AddBox(m.box, &numbers);
+  }
+  return numbers;
+}
+
+bool FollowingFromNumbers(const std::vector<double> &numbers, int levels, FollowState *now, std::vector<LevelMove> *moves)
+{
+  const std::size_t fixed = 3 + kOfBox * levels;
+  if (numbers.size() < fixed || (numbers.size() - fixed) % (kOfMove + kOfBox) != 0) return false;
+  *now = {{{}, static_cast<int>(numbers[0])}, numbers[1], numbers[2]};
+  for (int l = 0; l < levels; ++l) now->plan.boxes.push_back(TakeBox(&numbers[3 + kOfBox * l]));
+  for (std::size_t k = fixed; k < numbers.size(); k += kOfMove + kOfBox) {
+    const double *const n = &numbers[k];
+    moves->push_back({n[0], n[1], static_cast<int>(n[2]), n[3] != 0, TakeBox(n + kOfMove), n[4], n[5], n[6], n[7], n[8]});
+  }
+  return true;
+}
+
 static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
 {
   Level &level = hierarchy.At(l);
@@ -86,6 +122,9 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.List("/tip", RankIn(hierarchy.Comm()) == 0 ? hierarchy.Tip().State() : std::vector<double>());
   if (!state.quasi_static.empty())
     file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
+  EndOn(hierarchy.ShareReach());
+  file.List("/following",
+            RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());
   for (int l = 0; l < hierarchy.Levels(); ++l) WriteLevel(file, hierarchy, l);
   for (int b = 0; b + 1 < hierarchy.Levels(); ++b) WriteBorder(file, hierarchy, b);
   return file.Finish();

@@ -13,6 +13,7 @@ namespace mlgimp
 namespace
 {
 
+constexpr double kOnLine = 1e-4;                   ///< cells, within which a place counts as on a grid line
 constexpr double kLargestWhole = 9007199254740992; ///< 2^53: whole numbers up to it are exact
 
 bool IsWhole(double x, double least, double most) { return x >= least && x <= most && x == std::floor(x); }
@@ -115,9 +116,30 @@ std::string WrongTip(const std::vector<double> &n, std::size_t count, double tim
   return right ? "" : "its tip of the indenter is not that of a run";
 }
 
+std::string WrongBoxes(const FollowState &now, const Case &settings)
+{
+  const LevelRules &rules = settings.hierarchy.rules;
+  const FollowKind kind = settings.hierarchy.follow.kind;
+  bool right = IsWhole(now.plan.active, 1, settings.levels) && now.half_width >= 0 && now.reach >= 0;
+  right = right && (kind == FollowKind::kContact || now.plan.active == settings.levels);
+  for (int l = 0; right && l < settings.levels; ++l)
+    for (int axis = 0; right && axis < rules.dim; ++axis) {
+      const double cell = rules.CellSize(std::max(0, l - 1)), first = rules.domain.lower[axis];
+      const double from = (now.plan.boxes[l].lower[axis] - first) / cell, to = (now.plan.boxes[l].upper[axis] - first) / cell;
+      right = to >= from + 1 && std::abs(from - std::round(from)) < kOnLine && std::abs(to - std::round(to)) < kOnLine;
+      if (kind == FollowKind::kNone || l == 0)
+        right = right && now.plan.boxes[l].lower[axis] == settings.boxes[l].lower[axis] &&
+                now.plan.boxes[l].upper[axis] == settings.boxes[l].upper[axis];
+    }
+  right = right && (kind == FollowKind::kNone || FindMisplaced(rules, now.plan.boxes) == 0);
+  return right ? "" : "its boxes are not those of a run";
+}
+
 std::string WrongClock(const std::vector<double> &n, long step, const Case &settings, int l)
 {
-  const bool whole = IsWhole(n[0], 1, kLargestWhole) && n[0] == static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);
+  const double most = static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);
+  const bool rests = settings.hierarchy.follow.kind == FollowKind::kContact && l > 0; // at times, without points
+  const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
   return whole && drifts && IsWhole(n[3], 0, 1) ? "" : "the steps of level " + std::to_string(l) + " are not those of a run";
 }

@@ -24,6 +24,7 @@ public:
 private:
   void Open();
   void ReadHead(RunState *state);
+  void ReadFollowing(RunState *state);
   void ReadTotals();
   void CountPoints(const RunState &state);
   void ReadLevel(const RunState &state, int l);
@@ -44,6 +45,7 @@ private:
     return found;
   }
   bool FoundList(const std::string &name, std::vector<double> *values) { return Found(file_.List(name, values), name); }
+  bool Follows() const { return case_.hierarchy.follow.kind != FollowKind::kNone; }
   /// Whether points are neither lost nor doubled: the paper's rule of ownership by place does both.
   bool KeepsPoints() const
   {
@@ -125,6 +127,20 @@ void CheckpointReader::ReadHead(RunState *state)
   state->quasi_static = watch;
   hierarchy_.Tip().SetState(tip);
   hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
+}
+
+/// Puts the boxes where they were.
+void CheckpointReader::ReadFollowing(RunState *state)
+{
+  std::vector<double> numbers;
+  FollowState following;
+  if (FoundList("/following", &numbers)) {
+    Note(NotFinite(numbers, "following"));
+    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves)) Note("its boxes are not those of a run");
+  }
+  if (wrong_.empty()) Note(WrongBoxes(following, case_));
+  Settle("checkpoint_following");
+  if (Follows()) EndOn(hierarchy_.RestoreFollowing(following));
 }
 
 /// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
@@ -264,7 +280,7 @@ void CheckpointReader::ReadBorder(int b)
   std::vector<double> state;
   const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
   if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
-  Found(state.size() == size, BorderName(b));
+  Found(state.size() == size || (Follows() && state.empty()), BorderName(b)); // a border that has just moved has none
   Settle("checkpoint_border");
   EndOn(hierarchy_.RestoreInterfaceState(b, state));
 }
@@ -292,6 +308,7 @@ void CheckpointReader::Read(RunState *state, bool *same_ranks)
 {
   Open();
   ReadHead(state);
+  ReadFollowing(state);
   ReadTotals();
   CountPoints(*state);
   for (int l = 0; l < hierarchy_.Levels(); ++l) ReadLevel(*state, l);

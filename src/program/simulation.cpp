@@ -121,6 +121,15 @@ void Simulation::CheckStep(double speed)
                  " s at time " + FormatRounded(state_.time) + " s, with a speed of " + FormatRounded(speed) + " m/s");
 }
 
+/// A line about a level that has moved, ended or begun.
+static std::string Describe(const LevelMove &move, int dim)
+{
+  return "step " + FormatNumber(move.step) + "  level " + FormatNumber(move.level) +
+         (move.active ? ": box from " + FormatVector(move.box.lower, dim) + " to " + FormatVector(move.box.upper, dim)
+                      : " ends") +
+         ", " + FormatNumber(move.split) + " points split, " + FormatNumber(move.merged) + " merged";
+}
+
 void Simulation::ControlStep()
 {
   SpeedCheck speeds;
@@ -154,12 +163,26 @@ void Simulation::Run()
     state_.time += state_.time_step;
     ++state_.step;
     if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
+    if (!AtEnd()) FollowBoxes();
     if (state_.step % kControlInterval == 0 && !AtEnd()) ControlStep();
     WriteDue();
     ShowProgress(false);
   }
   ShowProgress(true);
   CheckWritten(WriteSummary("completed"));
+}
+
+/// Moves the boxes of levels where that is due, and tells what has changed.
+void Simulation::FollowBoxes()
+{
+  const FollowSettings &follow = case_.hierarchy.follow;
+  const std::size_t before = state_.moves.size();
+  std::string problem;
+  if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
+  EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, &state_.moves, &problem));
+  if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
+  for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)
+    EndOn(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
 
 void Simulation::WriteDue()

@@ -117,6 +117,24 @@ Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
           {"hold_drift", Number(watch.HoldDrift())}};
 }
 
+Json MovesJson(const std::vector<LevelMove> &moves, int dim)
+{
+  Json list = Json::array();
+  for (const LevelMove &move : moves)
+    list.push_back({{"step", Number(move.step)},
+                    {"time", Number(move.time)},
+                    {"level", move.level},
+                    {"active", move.active},
+                    {"lower", Numbers(move.box.lower, dim)},
+                    {"upper", Numbers(move.box.upper, dim)},
+                    {"split", Number(move.split)},
+                    {"merged", Number(move.merged)},
+                    {"mass_error", Number(move.mass_error)},
+                    {"momentum_error", Number(move.momentum_error)},
+                    {"energy", Number(move.energy)}});
+  return list;
+}
+
 } // namespace
 
 std::string Simulation::WriteSummary(const std::string &status)
@@ -163,6 +181,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   json["contact_excess"] = Number(budgets.contact_work + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
   if (case_.quasi_static.on) json["quasi_static"] = QuasiStaticJson(case_, watch_);
+  if (case_.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state_.moves, case_.Dim());
   json["warnings"] = warnings_.Lines();
   json["options"] = OptionsJson(case_.identity);
   json["versions"] = Versions();

@@ -18,9 +18,10 @@ std::string OfPenetration(const Case &c, const Budgets &budgets, const QuasiStat
 {
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const int level = c.LevelAtTip();
-  if (budgets.penetration <= c.CellSize(level)) return "";
+  const bool follows = c.hierarchy.follow.kind == FollowKind::kContact;
+  if (budgets.penetration_cells <= 1) return "";
   return "-cell_size " + FormatNumber(c.cell_size) + ": the surface lies " + FormatRounded(budgets.penetration) +
-         " m inside the indenter" + When(budgets) + ", more than a cell of level " + std::to_string(level) +
+         " m inside the indenter" + When(budgets) + ", more than a cell" + (follows ? "" : " of level " + std::to_string(level)) +
          ": the indenter is too slender or too fast for the cells, and the load too small";
 }
 

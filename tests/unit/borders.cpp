@@ -164,7 +164,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
 
     const PointNumbers numbers(1000, ratio * ratio);
     Budgets totals;
-    PointTransfer crossing(PETSC_COMM_SELF, coarse, *two.levels[1], ratio, numbers, {0, 0, 1, false, true});
+    PointTransfer crossing(PETSC_COMM_SELF, coarse, *two.levels[1], ratio, numbers, {0, 0, 1, false, true, HUGE_VAL});
     ASSERT_EQ(crossing.SplitRing(), PETSC_SUCCESS);
     const int children = ratio * ratio;
     ASSERT_EQ(coarse.PointStore().Count(), children * kPoints);
@@ -186,7 +186,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
     for (int p = 0; p < kPoints; ++p) EXPECT_EQ(outer[p], p % 5 < 4 ? ratio : children) << "along a side, or a load's bit";
     EXPECT_GT(apart, 0.05) << "children lie apart";
 
-    ASSERT_EQ(MergeSiblings(PETSC_COMM_SELF, coarse, numbers, ratio, &totals), PETSC_SUCCESS);
+    ASSERT_EQ(MergeSiblings(PETSC_COMM_SELF, coarse, numbers, ratio, HUGE_VAL, &totals), PETSC_SUCCESS);
     EXPECT_EQ(totals.points_merged, kPoints);
     EXPECT_LE(totals.transfer_mass_error + totals.transfer_momentum_error, 1e-13);
     ASSERT_EQ(coarse.PointStore().Count(), kPoints);

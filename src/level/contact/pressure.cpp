@@ -168,8 +168,12 @@ private:
       lambda.push_back(number_[lambda.size()] < 0 ? 0 : system_.Lambda()[number_[lambda.size()]]);
       ranges.push_back({view.grid.Coordinate(0, at[0]), column.left, column.right});
     });
-    ForEach(columns_.Box(),
-            [&](Index at) { report->area += lambda[columns_.Place(at)] > 0 ? PressedArea(view, at, lambda) : 0; });
+    ForEach(columns_.Box(), [&](Index at) {
+      if (!(lambda[columns_.Place(at)] > 0)) return;
+      report->area += PressedArea(view, at, lambda);
+      for (int a = 0; a < dim - 1; ++a)
+        report->reach = std::max(report->reach, std::abs(view.grid.Coordinate(a, at[a]) - view.tip.start[a]));
+    });
     const double rounding = 1e-6 * view.grid.Geometry().spacing;
     report->peak_pressure = columns_.PeakPressure(lambda);
     report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)

@@ -99,6 +99,8 @@ public:
   PetscErrorCode Move(const LevelGeometry &geometry, const GridLayout &layout);
   /// Nothing touches the level while it has no points.
   void Rest();
+  /// Nothing is known of the points that have come: they migrate, and contact looks for them, until speeds are measured again.
+  void Wake() { clock_.contact_awake = true, clock_.drift_per_step = LevelClock().drift_per_step; }
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.

@@ -154,7 +154,10 @@ PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
   settings_.levels = geometries;
   for (int l = 0; l < Levels(); ++l) {
     PetscCall(PlaceLevel(l, geometries[l]));
-    if (!IsActive(l)) levels_[l]->Rest();
+    if (IsActive(l))
+      levels_[l]->Wake();
+    else
+      levels_[l]->Rest();
   }
   PetscCall(MergeLeft());
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, false));
@@ -190,8 +193,8 @@ PetscErrorCode Hierarchy::Follow(double step, double time, std::vector<LevelMove
                                             : FollowPath(settings_.rules, follow, time, now, &next)))
     PetscFunctionReturn(PETSC_SUCCESS);
   if (const int k = FindMisplaced(settings_.rules, next.boxes); k > 0) {
-    *problem = "level " + std::to_string(k) + " has followed its path to where its box does not lie as deep in level " +
-               std::to_string(k - 1) + " as its border needs, " + std::to_string(settings_.rules.Border(k - 1)) + " m";
+    *problem = "level " + std::to_string(k) + " has followed its path to where its box does not lie in level " +
+               std::to_string(k - 1) + ", as deep as the borders need";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (const auto &transfer : transfers_) before.push_back(transfer->Totals());

@@ -1,0 +1,207 @@
+"""Boxes that follow the contact or a path: loads and energies as with boxes that stay, on any ranks and after a restart."""
+import numpy
+import pytest
+
+import bad_input
+import harness
+import ranks as on_ranks
+import report as page
+
+ALUMINIUM = {"materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700, "bodies": "block", "frames": 2}
+
+# Cells of 1 nm at the finest of four levels, which ends where 16 of them are half the contact's width.
+CONE = {
+    **ALUMINIUM, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "400e-9,480e-9", "cell_size": 8e-9,
+    "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry", "block_lower": "0,0", "block_upper": "400e-9,400e-9",
+    "indenter": "cone", "indenter_half_angle": 70.3, "indenter_tip": "0,400e-9", "indenter_times": 0, "indenter_velocities": 60,
+    "indenter_max_depth": 12e-9, "levels": 4, "level_follow": "contact", "level_cells_max": 16, "level_cells_min": 4}
+
+# The tip comes down between two columns of cells, and the body is free at its sides.
+WEDGE = {
+    **{name: value for name, value in CONE.items() if name != "boundary_x_upper"}, "geometry": "plane_strain", "indenter": "wedge",
+    "domain_lower": "-160e-9,0", "domain_upper": "160e-9,240e-9", "block_lower": "-160e-9,0", "block_upper": "160e-9,160e-9",
+    "indenter_tip": "3.3e-9,160e-9", "indenter_max_depth": 8e-9}
+
+SLIDE = {
+    **{name: value for name, value in WEDGE.items() if name not in ("indenter_half_angle", "indenter_max_depth")},
+    "indenter": "cylinder", "indenter_radius": 40e-9, "indenter_times": "0,3e-11,4e-11,3e-10", "indenter_velocities": "60,60,0,0",
+    "indenter_velocities_x": "0,0,150,150", "end_time": 3e-10, "level_cells_max": 64}
+
+# A quarter of a cone on three levels; half the contact's width is up to 5 cells of the finest.
+SPACE = {
+    **ALUMINIUM, "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "96e-9,96e-9,120e-9", "cell_size": 8e-9, "blend_width": 2,
+    "block_lower": "0,0,0", "block_upper": "96e-9,96e-9,96e-9", "block_points_per_cell": 1, "boundary_x_lower": "symmetry",
+    "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "indenter": "cone", "indenter_half_angle": 70.3,
+    "indenter_tip": "0,0,96e-9", "indenter_times": 0, "indenter_velocities": 100, "indenter_max_depth": 5.5e-9, "levels": 3,
+    "level_follow": "contact", "level_cells_max": 3.5, "level_cells_min": 1}
+
+# A block that a short pull along x leaves vibrating at about one per cent of strain while it flies; lengths in coarse cells.
+FLIGHT = {
+    "domain_lower": "0,0", "domain_upper": "48,20", "cell_size": 1, "levels": 2, "materials": "m", "m_youngs_modulus": 1,
+    "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block", "block_lower": "6,6", "block_upper": "14,14", "block_velocity": "0.2,0",
+    "loads": "left,right", "left_side": "x_lower", "left_times": "0,4,5", "left_pressures": "-0.01,-0.01,0", "right_side": "x_upper",
+    "right_times": "0,4,5", "right_pressures": "-0.01,-0.01,0", "end_time": 120, "frames": 1}
+
+
+def fixed_boxes(case, sides):
+    """The same case with boxes that stay, a row of lower and upper corners each."""
+    fixed = {name: value for name, value in case.items() if not name.startswith("level_")}
+    for k, (lower, upper) in enumerate(sides, 1):
+        fixed |= {f"level_{k}_lower": lower, f"level_{k}_upper": upper}
+    return {**fixed, "levels": len(sides) + 1}
+
+
+def energy_left(history):
+    """What is left of the energies at the end, less the work of the indenter, over its largest."""
+    parts = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    return (parts - history["indenter_work"][-1]) / history["indenter_work"].max()
+
+
+def expect_clean(expect, result, name=""):
+    """Changes at each move, the steps of the load there, and what must be kept."""
+    history, moves = result.history, result.summary["regrids"]
+    work = numpy.interp([move["step"] for move in moves], history["step"], history["indenter_work"])
+    expect(f"{name}energy of a move over the indenter's work, largest", max(abs(m["energy"]) / w for m, w in zip(moves, work) if w > 0), at_most=2e-4)
+    momentum = numpy.sqrt(2 * history["kinetic_energy"].max() * history["mass"][0])
+    expect(f"{name}momentum of a move, largest", max(m["momentum_error"] for m in moves) / momentum, at_most=1e-12)
+    expect(f"{name}mass of a move, largest", max(m["mass_error"] for m in moves) / history["mass"][0], at_most=1e-14)
+    expect(f"{name}points lost, mass error", abs(result.summary["points_lost"]) + abs(result.summary["mass_error"]), at_most=1e-14)
+    expect(f"{name}energy left", energy_left(history), near=0, tolerance=0.01)
+    expect.that(f"{name}warnings", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+    expect.that(f"{name}points in levels that have ended", all(level["points"] == 0 for level, last in zip(result.summary["levels"][1:], last_moves(moves, result)) if not last))
+
+
+def last_moves(moves, result):
+    """Whether each level from 1 on has points at the end."""
+    active = dict.fromkeys(range(1, len(result.summary["levels"])), True)
+    active.update({move["level"]: move["active"] for move in moves})
+    return [active[k] for k in sorted(active)]
+
+
+def test_cone(expect):
+    result = harness.run(CONE)
+    expect_clean(expect, result)
+    fixed = harness.run(fixed_boxes(CONE, [("0,256e-9", "144e-9,480e-9"), ("0,320e-9", "64e-9,440e-9")])).history
+    history = result.history
+    depths = numpy.linspace(8e-9, 12e-9, 41)  # the coarser of the two has more than 6 cells in half the contact's width
+    ratio = numpy.interp(depths, history["depth"], history["load"]) / numpy.interp(depths, fixed["depth"], fixed["load"])
+    expect("load over that with boxes that stay, mean", numpy.mean(ratio), near=1, tolerance=0.003)
+    expect("largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.01)
+    ended = [move["step"] for move in result.summary["regrids"] if not move["active"]]
+    expect.that("one level ends", len(ended) == 1, f"{ended}")
+    near = numpy.abs(history["step"] - ended[0]) <= 12
+    fit = numpy.polynomial.Polynomial.fit(history["depth"][near], numpy.sqrt(history["load"][near]), 1)
+    before, after = (numpy.mean((numpy.sqrt(history["load"]) / fit(history["depth"]))[part & near]) for part in
+                     (history["step"] <= ended[0], history["step"] > ended[0]))
+    expect("step in the load where it ends", (after / before) ** 2, near=1, tolerance=0.005)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name, case", {"cone": {**CONE, "indenter_max_depth": 8e-9, "level_cells_max": 12, "level_cells_min": 3, "points_per_rank": 300}, "space": SPACE}.items())
+def test_ranks_and_restart(expect, name, case):
+    """Nothing depends on ranks, and a run goes on to the last digit from a checkpoint between two moves."""
+    case = {**case, "checkpoint_interval": 115 if name == "cone" else 50, "regrid_interval": 2}
+    reference = harness.run(case)
+    expect_clean(expect, reference)
+    expect.that("moves", len(reference.summary["regrids"]) >= 4)
+    for count in (2, 3):
+        result = harness.run(case, ranks=count)
+        left = {**result.history}, {**reference.history}
+        energies = [history.pop("exchange_energy") for history in left]  # what is left of several energies
+        difference, column = on_ranks.largest_difference(*left)
+        expect(f"{count} ranks: history (worst column {column})", difference, at_most=1e-9)
+        expect(f"{count} ranks: exchange of energy", numpy.max(numpy.abs(energies[0] - energies[1])) / left[1]["strain_energy"].max(), at_most=1e-10)
+        same = [[(m["step"], m["level"], m["lower"], m["upper"], m["split"], m["merged"]) for m in r.summary["regrids"]] for r in (result, reference)]
+        expect.that(f"{count} ranks: moves", same[0] == same[1])
+        checkpoint = result.folder / f"checkpoint_{case['checkpoint_interval']:06d}.h5"
+        again = harness.run({**case, "restart": checkpoint}, ranks=count)
+        rows = [(r.folder / "history.csv").read_text().splitlines() for r in (again, result)]
+        expect.that(f"{count} ranks: goes on to the last digit", rows[0][-1] == rows[1][-1], rows[0][-1][:60] + " and " + rows[1][-1][:60])
+        expect.that(f"{count} ranks: moves after a restart", again.summary["regrids"] == result.summary["regrids"])
+
+
+def test_between_two_columns(expect):
+    expect_clean(expect, harness.run(WEDGE))
+
+
+def test_box_moves_along_with_the_tip(expect):
+    result = harness.run(SLIDE)
+    expect_clean(expect, result)
+    last = [move for move in result.summary["regrids"] if move["level"] == 3][-1]
+    expect("middle of the finest box beyond the tip's start, nm", (last["lower"][0] + last["upper"][0]) * 5e8 - 3.3, near=1e9 * (result.history["tip_x"][-1] - 3.3e-9), tolerance=12)
+    expect("way of the tip, nm", 1e9 * (result.history["tip_x"][-1] - 3.3e-9), at_least=30)
+
+
+def test_levels_begin_as_the_contact_shrinks(expect):
+    result = harness.run({**CONE, "indenter_max_depth": 9e-9, "indenter_unload_velocity": 60, "end_time": 2.9e-10})
+    moves = result.summary["regrids"]
+    expect_clean(expect, result)
+    changes = [move["active"] for move in moves if move["level"] == 3]
+    expect.that("the finest level ends and begins again", False in changes and changes[-1], f"{changes}")
+
+
+def test_box_that_follows_a_flying_block(expect):
+    """Against a box that holds the whole flight."""
+    stays = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "44,18"}).history
+    follows = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path",
+                           "level_1_times": "0,120", "level_1_path": "0,0,24,0"})
+    times = numpy.linspace(6, 120, 200)
+    vibration = [numpy.interp(times, h["time"], h["kinetic_energy"] - 0.5 * h["mass"] * 0.2**2 + h["strain_energy"])
+                 for h in (follows.history, stays)]
+    expect("energy of the vibration, largest difference", numpy.max(numpy.abs(vibration[0] / vibration[1] - 1)), at_most=0.01)
+    expect("largest strain energy, as of a strain", numpy.sqrt(2 * stays["strain_energy"][stays["time"] < 20].max() / 64), near=0.012, tolerance=0.003)
+    expect("mass of a move, largest", max(m["mass_error"] for m in follows.summary["regrids"]), at_most=1e-12)
+    expect.that("moves", len(follows.summary["regrids"]) == 24, f"{len(follows.summary['regrids'])}")
+
+
+REFUSED = [
+    ("no indenter", {**FLIGHT, "level_follow": "contact"}, ["-level_follow contact:", "-indenter"]),
+    ("copies", {**WEDGE, "level_coupling": "points"}, ["-level_follow contact:", "-level_coupling points"]),
+    ("counts", {**CONE, "level_cells_min": 10}, ["-level_cells_max 16:", ">= 30"]),
+    ("kind", {**CONE, "level_follow": "tip"}, ["-level_follow", "none, contact, path"]),
+    ("margin", {**CONE, "level_2_margin": -3}, ["-level_2_margin"]),
+    ("margins", {**CONE, "level_2_margin": "3,4,5"}, ["-level_2_margin"]),
+    ("unknown level", {**CONE, "level_4_margin": 3}, ["-level_4_margin", "nothing reads this option"]),
+    ("interval", {**CONE, "regrid_interval": 0}, ["-regrid_interval 0"]),
+    ("path without times", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_path": "0,0"},
+     ["-level_1_times"]),
+    ("times without path", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1"},
+     ["-level_1_path", "0 numbers"]),
+    ("numbers", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1", "level_1_path": "0,1,2"},
+     ["-level_1_path 3 numbers", "2 for each time"]),
+    ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
+    ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0", "overwrite": None},
+     ["time 3.2", "level 1 has followed its path", "is kept"]),
+]
+
+
+@pytest.mark.mpi
+def test_refused(tmp_path):
+    for count, some in ((1, REFUSED), (3, REFUSED[::4])):
+        for name, case, expected in some:
+            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, count, expected)
+            assert not problem, f"{name} on {count} ranks: {problem}"
+
+
+def verify_decades(study):
+    """A cone from first touch over three decades of depth
+
+    Elastic, in one run: boxes follow the contact, and levels end as it grows. The load over the square of the depth does not
+    depend on the depth while the block is large.
+    """
+    size = 2 ** 17 * 1e-9  # finest cells of 1 nm, 13 levels
+    case = {**CONE, "levels": 12, "cell_size": 2048e-9, "domain_upper": f"{size},{size * 1.125}", "block_upper": f"{size},{size}",
+            "indenter_tip": f"0,{size}", "indenter_velocities": 12, "indenter_max_depth": 4500e-9, "level_cells_max": 32,
+            "level_cells_min": 8, "frames": 40}
+    result = harness.run(case, timeout=7200)
+    history = result.history
+    depth, half_width = history["depth"], history["contact_half_width"]
+    coefficient = history["load"] / numpy.maximum(depth, 1e-12) ** 2
+    full = half_width >= 8e-9
+    edges = numpy.geomspace(depth[full][0], depth[-1], 31)
+    means = numpy.array([numpy.mean(coefficient[full & (depth > low) & (depth <= high)]) for low, high in zip(edges[:-1], edges[1:])])
+    study.expect("P/h2 over its mean, largest difference", numpy.max(numpy.abs(means / numpy.mean(means) - 1)), at_most=0.02)
+    study.expect("energy left over the work", energy_left(history), near=0, tolerance=0.01)
+    study.figure("depth at the end over that with 8 cells in half the contact's width", depth[-1] / depth[full][0])
+    study.figure("moves of boxes", len(result.summary["regrids"]))
+    study.plot("Load over the square of the depth", "depth (µm)", "P/h² (GPa)", page.curve("P/h²", 5e5 * (edges[:-1] + edges[1:]), means / 1e9))

@@ -1,4 +1,4 @@
-// Families of siblings: found on all ranks, gathered on one, averaged.
+// Families of siblings: found on the rank that their parent's number names, gathered on that of the first, averaged.
 #include "hierarchy/merging.hpp"
 
 #include "base/exchange.hpp"
@@ -41,6 +41,30 @@ Families WholeFamilies(const std::vector<Sibling> &siblings, const PointNumbers 
   for (auto &[parent, family] : families)
     std::sort(family.begin(), family.end(), [](const Sibling &s, const Sibling &t) { return s.id < t.id; });
   return families;
+}
+
+/// Which of this rank's siblings have to go where, so that whole families meet on the rank of their first; families: of all
+/// ranks.
+PetscErrorCode FindMeetings(MPI_Comm world, std::vector<Sibling> siblings, const PointNumbers &numbers, int children,
+                            Migrants *migrants, int *families)
+{
+  struct Order {
+    int rank, point, to;
+  };
+  std::vector<Order> orders;
+  const auto home = [&, ranks = RanksOf(world)](const Sibling &s) { return static_cast<int>(numbers.Parent(s.id) % ranks); };
+  PetscFunctionBeginUser;
+  PetscCall(ExchangeRecords(world, &siblings, home));
+  const Families whole = WholeFamilies(siblings, numbers, children);
+  for (const auto &[parent, family] : whole)
+    for (const Sibling &s : family)
+      if (s.rank != family.front().rank) orders.push_back({s.rank, s.point, family.front().rank});
+  PetscCall(ExchangeRecords(world, &orders, [](const Order &order) { return order.rank; }));
+  std::sort(orders.begin(), orders.end(), [](const Order &a, const Order &b) { return a.point < b.point; });
+  for (const Order &order : orders) migrants->points.push_back(order.point), migrants->ranks.push_back(order.to);
+  *families = static_cast<int>(whole.size());
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, families, 1, MPI_INT, MPI_SUM, world));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Makes the field of the first of a family what the rule says of all; mass: of points, before it is merged itself.
@@ -121,18 +145,11 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
 {
   const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
   const PetscMPIInt rank = RankIn(world);
-  std::vector<Sibling> all;
-  std::vector<std::pair<int, PetscMPIInt>> leaving;
   Migrants migrants;
+  int families = 0;
   PetscFunctionBeginUser;
-  PetscCall(GatherRecords(world, FindSmall(level, numbers, rank), &all));
-  const Families everywhere = WholeFamilies(all, numbers, children);
-  if (everywhere.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  for (const auto &[parent, family] : everywhere)
-    for (const Sibling &s : family)
-      if (s.rank == rank && family.front().rank != rank) leaving.emplace_back(s.point, family.front().rank);
-  std::sort(leaving.begin(), leaving.end());
-  for (const auto &[point, to] : leaving) migrants.points.push_back(point), migrants.ranks.push_back(to);
+  PetscCall(FindMeetings(world, FindSmall(level, numbers, rank), numbers, children, &migrants, &families));
+  if (families == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), migrants));
 
   std::vector<int> spent;

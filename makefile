@@ -100,11 +100,12 @@ run: deps
 	@$(MAKE) --no-print-directory $(BIN)/mlgimp
 	@sh scripts/run.sh $(PYTHON)
 
-# SELECT="word word": only tests whose name, with that of their file, contains one of the words.
+# SELECT="word word": only tests whose name, with that of their file, contains one of the words. PROGRAMS: what they need.
+PROGRAMS ?= programs
 EMPTY :=
 WORDS = $(subst $(EMPTY) $(EMPTY), or ,$(strip $(SELECT)))
 test: deps
-	@$(MAKE) --no-print-directory -j2 programs
+	@$(MAKE) --no-print-directory -j2 $(PROGRAMS)
 	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest $(if $(WORDS),-k "$(WORDS)")
 
 verify: deps

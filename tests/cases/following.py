@@ -203,7 +203,8 @@ def verify_decades(study):
             "level_cells_min": 8, "frames": 40}
     result = harness.run(case, timeout=7200)
     history = result.history
-    depth, half_width = history["depth"], history["contact_half_width"]
+    half_width = history["contact_half_width"]
+    depth = numpy.convolve(history["depth"], (0.5, 0.5))[:-1]  # the load of a row is the mean since the one before
     coefficient = history["load"] / numpy.maximum(depth, 1e-12) ** 2
     full = half_width >= 8e-9
     edges = numpy.geomspace(depth[full][0], depth[-1], 31)

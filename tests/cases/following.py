@@ -162,6 +162,14 @@ def test_box_that_follows_a_flying_block(expect):
     expect.that("moves", len(follows.summary["regrids"]) == 24, f"{len(follows.summary['regrids'])}")
 
 
+@pytest.mark.parametrize("changes, said", [
+    ({"levels": 2, "indenter_max_depth": 3e-9}, "cells of the finest level at the end"),
+    ({"levels": 2, "level_cells_max": 0.9, "level_cells_min": 0.1, "indenter_max_depth": 9e-9}, "cells of level 0 by time")])
+def test_too_few_levels_are_told(changes, said):
+    lines = harness.run({**CONE, **changes}).summary["warnings"]
+    assert [said in line for line in lines] == [True], lines
+
+
 REFUSED = [
     ("no indenter", {**FLIGHT, "level_follow": "contact"}, ["-level_follow contact:", "-indenter"]),
     ("copies", {**WEDGE, "level_coupling": "points"}, ["-level_follow contact:", "-level_coupling points"]),

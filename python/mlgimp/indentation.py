@@ -175,10 +175,10 @@ def size_of_contact(shape, constants, depth, load):
 
 
 def depth_of_return(shape, constants, depth):
-    """Returns the depth (m) to which the tip is drawn back: beyond that where an unloading by m P/S comes to its end."""
-    beyond, exponent = 1.5, 2
+    """Returns the depth (m) to which the tip is drawn back: beyond that where the contact ends, which is P/S or somewhat more."""
+    beyond = 1.6
     radius = size_of_contact(shape, constants, depth, None)
-    elastic = exponent * math.pi / 2 * min(hardness(constants), contact_modulus(constants)) / contact_modulus(constants) * radius / depth
+    elastic = math.pi / 2 * min(hardness(constants), contact_modulus(constants)) / contact_modulus(constants) * radius / depth
     return float(f"{depth * max(0.0, 1 - beyond * elastic):.3g}")
 
 
@@ -195,9 +195,10 @@ def grid_of(geometry, tip, cell, cells, block):
     The finest box has BOX contact radii, the next GROWTH times more, until one would hold most of the block; each is a whole number
     of the next coarser cells, down from the block's top and up through the room over it.
     """
-    widths = [max(BOX * cells, LEAST_BOX)]
-    while widths[-1] * GROWTH < LARGEST_BOX * block * cells:
-        widths.append(widths[-1] * GROWTH)
+    widths, width = [], max(BOX * cells, LEAST_BOX)
+    while width < LARGEST_BOX * block * cells:
+        widths.append(width)
+        width *= GROWTH
     levels = len(widths) + 1
     coarsest = RATIO ** (levels - 1)
     wide = coarsest * math.ceil(block * cells / coarsest)
@@ -213,7 +214,7 @@ def grid_of(geometry, tip, cell, cells, block):
 
     grid = {"geometry": geometry, "domain_lower": lower(wide, 0), "domain_upper": upper(wide, wide + room), "cell_size": round(coarsest * cell, 15), **sides,
             f"boundary_{'xyz'[len(mirrored)]}_lower": "symmetry"}
-    boxes = [{"levels": levels, "refinement_ratio": RATIO}]
+    boxes = [{"levels": levels, "refinement_ratio": RATIO}] * (levels > 1)
     for level, width in enumerate(reversed(widths), start=1):
         parent = RATIO ** (levels - level)
         width = parent * math.ceil(width / parent)

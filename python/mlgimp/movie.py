@@ -11,7 +11,17 @@ from .errors import Error, ResultError
 from .pictures import DOTS_PER_INCH, styled
 
 FRAMES_PER_SECOND = 8
-ENDINGS = {".gif": animation.PillowWriter, ".mp4": animation.FFMpegWriter}
+
+
+class GifWriter(animation.PillowWriter):
+    """Gives each frame 256 colours of its own: with the fixed ones of the format a smooth field has bands."""
+
+    def grab_frame(self, **settings):
+        super().grab_frame(**settings)
+        self._frames[-1] = self._frames[-1].convert("RGB").quantize(256, dither=0)
+
+
+ENDINGS = {".gif": GifWriter, ".mp4": animation.FFMpegWriter}
 
 
 def writer_for(path):

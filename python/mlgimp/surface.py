@@ -17,11 +17,11 @@ EXAGGERATED = 0.25  # height of the box that the surface is drawn in, of its wid
 def surface_of(points):
     """Returns a mask [n] of the points with no other above their middle.
 
-    Only the highest of each column of the finest points can be one; of these, those under another's face are not.
+    Only the highest in each column half as wide as the finest points can be one; of these, those under another's face are not.
     """
     lateral, top, half = points["position"][:, :-1], points["position"][:, -1], points["half_size"][:, :-1]
     finest = half[points["level"] == points["level"].max()]
-    columns = np.floor((lateral - lateral.min(axis=0)) / (2 * np.median(finest, axis=0))).astype(int)
+    columns = np.floor((lateral - lateral.min(axis=0)) / np.median(finest, axis=0)).astype(int)
     order = np.lexsort([top, *columns.T])
     last = np.append(np.any(np.diff(columns[order], axis=0) != 0, axis=1), True)
     highest = order[last]
@@ -87,7 +87,7 @@ def contact_pressure(directory, number=None):
     draw_mean(axes, history, time, unit)
     radius = "radius" if "hoop_impulse_x" in history else "x from the tip"
     line_axes(axes, f"{radius} ({length.name})", f"pressure of contact ({unit.name})")
-    axes.set_xlim(max(place.min(), -reach) * length.factor, reach * length.factor)
+    axes.set_xlim((0 if place.min() > 0 else max(place.min(), -reach)) * length.factor, reach * length.factor)
     axes.set_title(title)
     axes.legend()
     return figure
@@ -117,27 +117,30 @@ def draw_surface(points, tip, options, values, quantity, title):
 
     quantity: (label, symbol of the unit). Heights are exaggerated: the box is a quarter as high as it is wide.
     """
-    place, values = completed(points["position"], values, tip, options)
+    top = points["position"] + points["half_size"] * [0, 0, 1]
+    place, values = completed(top, values, tip, options)
     reach = reach_of({"position": place}, tip, values)
     shown = np.all(np.abs(place[:, :2] - tip) <= reach, axis=1)
     place, values = place[shown], values[shown]
     length, unit = lab_unit(place, "m"), si_unit(values, "Pa") if quantity[1] == "Pa" else Unit(1, "")
     triangles = tri.Triangulation(*place[:, :2].T).triangles
     colours = values[triangles].mean(axis=1) * unit.factor
-    figure = plt.figure(figsize=(8.2, 5.6))
-    axes = figure.add_axes([0.0, 0.0, 0.86, 0.98], projection="3d")
+    figure = plt.figure(figsize=(8.6, 4.2))
+    axes = figure.add_axes([0.0, -0.12, 0.82, 1.24], projection="3d")
     surface = axes.plot_trisurf(*(place * length.factor).T, triangles=triangles, cmap="magma_r", linewidth=0.1, antialiased=False, shade=False)
     surface.set_array(colours)
     surface.set_clim(min(0, np.percentile(colours, 1)), colours.max() or 1)
     surface.set_edgecolor("face")
     width, depth = np.ptp(place[:, :2], axis=0)
-    axes.set_box_aspect((1, depth / width, EXAGGERATED), zoom=1.15)
-    axes.set(xlabel=f"x ({length.name})", ylabel=f"y ({length.name})", zlabel=f"z ({length.name})")
-    axes.zaxis.set_major_locator(plt.MaxNLocator(3))
-    axes.view_init(elev=32, azim=-58)
-    bar = figure.colorbar(surface, cax=figure.add_axes([0.88, 0.25, 0.02, 0.5]))
+    axes.set_box_aspect((1, depth / width, EXAGGERATED))
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
+        axis.set_label_text(f"{name} ({length.name})")
+        axis.set_major_locator(plt.MaxNLocator(3 if name == "z" else 5))
+        axis.labelpad = 10
+    axes.view_init(elev=42, azim=-58)
+    bar = figure.colorbar(surface, cax=figure.add_axes([0.88, 0.22, 0.02, 0.6]))
     bar.set_label(f"{quantity[0]} ({unit.name})" if unit.name else quantity[0])
-    figure.suptitle(title, y=0.92, size=13)
+    figure.suptitle(title, y=1.02, size=13)
     return figure
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import results, tips
-from .errors import ResultError
+from .errors import Error, ResultError
 
 Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes")
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
@@ -107,8 +107,10 @@ Column = namedtuple("Column", "name factor")  # name or number from 1 on; values
 
 
 def column_argument(units):
-    """Returns a function that reads COLUMN:UNIT, for a command line."""
+    """Returns a function that reads COLUMN:UNIT; a Column stays what it is."""
     def read(text):
+        if isinstance(text, Column):
+            return text
         name, _, unit = text.rpartition(":")
         if not name or unit not in units:
             raise ValueError(f"must be COLUMN:UNIT with a unit of {', '.join(units)}")
@@ -116,10 +118,22 @@ def column_argument(units):
     return read
 
 
-def read_measured(path, depth, load, time=None):
-    """Returns the Curve of a text with columns, with or without lines of text above them; depth, load and time are Columns."""
+def column_of(name, given, units):
+    """Returns the Column that a caller gives as COLUMN:UNIT, or as a Column."""
+    try:
+        return None if given is None else column_argument(units)(given)
+    except ValueError as problem:
+        raise Error(f"{name}={given}: {problem}") from None
+
+
+def read_measured(path, depth="depth:um", load="load:mN", time=None):
+    """Returns the Curve of a text with columns, with or without lines of text above them.
+
+    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column.
+    """
     names, table = read_table(path)
-    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in (depth, load, time)]
+    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS), column_of("time", time, TIME_UNITS)]
+    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in columns]
     if columns[2] is not None and np.any(np.diff(columns[2]) < 0):
         raise ResultError(path, f"the time falls in data row {np.argmax(np.diff(columns[2]) < 0) + 2}; rows must be in the order of the test")
     changed = np.append(True, np.any(np.diff(np.column_stack([c for c in columns if c is not None]), axis=0) != 0, axis=1))

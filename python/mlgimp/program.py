@@ -13,7 +13,7 @@ from . import options as text
 from .errors import Error, RunError
 from .folder import read
 
-ROOT = Path(__file__).resolve().parents[2]  # the project's folder, where the package lies in it
+PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lies in where it is not installed
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1"}  # for Open MPI: containers and machines with few cores; what the user has set counts more
 BAR = 30  # characters
@@ -65,12 +65,13 @@ def execute(options, ranks=1, progress=False):
 
 
 def find_program():
-    """Returns the path of the program: in the folder MLGIMP_BIN of the environment, in bin/ of the project's folder, or on PATH."""
-    folder = os.environ.get("MLGIMP_BIN")
-    in_project = ROOT / (folder or "bin") / "mlgimp"
-    found = str(in_project) if in_project.exists() else None if folder else shutil.which("mlgimp")
+    """Returns the path of the program: in the folder MLGIMP_BIN of the environment, else in bin/ of the project's folder, else on PATH."""
+    given = os.environ.get("MLGIMP_BIN")
+    place = PROJECT / (given or "bin") / "mlgimp"
+    found = str(place) if place.exists() else None if given else shutil.which("mlgimp")
     if not found:
-        raise Error(f"the program is not at {in_project}: `make` builds it; or set MLGIMP_BIN to the folder that holds mlgimp")
+        looked = f"at {place}" if given or (PROJECT / "makefile").exists() else "on PATH"
+        raise Error(f"the program mlgimp is not {looked}: `make` builds it; MLGIMP_BIN may name the folder that holds it")
     return found
 
 

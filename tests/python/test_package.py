@@ -1,4 +1,5 @@
 """Checks the package mlgimp from outside: runs, results, errors, and the case of indent."""
+import re
 import sys
 import types
 
@@ -8,6 +9,7 @@ import pytest
 import harness
 import mlgimp
 from mlgimp import fields, indentation, options, surface
+from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
 pytestmark = pytest.mark.fast
@@ -71,9 +73,9 @@ def test_pressure_on_the_surface(pressed):
 def test_pictures(pressed, tmp_path):
     figures = pressed[0].plot("load_depth", "contact_pressure")
     assert list(figures) == ["load_depth", "contact_pressure"] and figures["load_depth"].axes[0].get_xlabel() == "depth (mm)"
-    pressed[0].plot(out=tmp_path / "all")
-    assert {path.stem for path in (tmp_path / "all").iterdir()} == {"load_depth", "contact_pressure", "stress_xx", "stress_yy", "stress_xy", "von_mises_stress",
-                                                                    "energy"}
+    pressed[0].plot("von_mises_stress", window="near", out=tmp_path / "drawn")
+    assert [path.name for path in (tmp_path / "drawn").iterdir()] == ["von_mises_stress.png"]
+    assert list(gallery(pressed[0].folder)) == ["load_depth", "contact_pressure", "stress_xx", "stress_yy", "stress_xy", "von_mises_stress", "energy"]
     pressed[0].movie(tmp_path / "m.gif", "yy")
     from PIL import Image
     assert Image.open(tmp_path / "m.gif").n_frames == len(pressed[0].frames)
@@ -123,7 +125,7 @@ def test_what_is_not_there(tmp_path, monkeypatch):
     with pytest.raises(mlgimp.Error, match="ranks=0: must be a whole number >= 1"):
         mlgimp.run(PRESS, ranks=0)
     monkeypatch.setenv("MLGIMP_BIN", str(tmp_path))
-    with pytest.raises(mlgimp.Error, match="`make` builds it"):
+    with pytest.raises(mlgimp.Error, match=f"not at {tmp_path}/mlgimp: `make` builds it"):
         mlgimp.run(PRESS)
 
 
@@ -148,12 +150,12 @@ def test_indent(tmp_path, monkeypatch, expect):
     """An options file that gives the same run again, and the hardness of the metal."""
     monkeypatch.chdir(tmp_path)
     test = mlgimp.indent("j2", **METAL, hardening_modulus=1e9, tip="sphere", radius=2e-6, depth=100e-9, cells=4, block=8, tolerance=0.1, file="ball.opts",
-                         progress=False, frames=0)
+                         progress=False, frames=0, options={"block_points_per_cell": 1, "history_interval": 10})
     row, = test.oliver_pharr()
     expect("depth, um", row["depth_um"], near=0.1, tolerance=1e-6)
     expect("hardness over the flow stress at 8 % of strain", row["true_hardness_GPa"] / 0.48, at_least=2.2, at_most=3.2)  # Tabor: 2.8; here on 4 cells
     text = (tmp_path / "ball.opts").read_text()
-    assert text.startswith("# Indentation, written by mlgimp.indent(j2, tip=sphere, depth=1e-07") and test.folder.resolve() == tmp_path / "output" / "ball"
+    assert "-block_points_per_cell 1\n" in text and text.startswith("# Indentation, written by mlgimp.indent(j2, tip=sphere, depth=1e-07") and test.folder.resolve() == tmp_path / "output" / "ball"
     given = options.read_options("ball.opts")
     assert given["specimen_yield_stress"] == "4e+08" and given["indenter_radius"] == "2e-06" and test.summary["options"]["-indenter_radius"] == "2e-06"
     with pytest.raises(mlgimp.Error, match="ball.opts: is there already"):
@@ -198,3 +200,9 @@ def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
         mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7)
+
+
+def test_version():
+    """The package has the program's version."""
+    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "include/program/simulation.hpp").read_text())[1]
+    assert f'version = "{version}"' in (harness.ROOT / "pyproject.toml").read_text()

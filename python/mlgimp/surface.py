@@ -11,7 +11,7 @@ from .pictures import Unit, in_si_unit, lab_unit, line_axes, si_unit, styled
 
 PRESSED = 0.05  # of the largest pressure: what counts as contact when the part to show is chosen
 SHOWN = 2.5  # times the reach of the contact
-EXAGGERATED = 0.25  # height of the box that the surface is drawn in, of its width
+EXAGGERATED = 0.18  # height of the box that the surface is drawn in, of its width
 
 
 def surface_of(points):
@@ -115,7 +115,7 @@ def plastic_surface(directory, number=None):
 def draw_surface(points, tip, options, values, quantity, title):
     """Returns the picture of a surface in space, coloured by values [n]; sides of symmetry through the tip are completed.
 
-    quantity: (label, symbol of the unit). Heights are exaggerated: the box is a quarter as high as it is wide.
+    quantity: (label, symbol of the unit). Heights are exaggerated: the box is EXAGGERATED times as high as it is wide.
     """
     top = points["position"] + points["half_size"] * [0, 0, 1]
     place, values = completed(top, values, tip, options)
@@ -135,9 +135,9 @@ def draw_surface(points, tip, options, values, quantity, title):
     axes.set_box_aspect((1, depth / width, EXAGGERATED))
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
         axis.set_label_text(f"{name} ({length.name})")
-        axis.set_major_locator(plt.MaxNLocator(3 if name == "z" else 5))
+        axis.set_major_locator(plt.MaxNLocator(2 if name == "z" else 5, steps=[1, 2, 5, 10]))
         axis.labelpad = 10
-    axes.view_init(elev=42, azim=-58)
+    axes.view_init(elev=50, azim=-58)
     bar = figure.colorbar(surface, cax=figure.add_axes([0.88, 0.22, 0.02, 0.6]))
     bar.set_label(f"{quantity[0]} ({unit.name})" if unit.name else quantity[0])
     figure.suptitle(title, y=1.02, size=13)

@@ -1,5 +1,5 @@
-"""What the commands here share: they find the package mlgimp without its installation, draw without a screen, and end with one line
-where something is wrong. To be imported before the package."""
+"""What the commands here share: they find the package mlgimp without its installation, draw without a screen, and end with one
+line where something is wrong. To be imported before the package."""
 
 import argparse
 import functools

@@ -33,7 +33,8 @@ def parse(words):
             raise Error(f"{path}: there is no such file")
     at_once, count = "a whole number >= 1", whole_number_from(1)
     vary = take(passed, "vary", lambda text: text.split(","), None, "names of options")
-    depth, load = take_column(passed, "depth", load_depth.DEPTH_UNITS, "um"), take_column(passed, "load", load_depth.LOAD_UNITS, "mN")
+    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS, "um")
+    load = take_column(passed, "load", load_depth.LOAD_UNITS, "mN")
     if not vary:
         raise Error("-vary: must be given")
     for name, least in (("ranks", 1), ("runs", None), ("evaluations", 30)):
@@ -44,7 +45,8 @@ def parse(words):
 
 def take_column(passed, name, units, unit):
     """Takes the column of the measured curve with a name, by default one of that name."""
-    return take(passed, name, load_depth.column_argument(units), load_depth.Column(name, units[unit]), f"COLUMN:UNIT with a unit of {', '.join(units)}")
+    default = load_depth.Column(name, units[unit])
+    return take(passed, name, load_depth.column_argument(units), default, f"COLUMN:UNIT with a unit of {', '.join(units)}")
 
 
 @command

@@ -39,9 +39,12 @@ def outputs_of(source, number, namespace):
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(tree, f"cell {number}", "exec"), namespace)
         value = None if last is None else eval(compile(ast.Expression(last.value), f"cell {number}", "eval"), namespace)
-    outputs = [{"output_type": "stream", "name": "stdout", "text": printed.getvalue().splitlines(True)}] if printed.getvalue() else []
+    outputs = []
+    if printed.getvalue():
+        outputs.append({"output_type": "stream", "name": "stdout", "text": printed.getvalue().splitlines(True)})
     if value is not None and not source.rstrip().endswith(";"):
-        outputs.append({"output_type": "execute_result", "execution_count": number, "metadata": {}, "data": {"text/plain": repr(value).splitlines(True)}})
+        outputs.append({"output_type": "execute_result", "execution_count": number, "metadata": {},
+                        "data": {"text/plain": repr(value).splitlines(True)}})
     return outputs + [picture(plt.figure(each)) for each in plt.get_fignums()]
 
 
@@ -49,7 +52,8 @@ def picture(figure):
     """Returns a figure as a notebook stores it."""
     file = io.BytesIO()
     figure.savefig(file, dpi=DOTS_PER_INCH, bbox_inches="tight")
-    return {"output_type": "display_data", "metadata": {}, "data": {"image/png": base64.b64encode(file.getvalue()).decode(), "text/plain": ["<Figure>"]}}
+    data = {"image/png": base64.b64encode(file.getvalue()).decode(), "text/plain": ["<Figure>"]}
+    return {"output_type": "display_data", "metadata": {}, "data": data}
 
 
 @command

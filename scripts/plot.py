@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the pictures of one result folder: load_depth.png, contact_pressure.png, stress_xx.png, _yy, _xy, von_mises_stress.png,
-energy.png; of metals pressure.png and equivalent_plastic_strain.png too. Axisymmetric fields are mirrored at the axis; of a run in
-space they are a slice through the tip's axis, stress_xx.png, _zz and _xz, and there is the surface of a metal, plastic_surface.png.
+energy.png; of metals pressure.png and equivalent_plastic_strain.png too. Axisymmetric fields are mirrored at the axis; in space
+they are slices through the tip's axis, stress_xx.png, _zz and _xz, and there is the surface of a metal, plastic_surface.png.
 
     scripts/plot.py output/wedge_3level --window near
     scripts/plot.py output/film --frame 7 --out pictures
@@ -35,7 +35,7 @@ def window_argument(text):
 def add_window_option(parser):
     """Adds --window to a command line."""
     parser.add_argument("--window", type=window_argument, metavar="XMIN,XMAX,YMIN,YMAX",
-                        help="part of the fields to show, in m (--window=... where it begins with a minus), or near: the finest level")
+                        help="part of the fields to show, in m (--window=... where it begins with a minus), or near: finest level")
 
 
 @command
@@ -43,10 +43,13 @@ def main(arguments=None):
     """Draws all pictures of the result folder that the command line names, or a movie."""
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("directory", metavar="DIR", help="result folder of a run")
-    parser.add_argument("--frame", type=int, metavar="N", help="frame to draw (default: the last; for the pressure of contact that of the largest load)")
+    parser.add_argument("--frame", type=int, metavar="N",
+                        help="frame to draw (default: the last, for the pressure of contact that of the largest load)")
     parser.add_argument("--out", metavar="DIR", help="folder for the pictures (default: the result folder)")
-    parser.add_argument("--movie", metavar="FILE", help="only write a movie of all frames, whose name ends in .gif, or in .mp4 where ffmpeg is installed")
-    parser.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress", help="what the movie shows")
+    parser.add_argument("--movie", metavar="FILE",
+                        help="only write a movie of all frames; its name ends in .gif, or in .mp4 where ffmpeg is installed")
+    parser.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress",
+                        help="what the movie shows")
     add_window_option(parser)
     options = parser.parse_args(arguments)
     if options.movie:

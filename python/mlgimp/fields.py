@@ -1,5 +1,5 @@
-"""Fields of points in a plane: the plane itself in two dimensions, mirrored at the axis in axisymmetry, in space the slice through
-the tip's axis. Each point is a rectangle of its present size, in its own colour: nothing is smoothed or filled in."""
+"""Fields of points in a plane: the plane itself in two dimensions, mirrored at the axis in axisymmetry, in space the slice
+through the tip's axis. Each point is a rectangle of its present size, in its own colour: nothing is smoothed or filled in."""
 
 from collections import namedtuple
 
@@ -14,9 +14,9 @@ from .pictures import DOTS_PER_INCH, Unit, in_si_unit, lab_unit, si_unit, styled
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
 Panel = namedtuple("Panel", "title points boxes axes")
-Panel.__doc__ = """What is drawn of a frame: title; points, a dict with position [n][2] m, half_size [n][2] m (current half extents), stress
-[n][4] Pa (of the plane: xx, yy, across it, xy) and scalars [n]; boxes of levels [levels][lower, upper][2] m; and the names of the
-axes along, up and across, "xyz" in two dimensions and "xzy" of a slice in space."""
+Panel.__doc__ = """What is drawn of a frame: title; points, a dict with position [n][2] m, half_size [n][2] m (current half
+extents), stress [n][4] Pa (of the plane: xx, yy, across it, xy) and scalars [n]; boxes of levels [levels][lower, upper][2] m; and the
+names of the axes along, up and across, "xyz" in two dimensions and "xzy" of a slice in space."""
 
 STRESS_COLUMN = {"xx": 0, "yy": 1, "zz": 2, "xy": 3}
 SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressure", "Pa"),  # datasets, with label and unit
@@ -54,7 +54,7 @@ def tip_across(history, time):
 def slice_of(points, boxes, y=None):
     """Returns points and boxes in the plane across y (m), by default that through the middle of the finest level.
 
-    Of a plane through a side or a cell line these are the points next to it, on its greater side but for that of the domain's end.
+    Of a plane through a side or a cell line these are the points next to it, on its greater side, at the body's end on the other.
     Vectors keep their components x and z, stresses are xx, zz, yy, xz.
     """
     position, half = points["position"][:, 1], points["half_size"][:, 1]
@@ -155,7 +155,7 @@ def extent(points):
 
 
 def window_of(panels, window=None):
-    """Returns the window (xmin, xmax, ymin, ymax) in m for panels: the one given, all that they hold, or near the finest level."""
+    """Returns the window (xmin, xmax, ymin, ymax) in m for panels: the one given, all that there is, or near the finest level."""
     if window is not None and not isinstance(window, str):
         return np.asarray(window, float)
     extents = np.array([extent(each.points) for each in panels])
@@ -214,9 +214,9 @@ def draw_field(axes, panel, component, window, scale, units):
     units: Units of (length, stress).
     """
     length, stress = units
-    image = axes.imshow(paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes)), cmap=scale.colormap,
-                        vmin=scale.low * stress.factor, vmax=scale.high * stress.factor, origin="lower", extent=window * length.factor,
-                        interpolation="nearest", aspect="auto")
+    dots = paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
+    image = axes.imshow(dots, cmap=scale.colormap, vmin=scale.low * stress.factor, vmax=scale.high * stress.factor, origin="lower",
+                        extent=window * length.factor, interpolation="nearest", aspect="auto")
     for lower, upper in panel.boxes * length.factor:
         axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7))
     axes.set(xlim=window[:2] * length.factor, ylim=window[2:] * length.factor)

@@ -24,13 +24,13 @@ Variable = namedtuple("Variable", "name option start lower upper")
 Variable.__doc__ = "What is sought: the name as given, the option of the case, its first guess and its limits."
 
 SHORT = {"E": "youngs_modulus", "nu": "poissons_ratio"}
-LIMITS = {"poissons_ratio": (0.01, 0.49), "hardening_exponent": (1e-3, 1.0)}  # of constants; others: a factor of FAR from the first guess
-FAR = 30.0
-STEP = 0.05  # of the logarithm of a constant, for slopes: above what corners of the curve, from columns of cells, make of a small step
+LIMITS = {"poissons_ratio": (0.01, 0.49), "hardening_exponent": (1e-3, 1.0)}  # of constants
+FAR = 30.0  # others may be a factor of this from the first guess
+STEP = 0.05  # of a constant's logarithm, for slopes: above what the curve's corners, from columns of cells, make of a small step
 PARTS = 30  # of the loading and of the unloading whose mean loads are compared
 LEAST_DEPTH, LEAST_LOAD = 0.1, 0.2  # of the largest: where the loading begins to count, and where the unloading ends to
 LEAST_ROWS = 5  # of the measured unloading
-CONVERGED = 1e-3, 1e-3  # relative change of the constants, and of the sum of squares, which one standard error changes by 1/(2 PARTS)
+CONVERGED = 1e-3, 1e-3  # change of the constants, and of the sum of squares, which a standard error changes by 1/(2 PARTS)
 ALIKE = 0.98  # correlation of two constants that cannot be told apart
 VAGUE = 0.5  # relative half width of a confidence interval that determines nothing
 
@@ -64,18 +64,21 @@ class Fit:
         """Returns the picture of the measured curve, the first run and the best one, as a matplotlib Figure."""
         from . import pictures  # matplotlib only where something is drawn
         best = min(self.rows, key=lambda row: row[-2])[0]
-        runs = [(label, load_depth.read_run(self.folder / f"run_{number:03d}"), colour) for label, number, colour in (("first guess", 1, "0.6"), ("fit", best, "C1"))]
+        drawn = (("first guess", 1, "0.6"), ("fit", best, "C1"))
+        runs = [(label, load_depth.read_run(self.folder / f"run_{number:03d}"), colour) for label, number, colour in drawn]
         return pictures.compared(self.measured, runs)
 
 
 def fit(measured, case, vary, *, ranks=1, runs=None, evaluations=30, output_dir=None, **more):
     """Returns the Fit of a case's constants to a measured curve, by least squares over runs.
 
-    measured: a load_depth.Curve, as of load_depth.read_measured, or the folder of a run. case: path of an options file of the same
-    test, whose values are the first guess. vary: names of its options, with or without the name of the material; E and nu are short.
-    ranks: of each run; runs: how many at once, by default as many as there are processors for; evaluations: most steps of the search,
-    each of a run and one more for each constant. more: options of the program for all runs. The folder output_dir (output/fit_CASE)
-    gets the runs, fit.csv with a row for each, and fit.json with the constants.
+    measured: a load_depth.Curve, as of load_depth.read_measured, or the folder of a run.
+    case: path of an options file of the same test, whose values are the first guess.
+    vary: names of its options, with or without the name of the material; E and nu are short.
+    ranks: of each run; runs: how many at once, by default as many as there are processors for.
+    evaluations: most steps of the search, each of a run and one more for each constant.
+    more: options of the program for all runs.
+    The folder output_dir (output/fit_CASE) gets the runs, fit.csv with a row for each, and fit.json with the constants.
     """
     curve = measured if isinstance(measured, load_depth.Curve) else load_depth.read_run(measured)
     found = variables([vary] if isinstance(vary, str) else vary, {**read_options(case), **more})
@@ -107,7 +110,8 @@ def variable(name, case):
     except (TypeError, ValueError):
         start = math.nan
     if not 0 < start < math.inf:
-        raise Error(f"-vary {name}: must be an option whose value in the case is a number > 0; -{options[0]} is {case[options[0]]}")
+        raise Error(f"-vary {name}: must be an option whose value in the case is a number > 0; "
+                    f"-{options[0]} is {case[options[0]]}")
     lower, upper = next((limits for ending, limits in LIMITS.items() if options[0].endswith(ending)), (start / FAR, start * FAR))
     if not lower < start < upper:
         raise Error(f"-vary {name}: must begin in ({lower:g}, {upper:g}), not at {start:g}")
@@ -145,15 +149,16 @@ def edges_of(curve):
     down = slice(cycle.start, cycle.end + 1)
     counted = np.flatnonzero(curve.load[down] >= LEAST_LOAD * load)[-1]
     if counted < LEAST_ROWS or top <= 0:
-        raise Error(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading above {LEAST_LOAD:g} of the load")
+        raise Error(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading "
+                    f"above {LEAST_LOAD:g} of the load")
     return np.linspace(LEAST_DEPTH * top, top, PARTS + 1), np.linspace(0, top - curve.depth[down][counted], PARTS + 1)
 
 
 def profile(curve, edges):
     """Mean loads (mN) of the parts of a loading and an unloading.
 
-    Beyond its largest depth a loading goes on like h^2, and beyond its end an unloading keeps its last load. Largest depths that differ
-    by less than a row are the same: rows need not lie at the turn.
+    Beyond its largest depth a loading goes on like h^2, and beyond its end an unloading keeps its last load. Largest depths that
+    differ by less than a row are the same: rows need not lie at the turn.
     """
     cycle = largest_cycle(curve)
     up, down = slice(cycle.begin, cycle.start + 1), slice(cycle.start, cycle.end + 1)
@@ -217,7 +222,8 @@ class Runs:
     def note(self, x, seconds):
         """Adds a row to the table, shows it and writes the file anew."""
         self.rows.append((len(self.rows) + 1, *self.values(x), misfit_of(self.known[tuple(x)]), seconds))
-        print_row([f"{self.rows[-1][0]:d}", *(f"{value:.6g}" for value in self.rows[-1][1:-2]), f"{100 * self.rows[-1][-2]:.4g}", f"{seconds:.1f}"])
+        number, *values, misfit, _ = self.rows[-1]
+        print_row([f"{number:d}", *(f"{value:.6g}" for value in values), f"{100 * misfit:.4g}", f"{seconds:.1f}"])
         with open(self.folder / "fit.csv", "w", newline="") as file:
             csv.writer(file).writerows([("run", *(each.option for each in self.variables), "misfit", "seconds"), *self.rows])
 
@@ -248,8 +254,8 @@ def shortened(option):
 def search(runs, evaluations):
     """Returns the Fit of all variables: least squares in the logarithms of the constants."""
     lower, upper = (np.log([getattr(each, end) / each.start for each in runs.variables]) for end in ("lower", "upper"))
-    found = least_squares(lambda x: runs.residuals([x])[0], np.zeros(len(lower)), lambda x: runs.slopes(x), (lower, upper), "trf", xtol=CONVERGED[0],
-                          ftol=CONVERGED[1], gtol=1e-10, max_nfev=evaluations)
+    found = least_squares(lambda x: runs.residuals([x])[0], np.zeros(len(lower)), lambda x: runs.slopes(x), (lower, upper), "trf",
+                          xtol=CONVERGED[0], ftol=CONVERGED[1], gtol=1e-10, max_nfev=evaluations)
     return judged(found.x, found.fun, runs.slopes(found.x), runs, found.status > 0)
 
 
@@ -260,8 +266,8 @@ def judged(x, residuals, slopes, runs, finished):
     deviation = np.sqrt(np.diag(covariance))
     reach = np.minimum(student.ppf(0.975, freedom) * deviation, 50)
     scale = np.where(deviation > 0, deviation, 1)
-    return Fit(runs.variables, runs.values(x), runs.values(x - reach), runs.values(x + reach), covariance / np.outer(scale, scale),
-               misfit_of(residuals), finished, runs.measured, runs.folder, runs.rows)
+    return Fit(runs.variables, runs.values(x), runs.values(x - reach), runs.values(x + reach),
+               covariance / np.outer(scale, scale), misfit_of(residuals), finished, runs.measured, runs.folder, runs.rows)
 
 
 def doubts(fit):
@@ -276,13 +282,14 @@ def doubts(fit):
             yield f"{one.name} went to its limit {fit.values[k]:.4g}"
         for other in range(k):
             if abs(fit.correlation[k, other]) > ALIKE:
-                yield (f"{found[other].name} and {one.name} cannot be told apart by this curve: their errors correlate by {fit.correlation[k, other]:.3f}; "
-                       "hold one, or add a test with another tip")
+                yield (f"{found[other].name} and {one.name} cannot be told apart by this curve: "
+                       f"their errors correlate by {fit.correlation[k, other]:.3f}; hold one, or add a test with another tip")
 
 
 def write(fit):
     """Writes fit.json; fit.csv is there already."""
     constants = {each.option: {"value": float(value), "lower": float(lower), "upper": float(upper)}
                  for each, value, lower, upper in zip(fit.variables, fit.values, fit.lower, fit.upper)}
-    report = {"constants": constants, "correlation": fit.correlation.tolist(), "misfit": fit.misfit, "runs": len(fit.rows), "warnings": fit.warnings}
+    report = {"constants": constants, "correlation": fit.correlation.tolist(), "misfit": fit.misfit, "runs": len(fit.rows),
+              "warnings": fit.warnings}
     (fit.folder / "fit.json").write_text(json.dumps(report, indent=2) + "\n")

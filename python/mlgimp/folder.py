@@ -25,8 +25,8 @@ class Results:
 
     @cached_property
     def history(self):
-        """The columns of history.csv by name, arrays [rows]: history["load"] in N. history.table() is a pandas.DataFrame where there
-        is pandas, else a record array."""
+        """The columns of history.csv by name, arrays [rows]: history["load"] in N. history.table() is a pandas.DataFrame where
+        there is pandas, else a record array."""
         return results.read_history(self.folder)
 
     @cached_property
@@ -42,8 +42,8 @@ class Results:
     def frame(self, number=-1):
         """Returns the points of all levels of a frame as a dict of arrays by name, [points] or [points][components].
 
-        number: one of frames, or from the end, as -1 for the last. `level` tells the level of each point, position is in m, stress in Pa
-        (xx, yy, zz, xy, in space yz, xz too); README.md has the list.
+        number: one of frames, or from the end, as -1 for the last. `level` tells the level of each point, position is in m, stress
+        in Pa (xx, yy, zz, xy, in space yz, xz too); README.md has the list.
         """
         if number < 0:
             if -number > len(self.frames):
@@ -56,10 +56,10 @@ class Results:
         return load_depth.read_run(self.folder)
 
     def oliver_pharr(self, **constants):
-        """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, modulus_GPa, ...
+        """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
 
-        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3. What has no meaning is NaN,
-        and `warnings` says what makes the figures doubtful.
+        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3. What has no meaning
+        is NaN, and `warnings` says what makes the figures doubtful.
         """
         return oliver_pharr.analyse(self.curve(), oliver_pharr.Constants(**constants))
 
@@ -67,8 +67,10 @@ class Results:
         """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.
 
         names: load_depth, contact_pressure, stress_xx, stress_yy, stress_xy, von_mises_stress, energy, of metals pressure,
-        equivalent_plastic_strain and in space plastic_surface. frame: its number (default: the last, for contact_pressure that of the largest load). window: (xmin, xmax,
-        ymin, ymax) in m, or "near" for the finest level. out: a folder, into which they are written as NAME.png and closed.
+        equivalent_plastic_strain and in space plastic_surface.
+        frame: its number, by default the last, and for contact_pressure that of the largest load.
+        window: (xmin, xmax, ymin, ymax) in m, or "near" for the finest level.
+        out: a folder, into which they are written as NAME.png and closed.
         """
         from . import pictures  # matplotlib only where something is drawn
         from .gallery import gallery

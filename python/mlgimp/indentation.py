@@ -14,18 +14,22 @@ LEAST_BOX = 32  # cells of its own that the finest level is wide, so that the co
 LARGEST_BOX = 0.6  # of the block: a level that would be larger is left out
 ROOM = 2  # cells of the coarsest level over the block, for what piles up
 TABOR, STRAIN = 2.8, 0.08  # hardness over the flow stress at this strain
+REST = 0.1  # of the load, at which an unloading under load control ends
 THREE_FACES = ("berkovich", "cube_corner")  # no symmetry across x
 
+HARDENING = "yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain"
 FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law
     "linear": lambda k, a: k["yield_stress"] + k.get("hardening_modulus", 0) * a,
     "power": lambda k, a: k["yield_stress"] * (1 + k["youngs_modulus"] * a / k["yield_stress"]) ** k["hardening_exponent"],
     "swift": lambda k, a: k["yield_stress"] * (1 + a / k["hardening_strain"]) ** k["hardening_exponent"],
     "ludwik": lambda k, a: k["yield_stress"] + k["hardening_modulus"] * a ** k["hardening_exponent"],
-    "voce": lambda k, a: k["saturation_stress"] - (k["saturation_stress"] - k["yield_stress"]) * math.exp(-a / k["saturation_strain"]),
+    "voce": lambda k, a: (k["saturation_stress"]
+                          - (k["saturation_stress"] - k["yield_stress"]) * math.exp(-a / k["saturation_strain"])),
 }
 
 
-def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentation.opts", ranks=1, progress=None, overwrite=False, **case):
+def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentation.opts", ranks=1, progress=None, overwrite=False,
+           **case):
     """Indents a block of one material slowly, draws the tip back, and returns the Results.
 
     The options file is for the user to keep and to change; the results go to output/ and its name. Everything else is as in
@@ -34,21 +38,22 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
     groups = indentation_options(law, tip=tip, depth=depth, load=load, **case)
     if Path(file).exists() and not overwrite:
         raise Error(f"{file}: is there already; give overwrite=True, or another file")
-    given = ", ".join(f"{name}={text_of(value)}" for name, value in {"tip": tip, "depth": depth, "load": load, **case}.items() if value is not None)
-    write_options(file, groups, f"Indentation, written by mlgimp.indent({law}, {given}).\nSI units; docs/options.md explains each option.")
+    largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N"
+    write_options(file, groups, f"Indentation of {law} by {tip}, {largest}, written by mlgimp.indent. All values are SI.\n"
+                                "docs/options.md explains each option.")
     return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
 
 
-def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3, density=5000.0, half_angle=None,
-                        radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0, unload=True, tolerance=0.02, frames=10, options=None,
-                        **constants):
+def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3,
+                        density=5000.0, half_angle=None, radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0,
+                        unload=True, tolerance=0.02, frames=10, options=None, **constants):
     """Returns the options of an indentation in groups, a list of dicts, for write_options.
 
-    law: -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa), yield_stress
-    (Pa), hardening_modulus (Pa, 0), hardening="power", ...; of a slow test the density (kg/m3) does not count.
-    tip: cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry are the
-    cones of the same area; tip_radius (m) rounds cones and pyramids.
-    depth (m) or load (N): the largest; the tip of a metal is drawn back until it is free, or to a tenth of the load; unload=False: not.
+    law: -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa),
+    yield_stress (Pa), hardening_modulus (Pa, 0), hardening="power", ...; of a slow test the density (kg/m3) does not count.
+    tip: cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry
+    are the cones of the same area; tip_radius (m) rounds cones and pyramids.
+    depth (m) or load (N): the largest; the tip is drawn back until it is free, or to a tenth of the load; unload=False: not.
     geometry: axisymmetric, or 3d: a quarter model, of tips with three faces a half model.
     cells: of the finest level over the radius of the contact; block: width and height of the block in these radii.
     tolerance: share of the load that inertia and damping may add; the time of the run goes like its inverse.
@@ -62,19 +67,18 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     size = size_of_contact(shape, constants, depth, load)
     grid = grid_of(geometry, tip, float(f"{size / cells:.2g}"), cells, block)
     top = grid["block_upper"][-1]
-    test = {"quasi_static": True, "quasi_static_tolerance": tolerance}
     if depth is not None:
-        test["indenter_depths"] = (depth, depth_of_return(shape, constants, depth)) if unload else depth
+        turns = {"indenter_depths": (depth, depth_of_return(shape, constants, depth)) if unload else depth}
     else:
-        test |= {"indenter_control": "load", "indenter_times": (0, 1, 2) if unload else (0, 1), "indenter_loads": [0, load, 0.1 * load][:3 if unload else 2]}
-    parts = model_parts(geometry, tip)
-    if "indenter_loads" in test:
-        test["indenter_loads"] = [each / parts for each in test["indenter_loads"]]
+        largest = load / model_parts(geometry, tip)
+        loads = (0, largest, REST * largest) if unload else (0, largest)
+        turns = {"indenter_control": "load", "indenter_times": tuple(range(len(loads))), "indenter_loads": loads}
     groups = [
         grid["grid"], *grid["levels"],
         {"materials": "specimen", "specimen_model": law, **{f"specimen_{name}": value for name, value in constants.items()}},
         {"bodies": "block", "block_lower": grid["block_lower"], "block_upper": grid["block_upper"]},
-        {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top], **test}, {"frames": frames},
+        {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
+        {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
     ]
     return overridden(groups, options or {})
 
@@ -104,7 +108,7 @@ def check_numbers(constants, goal, cells, block):
         check("load", goal["load"], lambda force: force > 0, "a number > 0 in N; 10 mN are 10e-3")
     check("youngs_modulus", constants["youngs_modulus"], lambda modulus: modulus >= 1e3, "a number >= 1e3 in Pa; 70 GPa are 70e9")
     check("poissons_ratio", constants["poissons_ratio"], lambda nu: -1 < nu < 0.5, "in (-1, 0.5)")
-    for name in ("yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain"):
+    for name in HARDENING:
         if name in constants:
             check(name, constants[name], lambda value: value >= 0, "a number >= 0")
     check("cells", cells, lambda count: 4 <= count <= 100, "in [4, 100]")
@@ -124,7 +128,8 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
         if (given[name] is None) == (name in tips.NEEDS[tip]):
             raise Error(f"{name}: must be {'given' if name in tips.NEEDS[tip] else 'left out'} for tip={tip}")
     if tip in tips.PYRAMIDS and geometry == "axisymmetric":  # the cone with the same area at each depth
-        tip, given["half_angle"] = "cone", round(math.degrees(math.atan(math.sqrt(float(tips.make_tip(tip).area(1.0)) / math.pi))), 2)
+        tangent = math.sqrt(float(tips.make_tip(tip).area(1.0)) / math.pi)
+        tip, given["half_angle"] = "cone", round(math.degrees(math.atan(tangent)), 2)
     shape = {"indenter": tip}
     if given["half_angle"] is not None:
         check("half_angle", given["half_angle"], lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis")
@@ -159,7 +164,7 @@ def hardness(constants):
 
 
 def size_of_contact(shape, constants, depth, load):
-    """Returns the radius (m) that the contact will have about: that of the tip's section at the depth, or that which bears the load."""
+    """Returns about the radius (m) of the contact: that of the tip's section at the depth, or that which bears the load."""
     if depth is not None:
         if shape["indenter"] == "sphere" and not depth < shape["indenter_radius"]:
             raise Error(f"depth={depth}: must be less than the radius of the sphere")
@@ -192,8 +197,8 @@ def model_parts(geometry, tip):
 def grid_of(geometry, tip, cell, cells, block):
     """Returns the options of the background grid and the levels, and the block's corners; cell: edge of the finest cells in m.
 
-    The finest box has BOX contact radii, the next GROWTH times more, until one would hold most of the block; each is a whole number
-    of the next coarser cells, down from the block's top and up through the room over it.
+    The finest box has BOX contact radii, the next GROWTH times more, until one would hold most of the block; each is a whole
+    number of the next coarser cells, down from the block's top and up through the room over it.
     """
     widths, width = [], max(BOX * cells, LEAST_BOX)
     while width < LARGEST_BOX * block * cells:
@@ -212,8 +217,8 @@ def grid_of(geometry, tip, cell, cells, block):
     def upper(width, top):
         return [round(each * cell, 15) for each in [width] * len(mirrored) + [top]]
 
-    grid = {"geometry": geometry, "domain_lower": lower(wide, 0), "domain_upper": upper(wide, wide + room), "cell_size": round(coarsest * cell, 15), **sides,
-            f"boundary_{'xyz'[len(mirrored)]}_lower": "symmetry"}
+    grid = {"geometry": geometry, "domain_lower": lower(wide, 0), "domain_upper": upper(wide, wide + room),
+            "cell_size": round(coarsest * cell, 15), **sides, f"boundary_{'xyz'[len(mirrored)]}_lower": "symmetry"}
     boxes = [{"levels": levels, "refinement_ratio": RATIO}] * (levels > 1)
     for level, width in enumerate(reversed(widths), start=1):
         parent = RATIO ** (levels - level)

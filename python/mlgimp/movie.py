@@ -62,7 +62,8 @@ def movie(directory, path, component="von_mises_stress", window=None):
         with writer.saving(figure, str(path), DOTS_PER_INCH):
             for number in numbers:
                 panel = fields.read_panel(directory, number)
-                image.set_data(fields.paint(panel.points, fields.values_of(panel.points, component) * factor, bounds, image.get_array().shape))
+                values = fields.values_of(panel.points, component) * factor
+                image.set_data(fields.paint(panel.points, values, bounds, image.get_array().shape))
                 axes.set_title(panel.title)
                 writer.grab_frame()
     except (OSError, ValueError) as problem:

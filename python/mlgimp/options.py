@@ -65,7 +65,8 @@ def write_options(path, options, comment=""):
     groups = [options] if isinstance(options, dict) else options
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
     for group in groups:
-        lines += [""] * bool(lines) + [" ".join([f"-{name}"] + ([] if value is None else [shlex.quote(text_of(value))])) for name, value in group.items()]
+        lines += [""] * bool(lines)
+        lines += [" ".join(map(shlex.quote, to_words({name: value}))) for name, value in group.items()]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         Path(path).write_text("\n".join(lines) + "\n")

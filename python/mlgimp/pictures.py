@@ -37,7 +37,7 @@ def si_unit(values, symbol):
 
 
 def lab_unit(values, symbol):
-    """Returns the Unit of the laboratory for lengths (m) and forces (N) where numbers in it are readable, else that of si_unit."""
+    """Returns the laboratory's Unit for lengths (m) and forces (N) where numbers in it are readable, else that of si_unit."""
     largest = np.max(np.abs(values), initial=0)
     unit = LABORATORY.get(symbol)
     return unit if unit and READABLE[0] <= largest * unit.factor <= READABLE[1] else si_unit(values, symbol)

@@ -14,8 +14,9 @@ from .errors import Error, RunError
 from .folder import read
 
 PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lies in where it is not installed
+# For Open MPI in containers and on machines with few cores; what the user has set counts more.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
-               "OMPI_MCA_mpi_yield_when_idle": "1"}  # for Open MPI: containers and machines with few cores; what the user has set counts more
+               "OMPI_MCA_mpi_yield_when_idle": "1"}
 BAR = 30  # characters
 MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
 
@@ -52,8 +53,8 @@ def execute(options, ranks=1, progress=False):
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
     with tempfile.TemporaryFile() as errors:
         try:
-            process = subprocess.Popen([*start, find_program(), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors,
-                                       env={**ENVIRONMENT, **os.environ})
+            process = subprocess.Popen([*start, find_program(), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                       stderr=errors, env={**ENVIRONMENT, **os.environ})
         except OSError as problem:
             raise Error(f"{problem.filename}: cannot be started ({problem.strerror})") from None
         status = watch(process, progress)
@@ -65,7 +66,7 @@ def execute(options, ranks=1, progress=False):
 
 
 def find_program():
-    """Returns the path of the program: in the folder MLGIMP_BIN of the environment, else in bin/ of the project's folder, else on PATH."""
+    """Returns the program's path: in the folder MLGIMP_BIN of the environment, else in bin/ of the project, else on PATH."""
     given = os.environ.get("MLGIMP_BIN")
     place = PROJECT / (given or "bin") / "mlgimp"
     found = str(place) if place.exists() else None if given else shutil.which("mlgimp")
@@ -95,7 +96,8 @@ def watch(process, progress):
                 found = MONITOR.findall(piece.decode(errors="replace"))
                 if progress and found:
                     depth, load, percent, left = found[-1]
-                    show_bar(int(percent), 100, f"{percent} %, depth {1e6 * float(depth):.3g} um, load {1e3 * float(load):.3g} mN, {left} s left")
+                    where = f"depth {1e6 * float(depth):.3g} um, load {1e3 * float(load):.3g} mN"
+                    show_bar(int(percent), 100, f"{percent} %, {where}, {left} s left")
         except BaseException:
             process.terminate()
             raise

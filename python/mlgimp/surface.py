@@ -34,10 +34,7 @@ def surface_of(points):
 
 
 def pressure_on(points):
-    """Returns the pressure [n] in Pa on points of the surface: that of the contact where the frame has it, else minus the
-    vertical normal stress of the points, half their height below the surface."""
-    if "contact_pressure" in points:
-        return points["contact_pressure"]
+    """Returns the pressure [n] in Pa on points of the surface: minus their vertical normal stress, half their height below it."""
     return -points["stress"][:, points["position"].shape[1] - 1]
 
 
@@ -52,7 +49,7 @@ def frame_of_largest_load(directory):
 
 
 def read_surface(directory, number=None):
-    """Returns (time, points of the surface, place of the tip [dim - 1] m, options); by default of the frame of the largest load."""
+    """Returns (time, points of the surface, place of the tip [dim - 1] m, options), by default at the largest load."""
     number = frame_of_largest_load(directory) if number is None else number
     frame, history = results.read_frame(results.find_frame(directory, number)), results.read_history(directory)
     points = results.all_points(frame.levels)
@@ -127,7 +124,8 @@ def draw_surface(points, tip, options, values, quantity, title):
     colours = values[triangles].mean(axis=1) * unit.factor
     figure = plt.figure(figsize=(8.6, 4.2))
     axes = figure.add_axes([0.0, -0.12, 0.82, 1.24], projection="3d")
-    surface = axes.plot_trisurf(*(place * length.factor).T, triangles=triangles, cmap="magma_r", linewidth=0.1, antialiased=False, shade=False)
+    surface = axes.plot_trisurf(*(place * length.factor).T, triangles=triangles, cmap="magma_r", linewidth=0.1, antialiased=False,
+                                shade=False)
     surface.set_array(colours)
     surface.set_clim(min(0, np.percentile(colours, 1)), colours.max() or 1)
     surface.set_edgecolor("face")

@@ -1,4 +1,6 @@
 """Checks the package mlgimp from outside: runs, results, errors, and the case of indent."""
+import ast
+import inspect
 import re
 import sys
 import types
@@ -155,7 +157,8 @@ def test_indent(tmp_path, monkeypatch, expect):
     expect("depth, um", row["depth_um"], near=0.1, tolerance=1e-6)
     expect("hardness over the flow stress at 8 % of strain", row["true_hardness_GPa"] / 0.48, at_least=2.2, at_most=3.2)  # Tabor: 2.8; here on 4 cells
     text = (tmp_path / "ball.opts").read_text()
-    assert "-block_points_per_cell 1\n" in text and text.startswith("# Indentation, written by mlgimp.indent(j2, tip=sphere, depth=1e-07") and test.folder.resolve() == tmp_path / "output" / "ball"
+    assert "-block_points_per_cell 1\n" in text and text.startswith("# Indentation of j2 by sphere, 1e-07 m deep")
+    assert test.folder.resolve() == tmp_path / "output" / "ball"
     given = options.read_options("ball.opts")
     assert given["specimen_yield_stress"] == "4e+08" and given["indenter_radius"] == "2e-06" and test.summary["options"]["-indenter_radius"] == "2e-06"
     with pytest.raises(mlgimp.Error, match="ball.opts: is there already"):
@@ -206,3 +209,19 @@ def test_version():
     """The package has the program's version."""
     version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "include/program/simulation.hpp").read_text())[1]
     assert f'version = "{version}"' in (harness.ROOT / "pyproject.toml").read_text()
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_documents_call_what_there_is(page):
+    """Functions of the package and members of results, with their arguments, in the blocks of Python."""
+    blocks = re.findall(r"^```python\n(.*?)^```", (harness.ROOT / page).read_text(), re.M | re.S)
+    assert blocks
+    for call in (node for block in blocks for node in ast.walk(ast.parse(block)) if isinstance(node, (ast.Call, ast.Attribute))):
+        name = call if isinstance(call, ast.Attribute) else call.func
+        owner = {"mlgimp": mlgimp, "test": mlgimp.Results, "run": mlgimp.Results}.get(getattr(getattr(name, "value", None), "id", ""))
+        if owner is None:
+            continue
+        member = getattr(owner, name.attr)
+        if isinstance(call, ast.Call):
+            given = [None] * (len(call.args) + (owner is mlgimp.Results))
+            inspect.signature(member).bind(*given, **{each.arg: None for each in call.keywords})

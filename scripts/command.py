@@ -13,10 +13,10 @@ logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home folder
 
 import matplotlib
 
+matplotlib.use("Agg")
+
 from mlgimp import pictures
 from mlgimp.errors import Error
-
-matplotlib.use("Agg")
 
 
 def command(main):

@@ -23,7 +23,9 @@ SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressur
            "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K")}
 LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a field's axes in inches
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
-MARGIN = 0.5, 0.5, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
+MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
 NEAR = "near"  # window that shows the finest level
 
@@ -128,7 +130,7 @@ def add_colourbar(axes, mappable, label, scale, values):
     Its ends are pointed where some of the values [n] that are drawn lie outside the scale, in the same unit.
     """
     width, height = axes.get_window_extent().size / axes.figure.dpi
-    upright = height > 1.8
+    upright = height > UPRIGHT
     place = [1 + 0.2 / width, 0, 0.18 / width, 1] if upright else [0, -0.85 / height, 1, 0.18 / height]
     ends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     beyond = ends[bool(np.any(values < scale.low)), bool(np.any(values > scale.high))]
@@ -243,6 +245,7 @@ def fields(panels, component, window=None, scale=None):
     scale = scale or colour_scale(values, centred=component == "xy")
     units = lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
     left, bottom, right, top = MARGIN
+    bottom = bottom if height > UPRIGHT else BELOW
     full = left + len(panels) * (width + GAP) - GAP + right, bottom + height + top
     figure = plt.figure(figsize=full, dpi=DOTS_PER_INCH)
     for place, panel in enumerate(panels):

@@ -1,9 +1,9 @@
 """What all pictures share: units of the laboratory, the look, saving; and the line plots of a run."""
 
+import functools
 from collections import namedtuple
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from matplotlib import pyplot as plt
 
@@ -22,8 +22,23 @@ STYLE = {
     "axes.prop_cycle": plt.cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"],
                                   linestyle=["-", "--", "-.", "-", "--", "-."]),  # curves may coincide
 }
-styled = matplotlib.rc_context(STYLE)  # decorates what draws: the user's own settings stay as they are
 ENERGIES = {"kinetic_energy": "-", "strain_energy": "-", "dissipated_energy": "-", "external_work": "--", "indenter_work": "--"}
+
+
+def styled(draw):
+    """Decorates a function that draws: STYLE counts while it does, the user's own settings before and after.
+
+    rc_context would forget the backend, too, which a notebook chooses with its first figure.
+    """
+    @functools.wraps(draw)
+    def drawn(*arguments, **named):
+        before = {name: plt.rcParams[name] for name in STYLE}
+        plt.rcParams.update(STYLE)
+        try:
+            return draw(*arguments, **named)
+        finally:
+            plt.rcParams.update(before)
+    return drawn
 
 
 # ---- units ----

@@ -10,7 +10,7 @@ import pytest
 
 import harness
 import mlgimp
-from mlgimp import fields, indentation, options, surface
+from mlgimp import fields, indentation, options, pictures, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -225,3 +225,17 @@ def test_documents_call_what_there_is(page):
         if isinstance(call, ast.Call):
             given = [None] * (len(call.args) + (owner is mlgimp.Results))
             inspect.signature(member).bind(*given, **{each.arg: None for each in call.keywords})
+
+
+def test_style_forgets_nothing_else():
+    """What is set while something is drawn, as by a notebook's backend with its first figure, stays; the style does not."""
+    before = pictures.plt.rcParams["font.size"], pictures.plt.rcParams["interactive"]
+
+    @pictures.styled
+    def draw():
+        pictures.plt.rcParams["interactive"] = not before[1]
+        return pictures.plt.rcParams["font.size"]
+    try:
+        assert draw() == 12 and pictures.plt.rcParams["font.size"] == before[0] != 12 and pictures.plt.rcParams["interactive"] != before[1]
+    finally:
+        pictures.plt.rcParams["interactive"] = before[1]

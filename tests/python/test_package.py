@@ -1,12 +1,17 @@
 """Checks the package mlgimp from outside: runs, results, errors, and the case of indent."""
 import ast
+import importlib.util
 import inspect
+import os
 import re
+import shutil
+import subprocess
 import sys
 import types
 
 import numpy as np
 import pytest
+from matplotlib import animation
 
 import harness
 import mlgimp
@@ -72,7 +77,7 @@ def test_pressure_on_the_surface(pressed):
     assert np.abs(pressure[x > history["contact_half_width"][-1] + 1]).max() < 0.05 * pressure.max()
 
 
-def test_pictures(pressed, tmp_path):
+def test_pictures(pressed, tmp_path, monkeypatch):
     figures = pressed[0].plot("load_depth", "contact_pressure")
     assert list(figures) == ["load_depth", "contact_pressure"] and figures["load_depth"].axes[0].get_xlabel() == "depth (mm)"
     pressed[0].plot("von_mises_stress", window="near", out=tmp_path / "drawn")
@@ -85,6 +90,9 @@ def test_pictures(pressed, tmp_path):
         pressed[0].plot("stress_zx")
     with pytest.raises(mlgimp.Error, match="m.avi: the name of a movie must end in .gif or .mp4"):
         pressed[0].movie(tmp_path / "m.avi")
+    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(mlgimp.Error, match="m.mp4: ffmpeg is not installed; a movie in a .gif needs none"):
+        pressed[0].movie(tmp_path / "m.mp4")
 
 
 def test_paint():
@@ -239,3 +247,18 @@ def test_style_forgets_nothing_else():
         assert draw() == 12 and pictures.plt.rcParams["font.size"] == before[0] != 12 and pictures.plt.rcParams["interactive"] != before[1]
     finally:
         pictures.plt.rcParams["interactive"] = before[1]
+
+
+def test_installs_without_a_network(tmp_path):
+    """pip needs nothing but setuptools; the installed package finds the program by MLGIMP_BIN."""
+    if not all(map(importlib.util.find_spec, ("pip", "setuptools", "wheel"))):
+        pytest.skip("needs pip, setuptools and wheel")
+    for name in ("pyproject.toml", "LICENSE"):
+        shutil.copy(harness.ROOT / name, tmp_path)
+    shutil.copytree(harness.ROOT / "python", tmp_path / "python", ignore=shutil.ignore_patterns("*.egg-info", "__pycache__"))
+    install = [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-build-isolation", "--no-deps", "--target", "there", "."]
+    subprocess.run(install, cwd=tmp_path, check=True, capture_output=True)
+    look = "import mlgimp.program; print(mlgimp.__file__, mlgimp.program.find_program())"
+    done = subprocess.run([sys.executable, "-c", look], cwd="/", check=True, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(tmp_path / "there"), "MLGIMP_BIN": str(harness.BIN)})
+    assert done.stdout.split() == [str(tmp_path / "there" / "mlgimp" / "__init__.py"), str(harness.PROGRAM)]

@@ -23,14 +23,17 @@ from pathlib import Path
 
 import numpy as np
 
-import plot
-import results
-from program import fail, number_of, options_of, read_options, run, take, whole_number_from
+from command import command, save, take, whole_number_from
+
+from mlgimp import fields, pictures, results
+from mlgimp.errors import Error, RunError
+from mlgimp.options import number_of, of_words, read_options
+from mlgimp.program import execute
 
 Study = namedtuple("Study", "file refine quantity depth maximum place ranks")
 Resolution = namedtuple("Resolution", "cell_size folder points steps value")
 METHOD_ORDER = 2
-STRESSES = {**plot.STRESS_COLUMN, "yz": 4, "xz": 5}
+STRESSES = {**fields.STRESS_COLUMN, "yz": 4, "xz": 5}
 NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
 COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
 
@@ -50,14 +53,14 @@ def written(place):
 
 def parse(words):
     """The study that the command line asks for, and the options that are passed on to the program."""
-    file, passed = Path(words[0]), options_of(words[1:])
+    file, passed = Path(words[0]), of_words(words[1:])
     if not file.is_file():
-        fail(f"{file}: there is no such options file")
+        raise Error(f"{file}: there is no such options file")
     own = Study(file, take(passed, "refine", whole_number_from(2), 3, "a whole number >= 2"), take(passed, "quantity", str, "load", "a name"),
                 take(passed, "depth", float, None, "a number"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
                 take(passed, "ranks", whole_number_from(1), 1, "a whole number >= 1"))
     if passed.pop("maximum", None) is not None:
-        fail("-maximum: must stand without a value")
+        raise Error("-maximum: must stand without a value")
     check(own)
     return own, passed
 
@@ -66,13 +69,13 @@ def check(own):
     """Refuses what does not fit together."""
     is_stress = own.quantity.startswith("stress_")
     if is_stress and own.quantity.removeprefix("stress_") not in STRESSES:
-        fail(f"-quantity {own.quantity}: must be {', '.join('stress_' + name for name in STRESSES)}")
+        raise Error(f"-quantity {own.quantity}: must be {', '.join('stress_' + name for name in STRESSES)}")
     if is_stress and own.place is None:
-        fail(f"-quantity {own.quantity}: needs -place")
+        raise Error(f"-quantity {own.quantity}: needs -place")
     if not is_stress and own.place is not None:
-        fail(f"-quantity {own.quantity}: is not at a place; leave -place out")
+        raise Error(f"-quantity {own.quantity}: is not at a place; leave -place out")
     if (own.depth is not None) + own.maximum + is_stress > 1:
-        fail("only one of -depth, -maximum and a stress, which is that at the end")
+        raise Error("only one of -depth, -maximum and a stress, which is that at the end")
 
 
 def refined(case, factor):
@@ -97,7 +100,7 @@ def history_value(folder, own):
     way_in = slice(0, np.argmax(history["depth"]) + 1)
     depths = history["depth"][way_in]
     if not depths[0] <= own.depth <= depths[-1]:
-        fail(f"-depth {own.depth:g}: must be in [{depths[0]:g}, {depths[-1]:g}], as the run went")
+        raise Error(f"-depth {own.depth:g}: must be in [{depths[0]:g}, {depths[-1]:g}], as the run went")
     return np.interp(own.depth, depths, values[way_in])
 
 
@@ -106,7 +109,7 @@ def column(history, quantity):
     if quantity == "energy":
         return history["kinetic_energy"] + history["strain_energy"]
     if quantity not in history:
-        fail(f"-quantity {quantity}: must be energy, a stress or one of {', '.join(history)}")
+        raise Error(f"-quantity {quantity}: must be energy, a stress or one of {', '.join(history)}")
     return history[quantity]
 
 
@@ -114,13 +117,13 @@ def stress_at(folder, component, place):
     """A component of the stress at a place at the end: that of a plane through the points next to it."""
     points = results.all_points(results.read_frame(results.find_frame(folder)).levels)
     if points["position"].shape[1] != len(place) or points["stress"].shape[1] <= STRESSES[component]:
-        fail(f"-place {written(place)}, -quantity stress_{component}: must be those of the case's geometry")
+        raise Error(f"-place {written(place)}, -quantity stress_{component}: must be those of the case's geometry")
     away = points["position"] - place
     distance = np.linalg.norm(away, axis=1)
     next_to = np.argsort(distance)[:NEIGHBOURS]
     reach = 2 * points["half_size"][next_to].max()
     if distance[next_to[0]] > reach:
-        fail(f"-place {written(place)}: must be inside a body at the end of the run")
+        raise Error(f"-place {written(place)}: must be inside a body at the end of the run")
     planes = np.column_stack([np.ones(len(next_to)), away[next_to] / reach])
     return np.linalg.lstsq(planes, points["stress"][next_to, STRESSES[component]], rcond=None)[0][0]
 
@@ -129,7 +132,10 @@ def resolve(own, case, passed, folder, factor):
     """Runs one resolution and reads what it found."""
     into = folder / f"cells_{number_of(case, 'cell_size', 'nan') / factor:.4g}"
     changed = refined(case, factor)
-    run(own.file, {"frames": 1, "monitor": "false", **passed, **changed, "output_dir": into}, own.ranks, f"on cells of {changed['cell_size']} m")
+    try:
+        execute({"options_file": own.file, "frames": 1, **passed, **changed, "output_dir": into}, own.ranks)
+    except RunError as problem:
+        raise Error(f"on cells of {changed['cell_size']} m: {problem}") from None
     summary = results.read_summary(into)
     value = stress_at(into, own.quantity.removeprefix("stress_"), own.place) if own.place is not None else history_value(into, own)
     points = sum(level["points"] for level in summary["levels"])
@@ -175,13 +181,14 @@ def symbol(quantity):
 
 def scaled(values, quantity):
     """Values in a unit with a prefix, and the label of an axis."""
-    unit = plot.si_unit(values, symbol(quantity)) if symbol(quantity) else plot.Unit(1, "1")
+    unit = pictures.lab_unit(values, symbol(quantity)) if symbol(quantity) else pictures.Unit(1, "1")
     return np.asarray(values) * unit.factor, f"{quantity.replace('_', ' ')} ({unit.name})"
 
 
+@pictures.styled
 def draw(own, resolutions, rows, path):
     """The history of the quantity (for a stress that of the load or the energy) on all resolutions, and its value against cell size."""
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(11.5, 4.6), layout="constrained")
+    figure, (left, right) = pictures.plt.subplots(1, 2, figsize=(11.5, 4.6), layout="constrained")
     draw_histories(left, own.quantity, resolutions)
     sizes, size_label = scaled([each.cell_size for each in resolutions], "depth")
     extrapolated, order = rows[-1][6], rows[-1][5]
@@ -190,10 +197,10 @@ def draw(own, resolutions, rows, path):
     if len(values) > len(sizes):
         right.axhline(values[-1], color="black", linestyle=":", label=f"extrapolated, order {order:.2f}")
         right.legend()
-    plot.line_axes(right, size_label.replace("depth", "cells"), value_label)
+    pictures.line_axes(right, size_label.replace("depth", "cells"), value_label)
     right.set_title(what(own))
     right.set_xlim(left=0)
-    plot.save(figure, path)
+    save(figure, path)
 
 
 def draw_histories(axes, quantity, resolutions):
@@ -206,11 +213,12 @@ def draw_histories(axes, quantity, resolutions):
     places, place_label = scaled(np.concatenate([history[over] for history in histories]), over)
     values, value_label = scaled(np.concatenate([column(history, quantity) for history in histories]), quantity)
     for each, x, y in zip(resolutions, np.split(places, lengths), np.split(values, lengths)):
-        axes.plot(x, y, label=plot.in_si_unit(each.cell_size, "m"))
-    plot.line_axes(axes, place_label, value_label)
+        axes.plot(x, y, label=pictures.in_si_unit(each.cell_size, "m"))
+    pictures.line_axes(axes, place_label, value_label)
     axes.legend(title="cells")
 
 
+@command
 def main(words):
     if not words or words[0] in ("-help", "--help", "-h"):
         print(__doc__)
@@ -218,7 +226,7 @@ def main(words):
     own, passed = parse(words)
     case = {**read_options(own.file), **passed}
     if not case.get("cell_size"):
-        fail(f"{own.file}: must give -cell_size")
+        raise Error(f"{own.file}: must give -cell_size")
     folder = Path(passed.pop("output_dir", None) or f"output/converge_{own.file.stem}")
     print(f"{own.file.stem}: {what(own)}\n" + f"{'cells (m)':>10s} {'points':>9s} {'steps':>7s} " + " ".join(f"{name:>13s}" for name in COLUMNS[3:]))
     resolutions = []

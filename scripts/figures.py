@@ -6,12 +6,14 @@ import re
 from pathlib import Path
 
 import numpy as np
+from command import Parser, command, save
+from plot import add_window_option
 
-import plot
-import results
-from plot import plt
+from mlgimp import fields, pictures, results
+from mlgimp.errors import ResultError
+from mlgimp.pictures import plt, styled
 
-MILLINEWTON, NANOMETRE = plot.Unit(1e3, "mN"), plot.Unit(1e9, "nm")
+MILLINEWTON, NANOMETRE = pictures.Unit(1e3, "mN"), pictures.Unit(1e9, "nm")
 
 
 def labelled(text):
@@ -41,33 +43,34 @@ def read_fem(path):
         load = [name for name in table.dtype.names if name.startswith("load") and np.isfinite(table[name]).all()]
         return table[depth[0]], table[load[-1]]
     except (OSError, ValueError, IndexError, TypeError):
-        raise results.ResultError(path, "cannot be read as a CSV file with the columns depth,load") from None
+        raise ResultError(path, "cannot be read as a CSV file with the columns depth,load") from None
 
 
 def run_curve(directory, label):
-    """Returns the curve (label, depth, load, line style) of a result folder, for plot.draw_load_depth."""
+    """Returns the curve (label, depth, load, line style) of a result folder, for pictures.draw_load_depth."""
     history = results.read_history(directory)
     if not results.has_indenter(history):
-        raise results.ResultError(directory, "this run has no indenter")
+        raise ResultError(directory, "this run has no indenter")
     return label, history["depth"], history["load"], {}
 
 
+@styled
 def load_depth(options):
     """Draws load (mN) against depth (nm) of several runs, and of finite elements in black, in one picture."""
     curves = [run_curve(*run) for run in options.runs]
     curves += [(label, *read_fem(path), {"color": "black", "linestyle": ":"}) for path, label in options.fem]
     figure, axes = plt.subplots(figsize=(7, 5))
-    plot.draw_load_depth(axes, curves, MILLINEWTON, NANOMETRE)
-    plot.save(figure, options.picture)
+    pictures.draw_load_depth(axes, curves, MILLINEWTON, NANOMETRE)
+    save(figure, options.picture)
 
 
-def fields(options):
+def side_by_side(options):
     """Draws one stress component, or a scalar, of several frames side by side, with one common colour scale."""
-    panels = [plot.read_panel(directory, number, label) for directory, number, label in options.runs]
-    for (directory, _, _), (_, points, _) in zip(options.runs, panels):
-        if options.component in plot.SCALARS and options.component not in points:
-            raise results.ResultError(directory, f"its points have no {options.component}")
-    plot.plot_fields(panels, options.component, options.picture, options.window)
+    panels = [fields.read_panel(directory, number, label) for directory, number, label in options.runs]
+    for (directory, _, _), panel in zip(options.runs, panels):
+        if options.component in fields.SCALARS and options.component not in panel.points:
+            raise ResultError(directory, f"its points have no {options.component}")
+    save(fields.fields(panels, options.component, options.window), options.picture)
 
 
 def cell_percentage(levels):
@@ -83,29 +86,31 @@ def cell_percentage(levels):
     return percentage
 
 
+@styled
 def cells(options):
     """Draws the number of cells in percent of those of one fine level against the number of levels."""
     figure, axes = plt.subplots(figsize=(6.4, 4.6))
     for directory, label in options.runs:
         levels = results.read_summary(directory).get("levels")
         if not levels:
-            raise results.ResultError(directory, "there is no summary.json with levels")
+            raise ResultError(directory, "there is no summary.json with levels")
         try:
             percentage = cell_percentage(levels)
         except (KeyError, TypeError, ZeroDivisionError):
-            raise results.ResultError(directory, "the levels of summary.json must have a cell_size") from None
+            raise ResultError(directory, "the levels of summary.json must have a cell_size") from None
         axes.plot(range(1, len(percentage) + 1), percentage, marker="o", label=label)
     count = np.arange(1, 8)
     quarter = (3 * count + 1) / 4**count  # each level covers a quarter of the next coarser one
     axes.plot(count, 100 * quarter, ":", color="black", label="each level a quarter of the coarser one")
-    plot.line_axes(axes, "number of levels", "cells, % of one fine level")
+    pictures.line_axes(axes, "number of levels", "cells, % of one fine level")
     axes.legend()
-    plot.save(figure, options.picture)
+    save(figure, options.picture)
 
 
+@command
 def main(arguments=None):
     """Draws the picture that the command line asks for."""
-    parser = results.Parser(description=__doc__)
+    parser = Parser(description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     curves = commands.add_parser("load-depth", help=load_depth.__doc__)
     curves.add_argument("picture", metavar="OUT.png")
@@ -113,12 +118,12 @@ def main(arguments=None):
     curves.add_argument("--fem", action="append", default=[], type=labelled, metavar="CSV:LABEL",
                         help="finite-element curve: '#' comments, a header with depth and load, then SI values")
     curves.set_defaults(draw=load_depth)
-    stresses = commands.add_parser("fields", help=fields.__doc__)
+    stresses = commands.add_parser("fields", help=side_by_side.__doc__)
     stresses.add_argument("picture", metavar="OUT.png")
     stresses.add_argument("runs", nargs="+", type=labelled_frame, metavar="DIR[:FRAME]:LABEL")
-    stresses.add_argument("--component", choices=[*plot.STRESS_COLUMN, *plot.SCALARS], default="yy")
-    plot.add_window_option(stresses)
-    stresses.set_defaults(draw=fields)
+    stresses.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="yy")
+    add_window_option(stresses)
+    stresses.set_defaults(draw=side_by_side)
     savings = commands.add_parser("cells", help=cells.__doc__)
     savings.add_argument("picture", metavar="OUT.png")
     savings.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")

@@ -17,13 +17,11 @@ import math
 from pathlib import Path
 
 import numpy as np
+from command import Parser, command, save
 
-import load_depth
-import oliver_pharr
-import plot
-import results
-import tips
-from oliver_pharr import Constants
+from mlgimp import load_depth, oliver_pharr, pictures, tips
+from mlgimp.errors import Error, ResultError
+from mlgimp.oliver_pharr import Constants
 
 SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
@@ -83,7 +81,7 @@ def add_tip_options(parser):
 def given_tip(options):
     """Returns the Tip of the command line; None where it names none."""
     if options.area_function and options.tip:
-        raise SystemExit("error: --area-function: must stand without --tip")
+        raise Error("--area-function: must stand without --tip")
     if options.area_function:
         return tips.tip_of_function(options.area_function)
     sizes = {name: getattr(options, name) for name in ("half_angle", "radius", "tip_radius", "faces")}
@@ -91,13 +89,13 @@ def given_tip(options):
         return None
     for name in tips.NEEDS[options.tip]:
         if sizes[name] is None:
-            raise SystemExit(f"error: --tip {options.tip}: needs --{name.replace('_', '-')}")
+            raise Error(f"--tip {options.tip}: needs --{name.replace('_', '-')}")
     return tips.make_tip(options.tip, **sizes)
 
 
 def parse(arguments):
     """Returns the options of the command line."""
-    parser = results.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("curves", nargs="+", metavar="DIR|FILE", help="result folder of a run, or text with columns of a measured curve")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
     parser.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), default="depth:um", metavar="COLUMN:UNIT",
@@ -117,7 +115,7 @@ def parse(arguments):
     add_tip_options(parser)
     options = parser.parse_args(arguments)
     if options.drift and options.time is None:
-        raise SystemExit("error: --drift: needs --time COLUMN:UNIT")
+        raise Error("--drift: needs --time COLUMN:UNIT")
     return options
 
 
@@ -129,7 +127,7 @@ def read_curves(options):
     curves = [curve if curve.tip or curve.plane else curve._replace(tip=given or of_runs) for curve in curves]
     for curve in curves:
         if curve.tip is None and not curve.plane:
-            raise results.ResultError(curve.name, "its tip is not known: give --tip or --area-function")
+            raise ResultError(curve.name, "its tip is not known: give --tip or --area-function")
     names = [curve.name for curve in curves]
     return [curve._replace(name=curve.name if names.count(curve.name) == 1 else f"{curve.name} {k}") for k, curve in enumerate(curves, start=1)]
 
@@ -178,19 +176,20 @@ def print_rows(curves, rows):
                 print(f"  warning, unloading {each['cycle']}: {each['warnings']}")
 
 
+@pictures.styled
 def draw(curves, rows, fits, path):
     """Writes the picture: all curves with fits and contact depths, and hardness and modulus over depth where there are several."""
     several = len(rows) > 1 and any(math.isfinite(row["hardness_GPa"]) for row in rows)
-    figure, axes = plot.plt.subplots(1, 2 if several else 1, figsize=(11.5 if several else 6.8, 4.8), layout="constrained", squeeze=False)
+    figure, axes = pictures.plt.subplots(1, 2 if several else 1, figsize=(11.5 if several else 6.8, 4.8), layout="constrained", squeeze=False)
     for number, curve in enumerate(curves):
         own = [(row, fit) for row, fit in zip(rows, fits) if row["curve"] == curve.name]
         draw_curve(axes[0, 0], f"C{number}", curve, own)
-    plot.line_axes(axes[0, 0], "depth (µm)", "load (mN)")
+    pictures.line_axes(axes[0, 0], "depth (µm)", "load (mN)")
     handles = dict(zip(*axes[0, 0].get_legend_handles_labels()[::-1]))  # one of a label
     axes[0, 0].legend(handles.values(), handles)
     if several:
         draw_over_depth(axes[0, 1], curves, rows)
-    plot.save(figure, path)
+    save(figure, path)
 
 
 def draw_curve(axes, colour, curve, rows):
@@ -214,7 +213,7 @@ def draw_over_depth(axes, curves, rows):
         depth = [row["depth_um"] for row in own]
         axes.plot(depth, [row["hardness_GPa"] for row in own], "o-", color=f"C{number}", label=f"hardness, {curve.name}")
         other.plot(depth, [row[modulus] for row in own], "s--", color=f"C{number}", markerfacecolor="white", label=f"modulus, {curve.name}")
-    plot.line_axes(axes, "depth (µm)", "hardness (GPa)")
+    pictures.line_axes(axes, "depth (µm)", "hardness (GPa)")
     other.set_ylabel(modulus.replace("_GPa", "").replace("_", " ") + " (GPa)")
     other.spines["top"].set_visible(False)
     for each, name, room in ((axes, "hardness_GPa", 1.9), (other, modulus, 1.2)):  # the curves apart from each other
@@ -224,6 +223,7 @@ def draw_over_depth(axes, curves, rows):
     axes.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], loc="lower center", ncols=2)
 
 
+@command
 def main(arguments=None):
     """Analyses the curves that the command line names."""
     options = parse(arguments)
@@ -237,7 +237,7 @@ def main(arguments=None):
         folder.mkdir(parents=True, exist_ok=True)
         write_tables(folder, curves, rows)
     except OSError as problem:
-        raise results.ResultError(folder, f"cannot be written to ({problem.strerror})") from None
+        raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     draw(curves, rows, fits, folder / "indentation.png")
     print_rows(curves, rows)
 

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-import plot
+from command import pictures
 
 MOST_POINTS = 300  # of a curve; more are thinned out
 MARKERS = "os^Dv*PX"
@@ -60,16 +60,17 @@ def falls_short(studies):
 
 # ---- drawing ----
 
+@pictures.styled
 def draw(drawing):
     """A plot as an SVG picture in a data URL."""
-    canvas, axes = plot.plt.subplots(figsize=(6.4, 4.4))
+    canvas, axes = pictures.plt.subplots(figsize=(6.4, 4.4))
     for each, marker in zip(drawing["curves"], itertools.cycle(MARKERS)):
         style = {"marker": marker} if each["kind"] == "points" else {}
         axes.plot(each["x"], each["y"], label=each["label"], **STYLES[each["kind"]], **style)
         if each["kind"] == "slope":
             axes.annotate(each["label"][1:], (each["x"][-1], each["y"][-1]), (5, 0), textcoords="offset points", va="center",
                           color="0.4", size=10)
-    plot.line_axes(axes, drawing["xlabel"], drawing["ylabel"])
+    pictures.line_axes(axes, drawing["xlabel"], drawing["ylabel"])
     if drawing["log"]:
         axes.set(xscale="log", yscale="log")
         log_ticks(axes, drawing["curves"])
@@ -79,7 +80,7 @@ def draw(drawing):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=1 if widest > 34 else 2 if widest > 16 else 3)
     text = io.StringIO()
     canvas.savefig(text, format="svg", metadata={"Date": None})
-    plot.plt.close(canvas)
+    pictures.plt.close(canvas)
     return "data:image/svg+xml;base64," + base64.b64encode(text.getvalue().encode()).decode()
 
 
@@ -88,12 +89,12 @@ def log_ticks(axes, curves):
     places = curves[0]["x"]
     if len(places) <= 8:
         axes.set_xticks(places, [f"{place:g}" if place >= 1 else f"1/{1 / place:.3g}" for place in places])
-        axes.xaxis.set_minor_locator(plot.plt.NullLocator())
+        axes.xaxis.set_minor_locator(pictures.plt.NullLocator())
     heights = [y for each in curves for y in each["y"]]
     if heights and max(heights) < 100 * min(heights):
-        axes.yaxis.set_major_locator(plot.plt.LogLocator(subs=(1, 2, 5)))
+        axes.yaxis.set_major_locator(pictures.plt.LogLocator(subs=(1, 2, 5)))
         axes.yaxis.set_major_formatter("{x:g}")
-        axes.yaxis.set_minor_locator(plot.plt.NullLocator())
+        axes.yaxis.set_minor_locator(pictures.plt.NullLocator())
 
 
 # ---- the page ----

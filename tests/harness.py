@@ -13,7 +13,7 @@ from collections import namedtuple
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BIN = ROOT / os.environ.get("MLGIMP_BIN", "bin")
 PROGRAM = BIN / "mlgimp"
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "python")]
 
 ENVIRONMENT = dict(
     os.environ,
@@ -44,7 +44,7 @@ class Result:
     @property
     def history(self):
         """Columns of history.csv as a dict of numpy arrays."""
-        import results
+        from mlgimp import results
         return results.read_history(self.folder)
 
     @property
@@ -54,7 +54,8 @@ class Result:
     def frame(self, number=None):
         """All points of a frame (the last by default), ordered by id."""
         import numpy
-        import results
+
+        from mlgimp import results
         points = results.all_points(results.read_frame(results.find_frame(self.folder, number)).levels)
         order = numpy.argsort(points["id"])
         return {name: values[order] for name, values in points.items()}

@@ -5,7 +5,7 @@ import pytest
 import analytic
 import harness
 import report as page
-import results
+from mlgimp import results
 
 E, NU, RHO = 100e9, 0.25, 2500
 MODULUS = analytic.confined_modulus(E, NU)

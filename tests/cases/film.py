@@ -3,8 +3,7 @@ import numpy
 import pytest
 
 import harness
-import load_depth
-import oliver_pharr
+from mlgimp import load_depth, oliver_pharr
 
 # Lengths in cells, E = 1: a sphere on a block of 16 x 16, of which the upper part is a film; slow beside waves, which need 14 to 17.
 CASE = {

@@ -5,9 +5,8 @@ import math
 import numpy
 
 import harness
-import load_depth
 import metals
-import oliver_pharr
+from mlgimp import load_depth, oliver_pharr
 
 POISSON, DEPTH, CELLS = 0.3, 200e-9, 16  # CELLS: finest ones in the contact's radius without pile-up, at full depth
 TRANSITS = 24  # of waves through the block, in the slow part of the unloading

@@ -4,8 +4,7 @@ import pytest
 
 import bad_input
 import harness
-import load_depth
-import oliver_pharr
+from mlgimp import load_depth, oliver_pharr
 from ranks import largest_difference
 from restart import rows_after
 

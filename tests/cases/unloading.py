@@ -8,9 +8,7 @@ import numpy
 
 import fit
 import harness
-import load_depth
-import oliver_pharr
-import tips
+from mlgimp import load_depth, oliver_pharr, tips
 
 # Lengths in cells of the finer level, E* = 1: a cone of 70.3 degrees on a block of 100 x 80, to a contact radius of 7 cells. It moves
 # with ramps, in 20 passages of a wave through the block, rests for 8, and goes back to 30 % of its depth in 20.

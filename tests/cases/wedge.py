@@ -2,8 +2,8 @@
 import numpy
 import pytest
 import report as page
-import results
 from harness import ROOT, read_csv, run
+from mlgimp import results
 
 pytestmark = pytest.mark.mpi
 

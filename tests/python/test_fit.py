@@ -8,6 +8,7 @@ import pytest
 
 import fit
 import harness
+from mlgimp import fitting
 from test_indentation import CONE_OPTIONS
 from test_scripts import HISTORY
 
@@ -38,7 +39,7 @@ def only_the_hardness(constants, rows):
 
 def written_by(model):
     """What stands for a run of the program: a result folder with the load of the middle of each interval."""
-    def run(file, options, ranks, where):
+    def execute(options, ranks):
         depth, load = model({**TRUTH, **options}, rows=1000)
         folder = options["output_dir"]
         folder.mkdir()
@@ -46,14 +47,14 @@ def written_by(model):
                                                                  "load": 1e-3 * np.append(0, (load[1:] + load[:-1]) / 2)}
         np.savetxt(folder / "history.csv", np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
         (folder / "summary.json").write_text(json.dumps({"case": "made", "options": CONE_OPTIONS}))
-    return run
+    return execute
 
 
 @pytest.fixture
 def fitted(tmp_path, monkeypatch):
     """fitted(model, names, noise, words) runs a fit and returns fit.json and what was printed; names is the text after -vary."""
     def make(model, names, noise=0.0, words=(), seed=1):
-        monkeypatch.setattr(fit, "run", written_by(model))
+        monkeypatch.setattr(fitting, "execute", written_by(model))
         depth, load = law(TRUTH)
         random = np.random.default_rng(seed)
         np.savetxt(tmp_path / "m.csv", np.column_stack([depth, load + noise * load.max() * random.normal(size=len(load))]), delimiter=",",
@@ -104,10 +105,10 @@ def test_profile_does_not_depend_on_rows(expect):
     """Ten times as many rows, and a run that ends before the unloading does."""
     from test_indentation import curve
     few, many = (curve(*law(TRUTH, rows=rows)) for rows in (200, 2000))
-    edges = fit.edges_of(many)
-    expect("rows", np.max(np.abs(fit.profile(few, edges) / fit.profile(many, edges) - 1)), at_most=0.01)
+    edges = fitting.edges_of(many)
+    expect("rows", np.max(np.abs(fitting.profile(few, edges) / fitting.profile(many, edges) - 1)), at_most=0.01)
     shallow = curve(*law(TRUTH, depth=0.48, rows=2000))
-    expect("a loading that ends early", np.max(np.abs((fit.profile(shallow, edges) / fit.profile(many, edges))[:fit.PARTS] - 1)), at_most=0.02)
+    expect("a loading that ends early", np.max(np.abs((fitting.profile(shallow, edges) / fitting.profile(many, edges))[:fitting.PARTS] - 1)), at_most=0.02)
 
 
 # ---- refusals ----

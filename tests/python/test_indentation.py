@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 
 import harness
-import load_depth
-import oliver_pharr
-import plot
-import tips
-from load_depth import Column, Curve
-from oliver_pharr import Constants
+from mlgimp import load_depth, oliver_pharr, tips
+from mlgimp.load_depth import Column, Curve
+from mlgimp.oliver_pharr import Constants
+from mlgimp.pictures import plt
 from test_scripts import HISTORY
 
 pytestmark = pytest.mark.fast
@@ -247,7 +245,7 @@ def test_run_to_files(tmp_path, capsys, expect):
     assert described["tip"] == "cone" and float(row["hardness_GPa"]) == cycle["hardness_GPa"] and "beta" in printed
     expect("stiffness", cycle["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=2e-3)
     expect("beta", cycle["beta"], near=1.067, tolerance=5e-4)
-    assert np.ptp(plot.plt.imread(folder / "indentation.png")) > 0.5
+    assert np.ptp(plt.imread(folder / "indentation.png")) > 0.5
 
 
 def test_slow_run(tmp_path, expect):

@@ -14,7 +14,7 @@ from options_doc import Option
 pytestmark = pytest.mark.fast
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-PATH = re.compile(r"(?:src|include|tests|scripts|options|docs)/[\w./*]+")
+PATH = re.compile(r"(?:src|include|tests|scripts|python|examples|options|docs)/[\w./*]+")
 NAME = re.compile(r"(?:([A-Z]\w*)::)?([A-Z]\w*[a-z]\w*)(?:\(.*)?")  # a type or a function, with or without its class
 LINK = re.compile(r"\[[^]]+\]\(([\w./]+\.\w+)\)")
 PLACEHOLDER = re.compile(r"NAME|CASE|WORD|FILE|Your")
@@ -45,7 +45,7 @@ def missing_names(text, sources):
 
 
 def source_texts():
-    return [path.read_text() for folder in ("src", "include", "tests", "scripts") for path in sorted((ROOT / folder).rglob("*"))
+    return [path.read_text() for folder in ("src", "include", "tests", "scripts", "python") for path in sorted((ROOT / folder).rglob("*"))
             if path.suffix in (".cpp", ".hpp", ".py")]
 
 

@@ -65,7 +65,7 @@ class Tutorial(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="mlgimp_tutorial_"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        for name, target in (("bin", harness.BIN), ("options", ROOT / "options"), ("scripts", ROOT / "scripts")):
+        for name, target in (("bin", harness.BIN), *((name, ROOT / name) for name in ("options", "scripts", "python"))):
             (self.folder / name).symlink_to(target)
 
     def test_all_blocks(self):

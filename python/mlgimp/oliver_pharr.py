@@ -7,9 +7,8 @@ from collections import namedtuple
 import numpy as np
 from scipy.optimize import curve_fit
 
-import load_depth
-import results
-import tips
+from . import load_depth, tips
+from .errors import ResultError
 
 WINDOW = (0.5, 0.97)  # of the load at the start of the unloading: the part that is fitted
 LEAST_ROWS = 5  # in the window
@@ -35,11 +34,11 @@ def fit_unloading(curve, cycle, window=WINDOW):
     fitted = slice(below[0] if len(below) else 0, above[-1] + 1 if len(above) else 0)
     depth, share = depth[fitted], share[fitted]
     if len(share) < LEAST_ROWS:
-        raise results.ResultError(curve.name, f"{max(len(share), 0)} rows of the unloading lie between {window[0]:g} and {window[1]:g} of its load; "
+        raise ResultError(curve.name, f"{max(len(share), 0)} rows of the unloading lie between {window[0]:g} and {window[1]:g} of its load; "
                                   f"the fit needs {LEAST_ROWS}: take more rows, a slower unloading or a wider window")
     travel = -depth.min()
     if not travel > 0:
-        raise results.ResultError(curve.name, "the tip does not go back in the fitted part of the unloading")
+        raise ResultError(curve.name, "the tip does not go back in the fitted part of the unloading")
 
     def law(depth, load, slope, exponent):
         return load * np.maximum(1 + slope * depth / (exponent * load), 0) ** exponent

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-import results
-import tips
+from . import results, tips
+from .errors import Error, ResultError
 
 Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes")
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
@@ -39,12 +39,12 @@ def read_run(directory):
     """
     history, options = results.read_history(directory), results.read_summary(directory).get("options", {})
     if not results.has_indenter(history):
-        raise results.ResultError(directory, "this run has no indenter")
+        raise ResultError(directory, "this run has no indenter")
     try:
         parts, tip, poisson = parts_of_tip(options), tip_of_run(options), poisson_of_run(options)
         plane = options.get("-geometry") == "plane_strain"
     except (AttributeError, KeyError, TypeError, ValueError):
-        raise results.ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
+        raise ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
     history = {name: values[np.append(True, np.diff(history["time"]) > 0)] for name, values in history.items()}
     middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
     load = "load_quasi_static" if "load_quasi_static" in history else "load"
@@ -66,16 +66,17 @@ def notes_on(options, parts, plane):
 
 def parts_of_tip(options):
     """Returns how many models like that of a run's options make the whole tip: two for each side of symmetry that the tip is on."""
+    return 2 ** len(mirror_axes(options))
+
+
+def mirror_axes(options):
+    """Returns the axes (0, 1) across the sides of symmetry that the tip is on, in a run's options; none in axisymmetry."""
     if not options or options.get("-geometry") == "axisymmetric":
-        return 1
+        return []
     tip, lower, upper = (numbers(options[name]) for name in ("-indenter_tip", "-domain_lower", "-domain_upper"))
-    parts = 1
-    for axis in range(len(tip) - 1):
-        for side, place in (("lower", lower), ("upper", upper)):
-            on_side = abs(tip[axis] - place[axis]) < 1e-6 * float(options["-cell_size"])
-            if on_side and options.get(f"-boundary_{'xyz'[axis]}_{side}") == "symmetry":
-                parts *= 2
-    return parts
+    near = 1e-6 * float(options["-cell_size"])
+    return [axis for axis in range(len(tip) - 1) for side, place in (("lower", lower), ("upper", upper))
+            if abs(tip[axis] - place[axis]) < near and options.get(f"-boundary_{'xyz'[axis]}_{side}") == "symmetry"]
 
 
 def tip_of_run(options):
@@ -106,8 +107,10 @@ Column = namedtuple("Column", "name factor")  # name or number from 1 on; values
 
 
 def column_argument(units):
-    """Returns a function that reads COLUMN:UNIT, for a command line."""
+    """Returns a function that reads COLUMN:UNIT; a Column stays what it is."""
     def read(text):
+        if isinstance(text, Column):
+            return text
         name, _, unit = text.rpartition(":")
         if not name or unit not in units:
             raise ValueError(f"must be COLUMN:UNIT with a unit of {', '.join(units)}")
@@ -115,17 +118,29 @@ def column_argument(units):
     return read
 
 
-def read_measured(path, depth, load, time=None):
-    """Returns the Curve of a text with columns, with or without lines of text above them; depth, load and time are Columns."""
+def column_of(name, given, units):
+    """Returns the Column that a caller gives as COLUMN:UNIT, or as a Column."""
+    try:
+        return None if given is None else column_argument(units)(given)
+    except ValueError as problem:
+        raise Error(f"{name}={given}: {problem}") from None
+
+
+def read_measured(path, depth="depth:um", load="load:mN", time=None):
+    """Returns the Curve of a text with columns, with or without lines of text above them.
+
+    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column.
+    """
     names, table = read_table(path)
-    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in (depth, load, time)]
+    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS), column_of("time", time, TIME_UNITS)]
+    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in columns]
     if columns[2] is not None and np.any(np.diff(columns[2]) < 0):
-        raise results.ResultError(path, f"the time falls in data row {np.argmax(np.diff(columns[2]) < 0) + 2}; rows must be in the order of the test")
+        raise ResultError(path, f"the time falls in data row {np.argmax(np.diff(columns[2]) < 0) + 2}; rows must be in the order of the test")
     changed = np.append(True, np.any(np.diff(np.column_stack([c for c in columns if c is not None]), axis=0) != 0, axis=1))
     depths, loads, times = (None if each is None else each[changed] for each in columns)
     for what, values in (("depth", depths), ("load", loads)):
         if len(values) > 1 and np.mean(np.diff(values) ** 2) > SHUFFLED * np.var(values):
-            raise results.ResultError(path, f"the {what} jumps to and fro: rows must be in the order of the test")
+            raise ResultError(path, f"the {what} jumps to and fro: rows must be in the order of the test")
     return Curve(Path(path).name, times, depths, loads, None, None, None, False, [])
 
 
@@ -138,22 +153,22 @@ def read_table(path):
     try:
         lines = [line.strip().lstrip("#") for line in Path(path).read_text(encoding="utf-8-sig").splitlines()]
     except (OSError, ValueError) as problem:
-        raise results.ResultError(path, f"cannot be read as text ({getattr(problem, 'strerror', None) or 'no text'})") from None
+        raise ResultError(path, f"cannot be read as text ({getattr(problem, 'strerror', None) or 'no text'})") from None
     lines = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
     if not lines:
-        raise results.ResultError(path, "is empty")
+        raise ResultError(path, "is empty")
     mark = next((mark for mark in ";\t," if mark in lines[-1][1]), None)
     names, rows = [], []
     for number, line in lines:
         words = [word.strip().strip('"') for word in line.split(mark)]
         row = to_numbers(words, mark)
         if row is None and rows:
-            raise results.ResultError(path, f"line {number} is no row of numbers")
+            raise ResultError(path, f"line {number} is no row of numbers")
         if row and rows and len(row) != len(rows[0]):
-            raise results.ResultError(path, f"line {number} has {len(row)} columns instead of {len(rows[0])}")
+            raise ResultError(path, f"line {number} has {len(row)} columns instead of {len(rows[0])}")
         (names if row is None else rows).append(words if row is None else row)
     if len(rows) < 10:
-        raise results.ResultError(path, f"has {len(rows)} rows of numbers; a curve needs at least 10")
+        raise ResultError(path, f"has {len(rows)} rows of numbers; a curve needs at least 10")
     return names, np.array(rows)
 
 
@@ -175,7 +190,7 @@ def place_of(path, names, name, count):
     if re.fullmatch(r"\d+", name) and 1 <= int(name) <= count:
         return int(name) - 1
     known = f"; there are {', '.join(max(names, key=len))}" if names else f"; columns have no names, only numbers 1 to {count}"
-    raise results.ResultError(path, f"there is no column {name}{known}")
+    raise ResultError(path, f"there is no column {name}{known}")
 
 
 # ---- cycles ----
@@ -206,14 +221,14 @@ def find_cycles(curve):
             found.append(Cycle(begin, start, valley, rows_at_rest(depth, begin, start, rest)))
             begin = valley
     if not found:
-        raise results.ResultError(curve.name, f"there is no unloading: the load never falls by {100 * FALL:.0f} % while the tip goes back")
+        raise ResultError(curve.name, f"there is no unloading: the load never falls by {100 * FALL:.0f} % while the tip goes back")
     return found
 
 
 def check_loading(curve, begin, start, first):
     """Refuses an unloading that begins with no loading before it."""
     if first and curve.load[begin:start + 1].min() > 0.5 * curve.load[start]:
-        raise results.ResultError(curve.name, "there is an unloading without a loading: the curve begins at more than half its load")
+        raise ResultError(curve.name, "there is an unloading without a loading: the curve begins at more than half its load")
 
 
 def rows_at_rest(depth, begin, start, rest):

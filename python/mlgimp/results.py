@@ -1,12 +1,13 @@
 """Reads the result folder of a run: history.csv, points_FFFFFF.h5 and summary.json. All values are SI."""
 
-import argparse
 import json
 from collections import namedtuple
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+from .errors import ResultError
 
 Frame = namedtuple("Frame", "time step levels")
 Frame.__doc__ = """One frame of points: time (s), step of level 0, and levels, a list with one dict per grid
@@ -19,22 +20,20 @@ POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4},  # components
                   3: {"position": 3, "half_size": 3, "stress": 6}}
 
 
-class ResultError(SystemExit):
-    """Ends a script with its one line on standard error and exit status 1, unless somebody catches it."""
+class History(dict):
+    """The columns of history.csv by name, arrays [rows] in SI units, in the order of the file."""
 
-    def __init__(self, path, problem):
-        super().__init__(f"error: {path}: {problem}")
-
-
-class Parser(argparse.ArgumentParser):
-    """Refuses a command line with the one line of a ResultError; -h shows how it is used."""
-
-    def error(self, message):
-        raise SystemExit(f"error: {message}")
+    def table(self):
+        """Returns the columns as a pandas.DataFrame, or where there is no pandas as a record array of numpy."""
+        try:
+            import pandas
+        except ImportError:
+            return np.rec.fromarrays(list(self.values()), names=list(self))
+        return pandas.DataFrame(self)
 
 
 def read_history(directory):
-    """Returns history.csv as a dict from column name to array [rows], in the order of the file."""
+    """Returns the History of a result folder."""
     path = Path(directory) / "history.csv"
     try:
         header, *lines = path.read_text().splitlines() or [""]
@@ -50,7 +49,7 @@ def read_history(directory):
         table = np.array([line.split(",") for line in lines], float).reshape(-1, len(names))
     except ValueError:
         raise ResultError(path, f"not a table of {len(names)} columns of numbers") from None
-    return dict(zip(names, table.T))
+    return History(zip(names, table.T))
 
 
 def read_summary(directory):
@@ -69,20 +68,25 @@ def read_summary(directory):
     return summary
 
 
+def case_name(directory):
+    """Returns the name of the case in a result folder, or the folder's own name while the run goes on."""
+    return read_summary(directory).get("case") or Path(directory).resolve().name
+
+
 def level_boxes(summary):
     """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y, in space z] in m, coarsest first."""
     boxes = [(level["lower"], level["upper"]) for level in summary.get("levels", [])]
     return np.array(boxes, float).reshape(len(boxes), 2, len(boxes[0][0]) if boxes else 2)
 
 
-def frames(directory):
-    """Returns the paths of the frames points_FFFFFF.h5, in the order of their numbers."""
-    return sorted(Path(directory).glob("points_*.h5"), key=_number)
+def numbered_frames(directory):
+    """Returns {number: path} of the frames points_FFFFFF.h5 of a result folder, in the order of their numbers."""
+    return {number_in(path): path for path in sorted(Path(directory).glob("points_*.h5"), key=number_in)}
 
 
 def find_frame(directory, number=None):
     """Returns the path of the frame with this number, by default of the last one."""
-    numbered = {_number(path): path for path in frames(directory)}
+    numbered = numbered_frames(directory)
     if not numbered:
         raise ResultError(directory, "no results here (there is no points_*.h5)")
     if number is None:
@@ -92,11 +96,20 @@ def find_frame(directory, number=None):
     return numbered[number]
 
 
+def read_time(path):
+    """Returns the time (s) of a frame."""
+    try:
+        with h5py.File(path, "r") as file:
+            return float(file.attrs["time"])
+    except (OSError, KeyError, TypeError, ValueError) as problem:
+        raise ResultError(path, f"not a frame of points ({problem})") from None
+
+
 def read_frame(path):
     """Returns the Frame stored in a points_FFFFFF.h5; a level without points has arrays of length 0."""
     try:
         with h5py.File(path, "r") as file:
-            groups = sorted((name for name in file if name.startswith("level_")), key=_number)
+            groups = sorted((name for name in file if name.startswith("level_")), key=number_in)
             levels = [{name: data[()] for name, data in file[group].items()} for group in groups]
             if not levels:
                 raise KeyError("no group level_0")
@@ -115,41 +128,6 @@ def check_points(group, level):
             raise ValueError(f"{group} has no {name}")
         if level[name].shape != (len(level["position"]), components):
             raise ValueError(f"{name} of {group} has not {components} components a point")
-
-
-def slice_of(levels, boxes):
-    """Returns levels and boxes in the plane.
-
-    Of a run in space those in the plane normal to y through the middle of the finest level, or through its side y_lower where
-    that is the domain's, from which the points may have moved a little; the axes are then x and z, and stresses xx, zz, yy, xz.
-    """
-    if len(boxes) == 0 or boxes.shape[2] == 2:
-        return levels, boxes
-    lower, upper = boxes[-1, 0, 1], boxes[-1, 1, 1]
-    y = lower if lower <= boxes[0, 0, 1] else 0.5 * (lower + upper)
-    cut = []
-    for level in levels:
-        offset = y - level["position"][:, 1]
-        inside = (offset >= -1.5 * level["half_size"][:, 1]) & (offset < 0.5 * level["half_size"][:, 1])
-        points = {name: values[inside] for name, values in level.items()}
-        points["stress"] = points["stress"][:, [0, 2, 1, 5]]
-        for name in ("position", "half_size", "velocity"):
-            points[name] = points[name][:, [0, 2]]
-        cut.append(points)
-    return cut, boxes[:, :, [0, 2]]
-
-
-def mirrored(points, boxes):
-    """Returns the points of an axisymmetric run and their mirror images at the axis, and the boxes that hold both."""
-    image = {name: values.copy() for name, values in points.items()}
-    for name in ("position", "velocity"):
-        if name in image:
-            image[name][:, 0] *= -1
-    image["stress"][:, 3] *= -1
-    both = {name: np.concatenate([image[name], values]) for name, values in points.items()}
-    if len(boxes):
-        boxes = np.stack([boxes[:, 0] * [0, 1] - boxes[:, 1] * [1, 0], boxes[:, 1]], axis=1)
-    return both, boxes
 
 
 def all_points(levels):
@@ -175,7 +153,7 @@ def energy_residual(history):
     return present - supplied - history["kinetic_energy"][:1]
 
 
-def _number(name):
+def number_in(name):
     """Returns the number at the end of a frame's path or of a group's name: 12 for points_000012.h5."""
     digits = Path(name).stem.rpartition("_")[2]
     return int(digits) if digits.isdigit() else -1

@@ -1,0 +1,18 @@
+"""mlgimp from Python: run a case, read its results, indent a material, fit constants to a measured curve.
+
+    import mlgimp
+    test = mlgimp.indent("j2", youngs_modulus=70e9, poissons_ratio=0.33, density=2700, yield_stress=400e6, depth=200e-9)
+    test.history["load"], test.frame(-1)["stress"], test.oliver_pharr()[0]["hardness_GPa"]
+    test.plot("load_depth", out="pictures")
+
+All values are SI; curves and the analysis of unloadings are in the units of the laboratory (um, mN, GPa), which their names say.
+"""
+
+from .errors import Error, ResultError, RunError
+from .fitting import fit
+from .folder import Results, read
+from .indentation import indent
+from .load_depth import read_measured
+from .program import run
+
+__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "run"]

@@ -1,0 +1,258 @@
+"""Fields of points in a plane: the plane itself in two dimensions, mirrored at the axis in axisymmetry, in space the slice
+through the tip's axis. Each point is a rectangle of its present size, in its own colour: nothing is smoothed or filled in."""
+
+from collections import namedtuple
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from . import results
+from .errors import ResultError
+from .pictures import DOTS_PER_INCH, Unit, in_si_unit, lab_unit, si_unit, styled
+
+Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
+Panel = namedtuple("Panel", "title points boxes axes")
+Panel.__doc__ = """What is drawn of a frame: title; points, a dict with position [n][2] m, half_size [n][2] m (current half
+extents), stress [n][4] Pa (of the plane: xx, yy, across it, xy) and scalars [n]; boxes of levels [levels][lower, upper][2] m; and the
+names of the axes along, up and across, "xyz" in two dimensions and "xzy" of a slice in space."""
+
+STRESS_COLUMN = {"xx": 0, "yy": 1, "zz": 2, "xy": 3}
+SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressure", "Pa"),  # datasets, with label and unit
+           "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K")}
+LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a field's axes in inches
+LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
+UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
+MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+BELOW = 1.5  # inches below panels with a colour bar there
+GAP = 1.1  # inches for ticks and label, between two panels
+NEAR = "near"  # window that shows the finest level
+
+
+# ---- what is drawn ----
+
+def read_panel(directory, number=None, title=None):
+    """Returns the Panel of a frame, by default of the last one."""
+    path = results.find_frame(directory, number)
+    frame, history, summary = results.read_frame(path), results.read_history(directory), results.read_summary(directory)
+    points, boxes = results.all_points(frame.levels), results.level_boxes(summary)
+    is_space = points["position"].shape[1] == 3
+    if is_space:
+        points, boxes = slice_of(points, boxes, tip_across(history, frame.time))
+    elif "hoop_impulse_x" in history:
+        points, boxes = mirrored(points, boxes)
+    if not len(points["position"]):
+        raise ResultError(path, "holds no points")
+    title = f"{title or results.case_name(directory)}, t = {in_si_unit(frame.time, 's')}"
+    return Panel(title, points, boxes, "xzy" if is_space else "xyz")
+
+
+def tip_across(history, time):
+    """Returns the tip's y (m) at a time, through which a run in space is cut; None where it is not known."""
+    return float(np.interp(time, history["time"], history["tip_y"])) if "tip_y" in history else None
+
+
+def slice_of(points, boxes, y=None):
+    """Returns points and boxes in the plane across y (m), by default that through the middle of the finest level.
+
+    Of a plane through a side or a cell line these are the points next to it, on its greater side, at the body's end on the other.
+    Vectors keep their components x and z, stresses are xx, zz, yy, xz.
+    """
+    position, half = points["position"][:, 1], points["half_size"][:, 1]
+    if y is None:
+        y = boxes[-1, :, 1].mean() if len(boxes) else np.median(position)
+    beside = 0.5 if y < position.max() else -0.5
+    inside = np.abs(position - (y + beside * half)) <= half
+    cut = {name: values[inside] for name, values in points.items()}
+    cut["stress"] = cut["stress"][:, [0, 2, 1, 5]]
+    for name, values in cut.items():
+        if values.ndim == 2 and values.shape[1] == 3:
+            cut[name] = values[:, [0, 2]]
+    met = (boxes[:, 0, 1] <= y) & (y <= boxes[:, 1, 1])
+    return cut, boxes[met][:, :, [0, 2]]
+
+
+def mirrored(points, boxes):
+    """Returns the points of an axisymmetric run and their mirror images at the axis, and the boxes that hold both."""
+    image = {name: values.copy() for name, values in points.items()}
+    for name in ("position", "velocity", "displacement"):
+        if name in image:
+            image[name][:, 0] *= -1
+    image["stress"][:, 3] *= -1
+    both = {name: np.concatenate([image[name], values]) for name, values in points.items()}
+    if len(boxes):
+        boxes = np.stack([boxes[:, 0] * [0, 1] - boxes[:, 1] * [1, 0], boxes[:, 1]], axis=1)
+    return both, boxes
+
+
+def values_of(points, component):
+    """Returns one component of the stress, array [n] in Pa, by its name xx, yy, zz or xy in the plane, or one of the scalars."""
+    return points[component] if component in SCALARS else points["stress"][:, STRESS_COLUMN[component]]
+
+
+def spelt(component, axes):
+    """Returns a component of the stress by the names of the axes: yy of a slice in space is zz."""
+    return "".join(axes["xyz".index(letter)] for letter in component)
+
+
+# ---- colours ----
+
+def colour_scale(values, centred):
+    """Returns the Scale of a field from its values [n], with the outer 0.5 % at each end left out.
+
+    A field of both signs, or any `centred` one, gets limits that are symmetric about a white 0; one of a
+    single sign gets colours that darken away from 0.
+    """
+    low, high = np.percentile(values, [0.5, 99.5]) if len(values) else (0, 0)
+    largest = max(abs(low), abs(high))
+    if centred or (low < 0 < high and min(-low, high) > 0.05 * largest) or largest == 0:
+        return Scale(-largest or -1, largest or 1, "RdBu_r")
+    margin = max(0, 1e-3 * largest - (high - low)) / 2
+    return Scale(low - margin, high + margin, "magma" if low + high < 0 else "magma_r")
+
+
+def unit_of(values, component):
+    """Returns the Unit that a component's values are drawn in."""
+    symbol = SCALARS.get(component, ("", "Pa"))[1]
+    return si_unit(values, symbol) if symbol == "Pa" else Unit(1, symbol)
+
+
+def label_of(component, unit, axes="xyz"):
+    """Returns the text beside a colour bar."""
+    name = SCALARS[component][0] if component in SCALARS else rf"$\sigma_{{{spelt(component, axes)}}}$"
+    return f"{name} ({unit.name})" if unit.name else name
+
+
+def add_colourbar(axes, mappable, label, scale, values):
+    """Adds a colour bar at the right of axes, or below them where they are low.
+
+    Its ends are pointed where some of the values [n] that are drawn lie outside the scale, in the same unit.
+    """
+    width, height = axes.get_window_extent().size / axes.figure.dpi
+    upright = height > UPRIGHT
+    place = [1 + 0.2 / width, 0, 0.18 / width, 1] if upright else [0, -0.85 / height, 1, 0.18 / height]
+    ends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    beyond = ends[bool(np.any(values < scale.low)), bool(np.any(values > scale.high))]
+    bar = axes.figure.colorbar(mappable, cax=axes.inset_axes(place), extend=beyond, extendfrac=0.03,
+                               orientation="vertical" if upright else "horizontal")
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.6)
+
+
+# ---- windows ----
+
+def in_window(points, window):
+    """Returns a mask [n] of the points whose rectangle meets window (xmin, xmax, ymin, ymax) in m."""
+    lower, upper = points["position"] - points["half_size"], points["position"] + points["half_size"]
+    return np.all((upper >= window[0::2]) & (lower <= window[1::2]), axis=1)
+
+
+def extent(points):
+    """Returns the window (xmin, xmax, ymin, ymax) in m that the points fill, with a small margin."""
+    lower = np.min(points["position"] - points["half_size"], axis=0)
+    upper = np.max(points["position"] + points["half_size"], axis=0)
+    margin = 0.02 * np.max(upper - lower)
+    return np.column_stack([lower - margin, upper + margin]).ravel()
+
+
+def window_of(panels, window=None):
+    """Returns the window (xmin, xmax, ymin, ymax) in m for panels: the one given, all that there is, or near the finest level."""
+    if window is not None and not isinstance(window, str):
+        return np.asarray(window, float)
+    extents = np.array([extent(each.points) for each in panels])
+    everything = np.where([True, False] * 2, extents.min(axis=0), extents.max(axis=0))
+    if window != NEAR or not len(panels[0].boxes):
+        return everything
+    lower, upper = panels[0].boxes[-1]
+    margin = 0.1 * np.max(upper - lower)
+    near = np.column_stack([lower - margin, upper + margin]).ravel()
+    return np.where([True, False] * 2, np.maximum(near, everything), np.minimum(near, everything))
+
+
+def fitted(window, count):
+    """Returns the window, widened where it is too slender to draw, and its (width, height) in inches.
+
+    count: how many panels of this window stand side by side.
+    """
+    middle = np.array([window[0] + window[1], window[2] + window[3]]) / 2
+    size = np.array([window[1] - window[0], window[3] - window[2]])
+    inches_per_metre = min(np.min(LARGEST_PANEL / size), LARGEST_ROW / count / size[0])
+    size = np.maximum(size, SMALLEST_PANEL / inches_per_metre)
+    return np.column_stack([middle - size / 2, middle + size / 2]).ravel(), size * inches_per_metre
+
+
+# ---- drawing ----
+
+def paint(points, values, window, shape):
+    """Returns an image [rows from below][columns] of a window (m): the value at each of its dots, NaN where no point lies.
+
+    A rectangle covers all dots that it touches, so that neighbours leave no seams; stretched points lie beneath the others.
+    """
+    dot = np.array([window[1] - window[0], window[3] - window[2]]) / shape[::-1]
+    seen = np.flatnonzero(in_window(points, window))
+    seen = seen[np.argsort(-points["half_size"][seen].prod(axis=1), kind="stable")]
+    place = points["position"][seen] - window[0::2]
+    first = np.clip(np.floor((place - points["half_size"][seen]) / dot + 1e-6), 0, None).astype(int)
+    last = np.minimum(np.ceil((place + points["half_size"][seen]) / dot - 1e-6).astype(int), shape[::-1])
+    size = np.maximum(last - first, 0)
+    counts = size.prod(axis=1)
+    owner = np.repeat(np.arange(len(seen)), counts)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    row, column = np.divmod(within, size[owner, 0])
+    image = np.full(shape, np.nan)
+    image[first[owner, 1] + row, first[owner, 0] + column] = values[seen][owner]  # of several the last stays
+    return image
+
+
+def dots_of(axes):
+    """Returns how many (rows, columns) of dots axes have on paper."""
+    return tuple(np.maximum(np.rint(axes.get_window_extent().size[::-1]), 1).astype(int))
+
+
+def draw_field(axes, panel, component, window, scale, units):
+    """Draws a component over axes that show the window (m), with the boxes of levels, and returns the image.
+
+    units: Units of (length, stress).
+    """
+    length, stress = units
+    dots = paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
+    image = axes.imshow(dots, cmap=scale.colormap, vmin=scale.low * stress.factor, vmax=scale.high * stress.factor, origin="lower",
+                        extent=window * length.factor, interpolation="nearest", aspect="auto")
+    for lower, upper in panel.boxes * length.factor:
+        axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7))
+    axes.set(xlim=window[:2] * length.factor, ylim=window[2:] * length.factor)
+    axes.set(xlabel=f"{panel.axes[0]} ({length.name})", ylabel=f"{panel.axes[1]} ({length.name})")
+    set_ticks(axes)
+    return image
+
+
+def set_ticks(axes):
+    """Gives both directions as many ticks, at round numbers, as their length on paper has room for."""
+    width, height = axes.get_window_extent().size / axes.figure.dpi
+    axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(1.4 * width, 2, 8)), steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(2 * height, 1, 8)), steps=[1, 2, 5, 10]))
+
+
+@styled
+def fields(panels, component, window=None, scale=None):
+    """Returns the picture of one component, with a Panel for each of panels side by side.
+
+    All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units.
+    """
+    window, (width, height) = fitted(window_of(panels, window), len(panels))
+    values = np.concatenate([values_of(each.points, component)[in_window(each.points, window)] for each in panels])
+    scale = scale or colour_scale(values, centred=component == "xy")
+    units = lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
+    left, bottom, right, top = MARGIN
+    bottom = bottom if height > UPRIGHT else BELOW
+    full = left + len(panels) * (width + GAP) - GAP + right, bottom + height + top
+    figure = plt.figure(figsize=full, dpi=DOTS_PER_INCH)
+    for place, panel in enumerate(panels):
+        axes = figure.add_axes([(left + place * (width + GAP)) / full[0], bottom / full[1], width / full[0], height / full[1]])
+        image = draw_field(axes, panel, component, window, scale, units)
+        axes.set_title(panel.title)
+        if place > 0:
+            axes.set_ylabel("")
+    add_colourbar(axes, image, label_of(component, units[1], panels[0].axes), scale, values)
+    return figure

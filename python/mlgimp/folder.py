@@ -1,0 +1,91 @@
+"""A run as an object: everything that is in its result folder, and what follows from it."""
+
+from functools import cached_property
+from pathlib import Path
+
+from . import load_depth, oliver_pharr, results
+from .errors import Error
+
+
+def read(folder):
+    """Returns the Results of a run in a folder; raises a ResultError where there are none."""
+    found = Results(folder)
+    found.history  # so that a wrong folder is told here
+    return found
+
+
+class Results:
+    """The results of a run. Values are SI unless a name or docstring says otherwise; files are read when they are asked for."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    def __repr__(self):
+        return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', 'not ended')}, {len(self.frames)} frames"
+
+    @cached_property
+    def history(self):
+        """The columns of history.csv by name, arrays [rows]: history["load"] in N. history.table() is a pandas.DataFrame where
+        there is pandas, else a record array."""
+        return results.read_history(self.folder)
+
+    @cached_property
+    def summary(self):
+        """What summary.json has: status, levels, steps, options, ...; an empty dict while the run goes on."""
+        return results.read_summary(self.folder)
+
+    @cached_property
+    def frames(self):
+        """The times of the frames, {number: time in s}, in their order."""
+        return {number: results.read_time(path) for number, path in results.numbered_frames(self.folder).items()}
+
+    def frame(self, number=-1):
+        """Returns the points of all levels of a frame as a dict of arrays by name, [points] or [points][components].
+
+        number: one of frames, or from the end, as -1 for the last. `level` tells the level of each point, position is in m, stress
+        in Pa (xx, yy, zz, xy, in space yz, xz too); README.md has the list.
+        """
+        if number < 0:
+            if -number > len(self.frames):
+                raise Error(f"{self.folder}: no frame {number}; there are {len(self.frames)}")
+            number = list(self.frames)[number]
+        return results.all_points(results.read_frame(results.find_frame(self.folder, number)).levels)
+
+    def curve(self):
+        """Returns the load-depth curve of the whole tip as a load_depth.Curve: um, mN, s."""
+        return load_depth.read_run(self.folder)
+
+    def oliver_pharr(self, **constants):
+        """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
+
+        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3. What has no meaning
+        is NaN, and `warnings` says what makes the figures doubtful.
+        """
+        return oliver_pharr.analyse(self.curve(), oliver_pharr.Constants(**constants))
+
+    def plot(self, *names, frame=None, window=None, out=None):
+        """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.
+
+        names: load_depth, contact_pressure, stress_xx, stress_yy, stress_xy, von_mises_stress, energy, of metals pressure,
+        equivalent_plastic_strain and in space plastic_surface.
+        frame: its number, by default the last, and for contact_pressure that of the largest load.
+        window: (xmin, xmax, ymin, ymax) in m, or "near" for the finest level.
+        out: a folder, into which they are written as NAME.png and closed.
+        """
+        from . import pictures  # matplotlib only where something is drawn
+        from .gallery import gallery
+        drawn = gallery(self.folder, frame, window)
+        for name in names:
+            if name not in drawn:
+                raise Error(f"{self.folder}: no picture {name}; there are {', '.join(drawn)}")
+        figures = {name: drawn[name]() for name in names or drawn}
+        if out is not None:
+            pictures.make_folder(out)
+            for name, figure in figures.items():
+                pictures.save(figure, Path(out) / f"{name}.png")
+        return figures
+
+    def movie(self, path, component="von_mises_stress", window=None):
+        """Writes a movie of all frames to path, which ends in .gif or .mp4; component: xx, yy, xy, von_mises_stress, ..."""
+        from .movie import movie
+        movie(self.folder, path, component, window)

@@ -1,0 +1,37 @@
+"""Which pictures a run has, and how each is drawn."""
+
+import numpy as np
+
+from . import fields, pictures, results, surface
+
+
+def gallery(directory, number=None, window=None):
+    """Returns the pictures of a result folder as {name: function that draws it and returns a matplotlib Figure}.
+
+    number: frame, by default the last, and for the pressure of contact that of the largest load. window: (xmin, xmax, ymin, ymax)
+    in m, "near" for the finest level, None for all that there is.
+    """
+    history, title = results.read_history(directory), results.case_name(directory)
+    panel = fields.read_panel(directory, number)
+    drawn = {}
+    if results.has_indenter(history):
+        drawn["load_depth"] = lambda: pictures.load_depth(history, title)
+        drawn["contact_pressure"] = lambda: surface.contact_pressure(directory, number)
+    for component in components_of(panel):
+        name = component if component in fields.SCALARS else f"stress_{fields.spelt(component, panel.axes)}"
+        drawn[name] = lambda component=component: fields.fields([panel], component, window)
+    if panel.axes == "xzy" and is_plastic(panel):
+        drawn["plastic_surface"] = lambda: surface.plastic_surface(directory, number)
+    drawn["energy"] = lambda: pictures.energy(history, title)
+    return drawn
+
+
+def components_of(panel):
+    """Returns the components that are drawn of a Panel: three stresses, von Mises stress, and of metals the other scalars."""
+    scalars = [name for name in fields.SCALARS if name in panel.points and (name == "von_mises_stress" or is_plastic(panel))]
+    return ["xx", "yy", "xy", *scalars]
+
+
+def is_plastic(panel):
+    """Whether any point of a Panel has flowed."""
+    return bool(np.any(panel.points.get("equivalent_plastic_strain", 0) > 0))

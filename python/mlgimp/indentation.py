@@ -1,0 +1,229 @@
+"""The common case: a tip is pressed slowly into a block of one material and drawn back. A few numbers become an options file."""
+
+import math
+from pathlib import Path
+
+from . import tips
+from .errors import Error
+from .options import text_of, write_options
+from .program import run
+
+RATIO = 4  # of cells of neighbouring levels
+BOX, GROWTH = 4.3, 3.4  # contact radii from the axis to the finest level's border; how much larger the next box is
+LEAST_BOX = 32  # cells of its own that the finest level is wide, so that the contact stays away from the border
+LARGEST_BOX = 0.6  # of the block: a level that would be larger is left out
+ROOM = 2  # cells of the coarsest level over the block, for what piles up
+TABOR, STRAIN = 2.8, 0.08  # hardness over the flow stress at this strain
+REST = 0.1  # of the load, at which an unloading under load control ends
+THREE_FACES = ("berkovich", "cube_corner")  # no symmetry across x
+
+HARDENING = "yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain"
+FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law
+    "linear": lambda k, a: k["yield_stress"] + k.get("hardening_modulus", 0) * a,
+    "power": lambda k, a: k["yield_stress"] * (1 + k["youngs_modulus"] * a / k["yield_stress"]) ** k["hardening_exponent"],
+    "swift": lambda k, a: k["yield_stress"] * (1 + a / k["hardening_strain"]) ** k["hardening_exponent"],
+    "ludwik": lambda k, a: k["yield_stress"] + k["hardening_modulus"] * a ** k["hardening_exponent"],
+    "voce": lambda k, a: (k["saturation_stress"]
+                          - (k["saturation_stress"] - k["yield_stress"]) * math.exp(-a / k["saturation_strain"])),
+}
+
+
+def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentation.opts", ranks=1, progress=None, overwrite=False,
+           **case):
+    """Indents a block of one material slowly, draws the tip back, and returns the Results.
+
+    The options file is for the user to keep and to change; the results go to output/ and its name. Everything else is as in
+    indentation_options. overwrite: replaces an options file and results that are there.
+    """
+    groups = indentation_options(law, tip=tip, depth=depth, load=load, **case)
+    if Path(file).exists() and not overwrite:
+        raise Error(f"{file}: is there already; give overwrite=True, or another file")
+    largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N"
+    write_options(file, groups, f"Indentation of {law} by {tip}, {largest}, written by mlgimp.indent. All values are SI.\n"
+                                "docs/options.md explains each option.")
+    return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
+
+
+def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3,
+                        density=5000.0, half_angle=None, radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0,
+                        unload=True, tolerance=0.02, frames=10, options=None, **constants):
+    """Returns the options of an indentation in groups, a list of dicts, for write_options.
+
+    law: -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa),
+    yield_stress (Pa), hardening_modulus (Pa, 0), hardening="power", ...; of a slow test the density (kg/m3) does not count.
+    tip: cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry
+    are the cones of the same area; tip_radius (m) rounds cones and pyramids.
+    depth (m) or load (N): the largest; the tip is drawn back until it is free, or to a tenth of the load; unload=False: not.
+    geometry: axisymmetric, or 3d: a quarter model, of tips with three faces a half model.
+    cells: of the finest level over the radius of the contact; block: width and height of the block in these radii.
+    tolerance: share of the load that inertia and damping may add; the time of the run goes like its inverse.
+    options: other options, which count more, as {"damping": 1e7}.
+    """
+    constants = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants}
+    if law == "j2" and "hardening" not in constants:
+        constants.setdefault("hardening_modulus", 0.0)
+    check_numbers(constants, {"depth": depth, "load": load}, cells, block)
+    shape = shape_of(tip, geometry, half_angle, radius, tip_radius)
+    size = size_of_contact(shape, constants, depth, load)
+    grid = grid_of(geometry, tip, float(f"{size / cells:.2g}"), cells, block)
+    top = grid["block_upper"][-1]
+    if depth is not None:
+        turns = {"indenter_depths": (depth, depth_of_return(shape, constants, depth)) if unload else depth}
+    else:
+        largest = load / model_parts(geometry, tip)
+        loads = (0, largest, REST * largest) if unload else (0, largest)
+        turns = {"indenter_control": "load", "indenter_times": tuple(range(len(loads))), "indenter_loads": loads}
+    groups = [
+        grid["grid"], *grid["levels"],
+        {"materials": "specimen", "specimen_model": law, **{f"specimen_{name}": value for name, value in constants.items()}},
+        {"bodies": "block", "block_lower": grid["block_lower"], "block_upper": grid["block_upper"]},
+        {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
+        {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
+    ]
+    return overridden(groups, options or {})
+
+
+def overridden(groups, options):
+    """Returns the groups with other options: in place of those that are there, the rest as a group of their own."""
+    known = {name for group in groups for name in group}
+    rest = {name: value for name, value in options.items() if name not in known}
+    return [{name: options.get(name, value) for name, value in group.items()} for group in groups] + [rest] * bool(rest)
+
+
+# ---- checks ----
+
+def check(name, value, good, allowed):
+    """Refuses a value that is not a number, or not good."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or not good(value):
+        raise Error(f"{name}={value}: must be {allowed}")
+
+
+def check_numbers(constants, goal, cells, block):
+    """Refuses what the sizes of the grid could not be computed from; the program looks at the rest."""
+    if (goal["depth"] is None) == (goal["load"] is None):
+        raise Error("depth, load: one of them must be given")
+    if goal["depth"] is not None:
+        check("depth", goal["depth"], lambda h: 0 < h <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9")
+    else:
+        check("load", goal["load"], lambda force: force > 0, "a number > 0 in N; 10 mN are 10e-3")
+    check("youngs_modulus", constants["youngs_modulus"], lambda modulus: modulus >= 1e3, "a number >= 1e3 in Pa; 70 GPa are 70e9")
+    check("poissons_ratio", constants["poissons_ratio"], lambda nu: -1 < nu < 0.5, "in (-1, 0.5)")
+    for name in HARDENING:
+        if name in constants:
+            check(name, constants[name], lambda value: value >= 0, "a number >= 0")
+    check("cells", cells, lambda count: 4 <= count <= 100, "in [4, 100]")
+    check("block", block, lambda width: 8 <= width <= 1000, "in [8, 1000] radii of the contact")
+
+
+# ---- tip and contact ----
+
+def shape_of(tip, geometry, half_angle, radius, tip_radius):
+    """Returns the options of the tip's shape."""
+    if geometry not in ("axisymmetric", "3d"):
+        raise Error(f"geometry={geometry}: must be axisymmetric or 3d")
+    if tip not in tips.NEEDS or tip == "pyramid":
+        raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
+    given = {"half_angle": half_angle, "radius": radius}
+    for name in given:
+        if (given[name] is None) == (name in tips.NEEDS[tip]):
+            raise Error(f"{name}: must be {'given' if name in tips.NEEDS[tip] else 'left out'} for tip={tip}")
+    if tip in tips.PYRAMIDS and geometry == "axisymmetric":  # the cone with the same area at each depth
+        tangent = math.sqrt(float(tips.make_tip(tip).area(1.0)) / math.pi)
+        tip, given["half_angle"] = "cone", round(math.degrees(math.atan(tangent)), 2)
+    shape = {"indenter": tip}
+    if given["half_angle"] is not None:
+        check("half_angle", given["half_angle"], lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis")
+        shape["indenter_half_angle"] = given["half_angle"]
+    if radius is not None:
+        check("radius", radius, lambda r: 0 < r <= 0.1, "in (0, 0.1] m; 5 um are 5e-6")
+        shape["indenter_radius"] = radius
+    if tip_radius:
+        check("tip_radius", tip_radius, lambda r: 0 < r <= 0.1, "in [0, 0.1] m; 100 nm are 100e-9")
+        shape["indenter_tip_radius"] = tip_radius
+    return shape
+
+
+def tip_of(shape):
+    """Returns the Tip (um) of the options of a shape."""
+    sizes = {"half_angle": shape.get("indenter_half_angle"), "tip_radius": 1e6 * shape.get("indenter_tip_radius", 0)}
+    return tips.make_tip(shape["indenter"], **sizes, radius=1e6 * shape.get("indenter_radius", 0))
+
+
+def contact_modulus(constants):
+    """Returns E/(1 - nu^2) in Pa."""
+    return constants["youngs_modulus"] / (1 - constants["poissons_ratio"] ** 2)
+
+
+def hardness(constants):
+    """Returns Tabor's hardness of a metal in Pa, infinite for what does not flow or whose law is not known here."""
+    law = FLOW_STRESS.get(constants.get("hardening", "linear"), FLOW_STRESS["linear"])
+    try:
+        return TABOR * law(constants, STRAIN) if "yield_stress" in constants else math.inf
+    except (KeyError, ZeroDivisionError) as problem:
+        raise Error(f"{problem.args[0]}: must be given, and > 0, for hardening={constants['hardening']}") from None
+
+
+def size_of_contact(shape, constants, depth, load):
+    """Returns about the radius (m) of the contact: that of the tip's section at the depth, or that which bears the load."""
+    if depth is not None:
+        if shape["indenter"] == "sphere" and not depth < shape["indenter_radius"]:
+            raise Error(f"depth={depth}: must be less than the radius of the sphere")
+        return 1e-6 * math.sqrt(float(tip_of(shape).area(1e6 * depth)) / math.pi)
+    if shape["indenter"] == "flat_punch":
+        return shape["indenter_radius"]
+    if shape["indenter"] == "sphere":
+        elastic = (0.75 * load * shape["indenter_radius"] / contact_modulus(constants)) ** (1 / 3)
+    else:
+        tangent = math.sqrt(float(tip_of({**shape, "indenter_tip_radius": 0}).area(1.0)) / math.pi)
+        elastic = math.sqrt(2 * load * tangent / math.pi / contact_modulus(constants))
+    return max(elastic, math.sqrt(load / math.pi / hardness(constants)))
+
+
+def depth_of_return(shape, constants, depth):
+    """Returns the depth (m) to which the tip is drawn back: beyond that where the contact ends, which is P/S or somewhat more."""
+    beyond = 1.6
+    radius = size_of_contact(shape, constants, depth, None)
+    elastic = math.pi / 2 * min(hardness(constants), contact_modulus(constants)) / contact_modulus(constants) * radius / depth
+    return float(f"{depth * max(0.0, 1 - beyond * elastic):.3g}")
+
+
+# ---- grid ----
+
+def model_parts(geometry, tip):
+    """Returns how many models make the whole tip."""
+    return 1 if geometry == "axisymmetric" else 2 if tip in THREE_FACES else 4
+
+
+def grid_of(geometry, tip, cell, cells, block):
+    """Returns the options of the background grid and the levels, and the block's corners; cell: edge of the finest cells in m.
+
+    The finest box has BOX contact radii, the next GROWTH times more, until one would hold most of the block; each is a whole
+    number of the next coarser cells, down from the block's top and up through the room over it.
+    """
+    widths, width = [], max(BOX * cells, LEAST_BOX)
+    while width < LARGEST_BOX * block * cells:
+        widths.append(width)
+        width *= GROWTH
+    levels = len(widths) + 1
+    coarsest = RATIO ** (levels - 1)
+    wide = coarsest * math.ceil(block * cells / coarsest)
+    room = ROOM * coarsest
+    mirrored = [True] if geometry == "axisymmetric" else [tip not in THREE_FACES, True]  # across the axes but the last
+    sides = {f"boundary_{'xyz'[axis]}_{side}": "symmetry" for axis in range(len(mirrored)) for side in ("lower", "upper")}
+
+    def lower(width, bottom):
+        return [round(each * cell, 15) for each in [0 if half else -width for half in mirrored] + [bottom]]
+
+    def upper(width, top):
+        return [round(each * cell, 15) for each in [width] * len(mirrored) + [top]]
+
+    grid = {"geometry": geometry, "domain_lower": lower(wide, 0), "domain_upper": upper(wide, wide + room),
+            "cell_size": round(coarsest * cell, 15), **sides, f"boundary_{'xyz'[len(mirrored)]}_lower": "symmetry"}
+    boxes = [{"levels": levels, "refinement_ratio": RATIO}] * (levels > 1)
+    for level, width in enumerate(reversed(widths), start=1):
+        parent = RATIO ** (levels - level)
+        width = parent * math.ceil(width / parent)
+        boxes[0] |= {f"level_{level}_lower": lower(width, wide - width), f"level_{level}_upper": upper(width, wide + room)}
+    if geometry == "axisymmetric":
+        del grid["boundary_x_lower"]  # the axis
+    return {"grid": grid, "levels": boxes, "block_lower": lower(wide, 0), "block_upper": upper(wide, wide)}

@@ -1,0 +1,72 @@
+"""Movies of a field: all frames of a run with one colour scale, by matplotlib's writers."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import animation
+from matplotlib import pyplot as plt
+
+from . import fields, results
+from .errors import Error, ResultError
+from .pictures import DOTS_PER_INCH, styled
+
+FRAMES_PER_SECOND = 8
+
+
+class GifWriter(animation.PillowWriter):
+    """Gives each frame 256 colours of its own: with the fixed ones of the format a smooth field has bands."""
+
+    def grab_frame(self, **settings):
+        super().grab_frame(**settings)
+        self._frames[-1] = self._frames[-1].convert("RGB").quantize(256, dither=0)
+
+
+ENDINGS = {".gif": GifWriter, ".mp4": animation.FFMpegWriter}
+
+
+def writer_for(path):
+    """Returns matplotlib's writer for a file by its ending."""
+    writer = ENDINGS.get(Path(path).suffix.lower())
+    if writer is None:
+        raise Error(f"{path}: the name of a movie must end in {' or '.join(ENDINGS)}")
+    if not writer.isAvailable():
+        raise Error(f"{path}: ffmpeg is not installed; a movie in a .gif needs none")
+    return writer(fps=FRAMES_PER_SECOND)
+
+
+def common_scale(directory, numbers, component, window):
+    """Returns the Scale that holds those of all frames."""
+    scales = []
+    for number in numbers:
+        points = fields.read_panel(directory, number).points
+        if component in fields.SCALARS and component not in points:
+            raise ResultError(directory, f"its points have no {component}")
+        values = fields.values_of(points, component)[fields.in_window(points, window)]
+        scales.append(fields.colour_scale(values, component == "xy"))
+    return fields.colour_scale(np.array([end for scale in scales for end in (scale.low, scale.high)]), component == "xy")
+
+
+@styled
+def movie(directory, path, component="von_mises_stress", window=None):
+    """Writes the movie of a component of all frames: xx, yy, zz, xy or one of fields.SCALARS; window as in fields.fields."""
+    writer, numbers = writer_for(path), list(results.numbered_frames(directory))
+    last = fields.read_panel(directory)
+    window = fields.window_of([last], window)
+    scale = common_scale(directory, numbers, component, window)
+    figure = fields.fields([last], component, window, scale)
+    axes, = (each for each in figure.axes if each.images)
+    image, = axes.images
+    factor = fields.unit_of([scale.low, scale.high], component).factor
+    bounds = fields.fitted(window, 1)[0]
+    try:
+        with writer.saving(figure, str(path), DOTS_PER_INCH):
+            for number in numbers:
+                panel = fields.read_panel(directory, number)
+                values = fields.values_of(panel.points, component) * factor
+                image.set_data(fields.paint(panel.points, values, bounds, image.get_array().shape))
+                axes.set_title(panel.title)
+                writer.grab_frame()
+    except (OSError, ValueError) as problem:
+        raise ResultError(path, f"cannot be written ({' '.join(str(problem).split())})") from None
+    finally:
+        plt.close(figure)

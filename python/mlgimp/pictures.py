@@ -1,0 +1,145 @@
+"""What all pictures share: units of the laboratory, the look, saving; and the line plots of a run."""
+
+import functools
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+from matplotlib import pyplot as plt
+
+from . import results
+from .errors import ResultError
+
+Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the unit of this name
+
+LABORATORY = {"m": Unit(1e6, "µm"), "N": Unit(1e3, "mN")}  # what is used where numbers stay readable
+READABLE = 1e-2, 2e4  # the largest number on an axis
+DOTS_PER_INCH = 160
+STYLE = {
+    "figure.dpi": DOTS_PER_INCH, "font.size": 12, "axes.titlesize": 13, "axes.titlepad": 10,
+    "legend.frameon": False, "legend.fontsize": 11, "legend.handlelength": 2.6,
+    "axes.grid": False, "grid.color": "0.9", "axes.axisbelow": True, "lines.linewidth": 1.8,
+    "axes.prop_cycle": plt.cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"],
+                                  linestyle=["-", "--", "-.", "-", "--", "-."]),  # curves may coincide
+}
+ENERGIES = {"kinetic_energy": "-", "strain_energy": "-", "dissipated_energy": "-", "external_work": "--", "indenter_work": "--"}
+
+
+def styled(draw):
+    """Decorates a function that draws: STYLE counts while it does, the user's own settings before and after.
+
+    rc_context would forget the backend, too, which a notebook chooses with its first figure.
+    """
+    @functools.wraps(draw)
+    def drawn(*arguments, **named):
+        before = {name: plt.rcParams[name] for name in STYLE}
+        plt.rcParams.update(STYLE)
+        try:
+            return draw(*arguments, **named)
+        finally:
+            plt.rcParams.update(before)
+    return drawn
+
+
+# ---- units ----
+
+def si_unit(values, symbol):
+    """Returns the Unit with the prefix (n, u, m, k, ...) that puts the largest of |values| into 1 .. 1000."""
+    largest = np.max(np.abs(values), initial=0)
+    exponent = 3 * int(np.floor(np.log10(largest * (1 + 1e-9)) / 3)) if largest > 0 else 0
+    exponent = min(max(exponent, -15), 12)
+    return Unit(10.0**-exponent, "fpnµm kMGT"[exponent // 3 + 5].strip() + symbol)
+
+
+def lab_unit(values, symbol):
+    """Returns the laboratory's Unit for lengths (m) and forces (N) where numbers in it are readable, else that of si_unit."""
+    largest = np.max(np.abs(values), initial=0)
+    unit = LABORATORY.get(symbol)
+    return unit if unit and READABLE[0] <= largest * unit.factor <= READABLE[1] else si_unit(values, symbol)
+
+
+def in_si_unit(value, symbol):
+    """Returns a value as text with a prefixed unit: 2.25e-8, 's' gives '22.5 ns'."""
+    unit = si_unit(value, symbol)
+    return f"{value * unit.factor:.4g} {unit.name}"
+
+
+# ---- lines ----
+
+def line_axes(axes, xlabel, ylabel):
+    """Gives axes the look that all line plots share."""
+    axes.set(xlabel=xlabel, ylabel=ylabel)
+    axes.grid(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.margins(x=0.02)
+
+
+def draw_load_depth(axes, curves, load_unit, depth_unit):
+    """Draws load against depth; curves is a list of (label, depth [rows] m, load [rows] N, line style)."""
+    for label, depth, load, style in curves:
+        axes.plot(depth * depth_unit.factor, load * load_unit.factor, label=label, **style)
+    line_axes(axes, f"depth ({depth_unit.name})", f"load ({load_unit.name})")
+    if len(curves) > 1:
+        axes.legend()
+
+
+@styled
+def load_depth(history, title):
+    """Returns the picture of load against depth of one run."""
+    load, depth = history["load"], history["depth"]
+    figure, axes = plt.subplots(figsize=(6.4, 4.6))
+    draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"))
+    axes.set_title(title)
+    return figure
+
+
+@styled
+def compared(measured, runs):
+    """Returns the picture of a measured load_depth.Curve as dots, and of runs, a list of (label, Curve, colour)."""
+    figure, axes = plt.subplots(figsize=(6.8, 4.8), layout="constrained")
+    axes.plot(measured.depth, measured.load, ".", color="C0", markersize=2, linestyle="none", label=measured.name)
+    for label, curve, colour in runs:
+        axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.3, label=label)
+    line_axes(axes, "depth (µm)", "load (mN)")
+    axes.legend()
+    return figure
+
+
+@styled
+def energy(history, title):
+    """Returns the picture of the energies and works against time, with the residual of their balance below."""
+    residual = results.energy_residual(history)
+    time_unit, residual_unit = si_unit(history["time"], "s"), si_unit(residual, "J")
+    unit = si_unit([history[name] for name in ENERGIES], "J")
+    time = history["time"] * time_unit.factor
+    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(7.6, 6.2), height_ratios=[2.6, 1], layout="constrained")
+    for name, style in ENERGIES.items():
+        above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " "))
+    below.plot(time, residual * residual_unit.factor, "-", color="0.25")
+    below.axhline(0, color="0.6", linewidth=0.8)
+    line_axes(above, "", f"energy ({unit.name})")
+    line_axes(below, f"time ({time_unit.name})", f"residual ({residual_unit.name})")
+    above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    above.set_title(title)
+    figure.align_ylabels()
+    return figure
+
+
+# ---- files ----
+
+def make_folder(path):
+    """Makes a folder for pictures, where there is none."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise ResultError(path, f"must be a folder for pictures ({problem.strerror})") from None
+
+
+def save(figure, path):
+    """Writes a figure to a file whose ending says of what kind, and closes it."""
+    try:
+        figure.savefig(path, dpi=DOTS_PER_INCH, bbox_inches="tight", pad_inches=0.12)
+    except (OSError, ValueError) as problem:  # no such folder, no such kind of picture, a label that is no formula
+        raise ResultError(path, f"cannot be drawn ({' '.join(str(problem).split())})") from None
+    finally:
+        plt.close(figure)

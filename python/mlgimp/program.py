@@ -1,0 +1,113 @@
+"""Runs the program mlgimp: finds it, shows how far it is, and turns its one line of an error into an exception."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+from . import options as text
+from .errors import Error, RunError
+from .folder import read
+
+PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lies in where it is not installed
+# For Open MPI in containers and on machines with few cores; what the user has set counts more.
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+               "OMPI_MCA_mpi_yield_when_idle": "1"}
+BAR = 30  # characters
+MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
+
+
+def run(options, ranks=1, *, progress=None, **more):
+    """Runs a case and returns its Results.
+
+    options: path of an options file, or a dict {"cell_size": 5e-7, "domain_upper": (24e-6, 24e-6), "overwrite": True, ...} of the
+    program's options without their dashes (SI units), where "options_file" may name a file; `more` are further options, which
+    count more. The results go to `output_dir`, by default output/ and the options file's name in the present folder.
+    ranks: processes, started by mpiexec where they are several. progress: whether to show a bar; by default on a terminal and in
+    a notebook.
+
+    Raises RunError with the program's line where the run does not reach its end; warnings of the program become warnings here.
+    """
+    values = {**({"options_file": options} if isinstance(options, (str, os.PathLike)) else options), **more}
+    for line in execute(values, ranks, is_watched() if progress is None else progress):
+        warnings.warn(line, stacklevel=2)
+    return read(output_folder(values))
+
+
+def output_folder(options):
+    """Returns the folder to which a run with these options writes."""
+    file = options.get("options_file")
+    return Path(options.get("output_dir") or Path("output") / (Path(file).stem if file else "run"))
+
+
+def execute(options, ranks=1, progress=False):
+    """Runs the program with a dict of options to its end and returns the lines of its warnings; see run."""
+    if not (isinstance(ranks, int) and ranks >= 1):
+        raise Error(f"ranks={ranks}: must be a whole number >= 1")
+    file, others = options.get("options_file"), {name: value for name, value in options.items() if name != "options_file"}
+    words = ([] if file is None else ["-options_file", str(file)]) + text.to_words({**others, "monitor": progress})
+    start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    with tempfile.TemporaryFile() as errors:
+        try:
+            process = subprocess.Popen([*start, find_program(), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                       stderr=errors, env={**ENVIRONMENT, **os.environ})
+        except OSError as problem:
+            raise Error(f"{problem.filename}: cannot be started ({problem.strerror})") from None
+        status = watch(process, progress)
+        errors.seek(0)
+        lines = errors.read().decode(errors="replace").splitlines()
+    if status != 0:
+        raise RunError(line_of_failure(lines, status))
+    return [line for line in lines if line.startswith("mlgimp: warning:")]
+
+
+def find_program():
+    """Returns the program's path: in the folder MLGIMP_BIN of the environment, else in bin/ of the project, else on PATH."""
+    given = os.environ.get("MLGIMP_BIN")
+    place = PROJECT / (given or "bin") / "mlgimp"
+    found = str(place) if place.exists() else None if given else shutil.which("mlgimp")
+    if not found:
+        looked = f"at {place}" if given or (PROJECT / "makefile").exists() else "on PATH"
+        raise Error(f"the program mlgimp is not {looked}: `make` builds it; MLGIMP_BIN may name the folder that holds it")
+    return found
+
+
+def line_of_failure(lines, status):
+    """Returns the one line for a run that failed, from its lines on standard error and its exit status."""
+    own = [line for line in lines if line.startswith("mlgimp: error:")]
+    others = [line for line in lines if re.search(r"\w", line)]
+    return (own or others or [f"mlgimp ended with exit status {status}"])[0]
+
+
+def is_watched():
+    """Whether somebody sees what is printed now: on a terminal or in a notebook."""
+    return sys.stdout.isatty() or "ipykernel" in sys.modules
+
+
+def watch(process, progress):
+    """Waits for a process, shows a bar where asked to, and returns the exit status; the process ends with an exception here."""
+    with process:
+        try:
+            for piece in iter(lambda: process.stdout.read1(65536), b""):
+                found = MONITOR.findall(piece.decode(errors="replace"))
+                if progress and found:
+                    depth, load, percent, left = found[-1]
+                    where = f"depth {1e6 * float(depth):.3g} um, load {1e3 * float(load):.3g} mN"
+                    show_bar(int(percent), 100, f"{percent} %, {where}, {left} s left")
+        except BaseException:
+            process.terminate()
+            raise
+        finally:
+            if progress:
+                print()
+    return process.returncode
+
+
+def show_bar(done, count, words):
+    """Prints a bar over the last one in the same line."""
+    full = BAR * done // count
+    print(f"\r[{'#' * full}{'.' * (BAR - full)}] {words}   ", end="", flush=True)

@@ -1,0 +1,151 @@
+"""The surface under the tip: pressure of contact over the radius, and in space the surface itself, coloured."""
+
+import numpy as np
+from matplotlib import tri
+from matplotlib import pyplot as plt
+from scipy.spatial import cKDTree
+
+from . import fields, load_depth, results
+from .errors import ResultError
+from .pictures import Unit, in_si_unit, lab_unit, line_axes, si_unit, styled
+
+PRESSED = 0.05  # of the largest pressure: what counts as contact when the part to show is chosen
+SHOWN = 2.5  # times the reach of the contact
+EXAGGERATED = 0.18  # height of the box that the surface is drawn in, of its width
+
+
+def surface_of(points):
+    """Returns a mask [n] of the points with no other above their middle.
+
+    Only the highest in each column half as wide as the finest points can be one; of these, those under another's face are not.
+    """
+    lateral, top, half = points["position"][:, :-1], points["position"][:, -1], points["half_size"][:, :-1]
+    finest = half[points["level"] == points["level"].max()]
+    columns = np.floor((lateral - lateral.min(axis=0)) / np.median(finest, axis=0)).astype(int)
+    order = np.lexsort([top, *columns.T])
+    last = np.append(np.any(np.diff(columns[order], axis=0) != 0, axis=1), True)
+    highest = order[last]
+    pairs = cKDTree(lateral[highest]).query_pairs(half[highest].max(), p=np.inf, output_type="ndarray")
+    low, high = highest[np.where((top[highest[pairs[:, 0]]] < top[highest[pairs[:, 1]]])[:, None], pairs, pairs[:, ::-1])].T
+    hidden = low[np.all(np.abs(lateral[low] - lateral[high]) < half[high], axis=1)]
+    mask = np.zeros(len(top), bool)
+    mask[np.setdiff1d(highest, hidden)] = True
+    return mask
+
+
+def pressure_on(points):
+    """Returns the pressure [n] in Pa on points of the surface: minus their vertical normal stress, half their height below it."""
+    return -points["stress"][:, points["position"].shape[1] - 1]
+
+
+def frame_of_largest_load(directory):
+    """Returns the number of the frame whose load is the largest."""
+    history = results.read_history(directory)
+    times = {number: results.read_time(path) for number, path in results.numbered_frames(directory).items()}
+    if not times:
+        raise ResultError(directory, "no results here (there is no points_*.h5)")
+    loads = np.interp(list(times.values()), history["time"], history["load"])
+    return list(times)[int(np.argmax(loads))]
+
+
+def read_surface(directory, number=None):
+    """Returns (time, points of the surface, place of the tip [dim - 1] m, options), by default at the largest load."""
+    number = frame_of_largest_load(directory) if number is None else number
+    frame, history = results.read_frame(results.find_frame(directory, number)), results.read_history(directory)
+    points = results.all_points(frame.levels)
+    points = {name: values[top] for top in [surface_of(points)] for name, values in points.items()}
+    lateral = "xy"[:points["position"].shape[1] - 1]
+    tip = np.array([np.interp(frame.time, history["time"], history.get(f"tip_{axis}", 0 * history["time"])) for axis in lateral])
+    return frame.time, points, tip, results.read_summary(directory).get("options", {})
+
+
+def reach_of(points, tip, values):
+    """Returns how far (m) from the tip's axis to show, so that all that counts of the values [n] is seen."""
+    away = np.abs(points["position"][:, :-1] - tip).max(axis=1)
+    counts = values > PRESSED * values.max(initial=0)
+    return min(SHOWN * away[counts].max(initial=0) or np.inf, away.max())
+
+
+@styled
+def contact_pressure(directory, number=None):
+    """Returns the picture of the contact's pressure: over the radius, or x in plane strain, and in space on the surface."""
+    time, points, tip, options = read_surface(directory, number)
+    title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
+    values = pressure_on(points)
+    if len(tip) == 2:
+        return draw_surface(points, tip, options, values, ("pressure on the surface", "Pa"), title)
+    history = results.read_history(directory)
+    order = np.argsort(points["position"][:, 0])
+    place, pressure = points["position"][order, 0] - tip[0], values[order]
+    reach = reach_of(points, tip, values)
+    length, unit = lab_unit(reach, "m"), si_unit(pressure, "Pa")
+    figure, axes = plt.subplots(figsize=(6.8, 4.6))
+    axes.plot(place * length.factor, pressure * unit.factor, "o-", markersize=3, linewidth=1, label="on the surface's points")
+    draw_mean(axes, history, time, unit)
+    radius = "radius" if "hoop_impulse_x" in history else "x from the tip"
+    line_axes(axes, f"{radius} ({length.name})", f"pressure of contact ({unit.name})")
+    axes.set_xlim((0 if place.min() > 0 else max(place.min(), -reach)) * length.factor, reach * length.factor)
+    axes.set_title(title)
+    axes.legend()
+    return figure
+
+
+def draw_mean(axes, history, time, unit):
+    """Draws a line at the load over the projected contact area at a time."""
+    if "contact_area" not in history:
+        return
+    load, area = (np.interp(time, history["time"], history[name]) for name in ("load", "contact_area"))
+    if area > 0:
+        axes.axhline(load / area * unit.factor, color="0.5", linestyle=":", linewidth=1.2, label="load over contact area")
+
+
+@styled
+def plastic_surface(directory, number=None):
+    """Returns the picture of a metal's surface in space, by default at the end, coloured by its equivalent plastic strain."""
+    number = results.number_in(results.find_frame(directory, number))
+    time, points, tip, options = read_surface(directory, number)
+    title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
+    values = points["equivalent_plastic_strain"]
+    return draw_surface(points, tip, options, values, fields.SCALARS["equivalent_plastic_strain"], title)
+
+
+def draw_surface(points, tip, options, values, quantity, title):
+    """Returns the picture of a surface in space, coloured by values [n]; sides of symmetry through the tip are completed.
+
+    quantity: (label, symbol of the unit). Heights are exaggerated: the box is EXAGGERATED times as high as it is wide.
+    """
+    top = points["position"] + points["half_size"] * [0, 0, 1]
+    place, values = completed(top, values, tip, options)
+    reach = reach_of({"position": place}, tip, values)
+    shown = np.all(np.abs(place[:, :2] - tip) <= reach, axis=1)
+    place, values = place[shown], values[shown]
+    length, unit = lab_unit(place, "m"), si_unit(values, "Pa") if quantity[1] == "Pa" else Unit(1, "")
+    triangles = tri.Triangulation(*place[:, :2].T).triangles
+    colours = values[triangles].mean(axis=1) * unit.factor
+    figure = plt.figure(figsize=(8.6, 4.2))
+    axes = figure.add_axes([0.0, -0.12, 0.82, 1.24], projection="3d")
+    surface = axes.plot_trisurf(*(place * length.factor).T, triangles=triangles, cmap="magma_r", linewidth=0.1, antialiased=False,
+                                shade=False)
+    surface.set_array(colours)
+    surface.set_clim(min(0, np.percentile(colours, 1)), colours.max() or 1)
+    surface.set_edgecolor("face")
+    width, depth = np.ptp(place[:, :2], axis=0)
+    axes.set_box_aspect((1, depth / width, EXAGGERATED))
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
+        axis.set_label_text(f"{name} ({length.name})")
+        axis.set_major_locator(plt.MaxNLocator(2 if name == "z" else 5, steps=[1, 2, 5, 10]))
+        axis.labelpad = 10
+    axes.view_init(elev=50, azim=-58)
+    bar = figure.colorbar(surface, cax=figure.add_axes([0.88, 0.22, 0.02, 0.6]))
+    bar.set_label(f"{quantity[0]} ({unit.name})" if unit.name else quantity[0])
+    figure.suptitle(title, y=1.02, size=13)
+    return figure
+
+
+def completed(place, values, tip, options):
+    """Returns places [n][3] m and values [n] with their images at the sides of symmetry that the tip is on."""
+    for axis in load_depth.mirror_axes(options):
+        image = place.copy()
+        image[:, axis] = 2 * tip[axis] - image[:, axis]
+        place, values = np.concatenate([place, image]), np.concatenate([values, values])
+    return place, values

@@ -1,0 +1,67 @@
+"""What the commands here share: they find the package mlgimp without its installation, draw without a screen, and end with one
+line where something is wrong. To be imported before the package."""
+
+import argparse
+import functools
+import logging
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "python"))
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home folder it would tell about its cache
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+from mlgimp import pictures
+from mlgimp.errors import Error
+
+
+def command(main):
+    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1."""
+    @functools.wraps(main)
+    def ended(*arguments):
+        try:
+            return main(*arguments)
+        except Error as problem:
+            raise SystemExit(f"error: {problem}") from None
+    return ended
+
+
+class Parser(argparse.ArgumentParser):
+    """Refuses a command line with one line; -h shows how it is used."""
+
+    def error(self, message):
+        raise SystemExit(f"error: {message}")
+
+
+def save(figure, path):
+    """Writes a picture and says so."""
+    pictures.save(figure, path)
+    print(path)
+
+
+# ---- options of a command beside those of mlgimp, in the same form ----
+
+def whole_number_from(least):
+    """Returns a function that converts whole numbers from `least` on."""
+    def convert(text):
+        if int(text) < least:
+            raise ValueError
+        return int(text)
+    return convert
+
+
+def take(options, name, convert, default, allowed):
+    """Takes one of the command's own options out of all of them."""
+    if name not in options:
+        return default
+    text = options.pop(name)
+    try:
+        if text is not None:
+            return convert(text)
+    except ValueError:
+        pass
+    raise Error(f"-{name} {text or '(nothing)'}: must be {allowed}")

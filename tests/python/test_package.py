@@ -1,0 +1,264 @@
+"""Checks the package mlgimp from outside: runs, results, errors, and the case of indent."""
+import ast
+import importlib.util
+import inspect
+import os
+import re
+import shutil
+import subprocess
+import sys
+import types
+
+import numpy as np
+import pytest
+from matplotlib import animation
+
+import harness
+import mlgimp
+from mlgimp import fields, indentation, options, pictures, surface
+from mlgimp.gallery import gallery
+from mlgimp.program import show_bar
+
+pytestmark = pytest.mark.fast
+
+# A cylinder that comes down on a block and goes back, on two levels.
+PRESS = {"domain_lower": (0, 0), "domain_upper": (12.0, 12.0), "cell_size": 1.0, "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+         "levels": 2, "level_1_lower": (0, 4), "level_1_upper": (8, 12), "materials": "rubber", "rubber_youngs_modulus": 1e7, "rubber_poissons_ratio": 0.3,
+         "rubber_density": 1000, "bodies": "block", "block_lower": (0, 0), "block_upper": (10, 10), "indenter": "cylinder", "indenter_radius": 8.0,
+         "indenter_tip": (0, 10), "indenter_times": 0, "indenter_velocities": 2.0, "indenter_max_depth": 0.5, "frames": 4}
+METAL = {"youngs_modulus": 70e9, "yield_stress": 400e6}
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    """Results of PRESS on one rank, and on two from an options file with changes by name."""
+    folder = tmp_path_factory.mktemp("press")
+    options.write_options(folder / "press.opts", {**PRESS, "cell_size": 7.0})
+    return (mlgimp.run({**PRESS, "output_dir": folder / "one"}),
+            mlgimp.run(folder / "press.opts", 2, cell_size=1.0, output_dir=folder / "two", progress=False))
+
+
+def test_ranks_agree(pressed):
+    one, two = pressed
+    assert (one.summary["ranks"], two.summary["ranks"]) == (1, 2) and one.summary["status"] == "completed"
+    np.testing.assert_allclose(two.history["load"], one.history["load"], atol=1e-9 * one.history["load"].max())
+    assert list(one.frames) == list(two.frames) and list(one.frames)[-1] == 4 and abs(one.frames[4] - 0.25) < 1e-3
+
+
+def test_frames_hold_each_point_once(pressed):
+    for each in pressed:
+        last = each.frame()
+        assert {"position", "stress", "velocity", "mass", "level"} <= set(last) and set(last["level"]) == {0, 1}
+        assert len(last["id"]) == len(last["position"]) == each.history["points"][-1] == len(set(last["id"]))
+        assert last["mass"].sum() == pytest.approx(1e5, rel=1e-12)
+        assert np.array_equal(each.frame(4)["position"], last["position"]) and each.frame(1)["position"][:, 1].min() < last["position"][:, 1].max()
+    with pytest.raises(mlgimp.Error, match="no frame 9; there are [01] to 4"):
+        pressed[0].frame(9)
+    with pytest.raises(mlgimp.Error, match="no frame -9"):
+        pressed[0].frame(-9)
+
+
+def test_history_is_a_table(pressed, monkeypatch):
+    history = pressed[0].history
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    table = history.table()
+    assert len(table) == len(history["load"]) and np.array_equal(table["load"], history["load"]) and table.dtype.names == tuple(history)
+    monkeypatch.setitem(sys.modules, "pandas", types.SimpleNamespace(DataFrame=dict))
+    assert history.table() == dict(history)
+
+
+def test_pressure_on_the_surface(pressed):
+    """The surface is the upper row of points: its pressure adds up to the load, and ends at the contact's edge."""
+    history = pressed[0].history
+    _, points, tip, _ = surface.read_surface(pressed[0].folder, 4)
+    x, width, pressure = points["position"][:, 0], 2 * points["half_size"][:, 0], surface.pressure_on(points)
+    assert abs(width.sum() - 10) < 0.1 and set(points["level"]) == {0, 1} and tip[0] == 0
+    assert abs(pressure @ width / history["load"][-1] - 1) < 0.1
+    assert np.abs(pressure[x > history["contact_half_width"][-1] + 1]).max() < 0.05 * pressure.max()
+
+
+def test_pictures(pressed, tmp_path, monkeypatch):
+    figures = pressed[0].plot("load_depth", "contact_pressure")
+    assert list(figures) == ["load_depth", "contact_pressure"] and figures["load_depth"].axes[0].get_xlabel() == "depth (mm)"
+    pressed[0].plot("von_mises_stress", window="near", out=tmp_path / "drawn")
+    assert [path.name for path in (tmp_path / "drawn").iterdir()] == ["von_mises_stress.png"]
+    assert list(gallery(pressed[0].folder)) == ["load_depth", "contact_pressure", "stress_xx", "stress_yy", "stress_xy", "von_mises_stress", "energy"]
+    pressed[0].movie(tmp_path / "m.gif", "yy")
+    from PIL import Image
+    assert Image.open(tmp_path / "m.gif").n_frames == len(pressed[0].frames)
+    with pytest.raises(mlgimp.Error, match="no picture stress_zx; there are load_depth"):
+        pressed[0].plot("stress_zx")
+    with pytest.raises(mlgimp.Error, match="m.avi: the name of a movie must end in .gif or .mp4"):
+        pressed[0].movie(tmp_path / "m.avi")
+    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(mlgimp.Error, match="m.mp4: ffmpeg is not installed; a movie in a .gif needs none"):
+        pressed[0].movie(tmp_path / "m.mp4")
+
+
+def test_paint():
+    """Rectangles cover the dots that they touch, the stretched ones beneath; what lies outside is cut off."""
+    points = {"position": np.array([[0.5, 0.5], [3.0, 1.0], [9.0, 9.0]]), "half_size": np.array([[0.5, 0.5], [2.0, 1.0], [1.0, 1.0]])}
+    image = fields.paint(points, np.array([1.0, 2.0, 3.0]), np.array([0.0, 4.0, 0.0, 3.0]), (3, 4))
+    np.testing.assert_array_equal(image, [[1, 2, 2, 2], [np.nan, 2, 2, 2], [np.nan] * 4])
+
+
+def test_slice_through_the_tip():
+    """In space the points beside the plane, once each, with the stresses of the plane; at the domain's end those before it."""
+    middles = np.arange(8) + 0.5
+    position = np.stack(np.meshgrid(middles, middles, middles, indexing="ij"), axis=-1).reshape(-1, 3)
+    points = {"position": position, "half_size": np.full(position.shape, 0.5), "stress": np.arange(6) + 10 * position[:, 1:2]}
+    boxes = np.array([[[0, 0, 0], [8, 8, 8]], [[0, 0, 4], [4, 4, 8]]], float)
+    for y, row, levels in ((0, 0.5, 2), (4, 4.5, 2), (3.1, 3.5, 2), (8, 7.5, 1)):
+        cut, met = fields.slice_of(points, boxes, y)
+        assert cut["position"].shape == (64, 2) and len(met) == levels
+        np.testing.assert_array_equal(cut["stress"], np.tile(np.array([0, 2, 1, 5]) + 10 * row, (64, 1)))
+
+
+# ---- errors ----
+
+@pytest.mark.parametrize("changes, line", [({"cell_size": -1}, "mlgimp: error: -cell_size -1: must be"), ({"cell_sise": 1}, "mlgimp: error: -cell_sise: nothing reads"),
+                                           ({"options_file": "none.opts"}, "mlgimp: error: .*none.opts")])
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_the_programs_line(tmp_path, changes, line, ranks):
+    with pytest.raises(mlgimp.RunError, match=f"^{line}[^\n]*$"):
+        mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, ranks, **changes)
+
+
+def test_warnings_are_warnings(tmp_path):
+    with pytest.warns(UserWarning, match="mlgimp: warning: -level_1_lower"):
+        mlgimp.run({**PRESS, "output_dir": tmp_path / "w", "level_1_lower": (0, 6), "level_1_upper": (5, 12), "indenter_radius": 200, "frames": 0})
+
+
+def test_what_is_not_there(tmp_path, monkeypatch):
+    with pytest.raises(mlgimp.ResultError, match="no results here"):
+        mlgimp.read(tmp_path)
+    with pytest.raises(mlgimp.Error, match="ranks=0: must be a whole number >= 1"):
+        mlgimp.run(PRESS, ranks=0)
+    monkeypatch.setenv("MLGIMP_BIN", str(tmp_path))
+    with pytest.raises(mlgimp.Error, match=f"not at {tmp_path}/mlgimp: `make` builds it"):
+        mlgimp.run(PRESS)
+
+
+def test_bar(capsys):
+    show_bar(1, 3, "1 of 3")
+    assert capsys.readouterr().out == "\r[##########....................] 1 of 3   "
+
+
+# ---- options ----
+
+def test_options_file_round_trip(tmp_path):
+    written = {"a": 7e10, "b": (0.1, 1 / 3), "c": True, "d": "a text, with # signs", "e": None, "f": np.float64(2.5e-7), "g": np.arange(2)}
+    options.write_options(tmp_path / "o.opts", [written, {"h": 1}], "Two lines\nabove")
+    read = options.read_options(tmp_path / "o.opts")
+    assert read == {"a": "7e+10", "b": "0.1,0.3333333333333333", "c": "true", "d": "a text, with # signs", "e": None, "f": "2.5e-07", "g": "0,1", "h": "1"}
+    assert options.of_words(options.to_words(written)) == {name: read[name] for name in written}
+
+
+# ---- indent ----
+
+def test_indent(tmp_path, monkeypatch, expect):
+    """An options file that gives the same run again, and the hardness of the metal."""
+    monkeypatch.chdir(tmp_path)
+    test = mlgimp.indent("j2", **METAL, hardening_modulus=1e9, tip="sphere", radius=2e-6, depth=100e-9, cells=4, block=8, tolerance=0.1, file="ball.opts",
+                         progress=False, frames=0, options={"block_points_per_cell": 1, "history_interval": 10})
+    row, = test.oliver_pharr()
+    expect("depth, um", row["depth_um"], near=0.1, tolerance=1e-6)
+    expect("hardness over the flow stress at 8 % of strain", row["true_hardness_GPa"] / 0.48, at_least=2.2, at_most=3.2)  # Tabor: 2.8; here on 4 cells
+    text = (tmp_path / "ball.opts").read_text()
+    assert "-block_points_per_cell 1\n" in text and text.startswith("# Indentation of j2 by sphere, 1e-07 m deep")
+    assert test.folder.resolve() == tmp_path / "output" / "ball"
+    given = options.read_options("ball.opts")
+    assert given["specimen_yield_stress"] == "4e+08" and given["indenter_radius"] == "2e-06" and test.summary["options"]["-indenter_radius"] == "2e-06"
+    with pytest.raises(mlgimp.Error, match="ball.opts: is there already"):
+        mlgimp.indent("j2", **METAL, depth=100e-9, file="ball.opts")
+    again = harness.run({"options_file": tmp_path / "ball.opts", "max_steps": 40})
+    np.testing.assert_array_equal(again.history["load"], test.history["load"][:len(again.history["load"])])
+
+
+@pytest.mark.parametrize("law, case", [
+    ("j2", dict(METAL, depth=200e-9)), ("j2", dict(METAL, load=10e-3)), ("neo_hookean", dict(youngs_modulus=70e9, tip="flat_punch", radius=1e-6, depth=20e-9)),
+    ("j2", dict(METAL, tip="sphere", radius=5e-6, load=5e-3, unload=False)), ("j2", dict(METAL, tip="vickers", depth=1e-6, geometry="3d", cells=5, block=10)),
+    ("j2", dict(METAL, tip="berkovich", load=1e-3, geometry="3d", cells=4, block=9)), ("j2", dict(METAL, depth=200e-9, hardening="power", hardening_exponent=0.1)),
+    ("neo_hookean", dict(youngs_modulus=1e6, tip="cone", half_angle=60, tip_radius=1e-7, depth=1e-5, cells=40, block=8))])
+def test_cases_are_accepted(tmp_path, law, case):
+    """The program takes each, and the contact stays inside the finest level."""
+    groups = indentation.indentation_options(law, **case, options={"max_steps": 1, "frames": 0, "block_points_per_cell": 1})
+    options.write_options(tmp_path / "case.opts", groups)
+    result = harness.run({"options_file": tmp_path / "case.opts"})
+    finest = result.summary["levels"][-1]
+    shape = indentation.shape_of(case.get("tip", "berkovich"), case.get("geometry", "axisymmetric"), case.get("half_angle"), case.get("radius"), 0)
+    radius = indentation.size_of_contact(shape, {"poissons_ratio": 0.3, **case}, case.get("depth"), case.get("load"))
+    assert radius == pytest.approx(case.get("cells", 8) * finest["cell_size"], rel=0.05)
+    assert finest["upper"][0] > 2.2 * radius
+
+
+@pytest.mark.parametrize("case, line", [
+    (dict(METAL), "depth, load: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
+    (dict(METAL, depth="deep"), "depth=deep"), (dict(METAL, depth=float("nan")), "depth=nan"), (dict(METAL, load=-1), "load=-1: must be a number > 0 in N"),
+    (dict(youngs_modulus=70, depth=1e-7), "youngs_modulus=70: must be .* in Pa; 70 GPa are 70e9"), (dict(depth=1e-7), "youngs_modulus=None"),
+    (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"), (dict(METAL, depth=1e-7, tip="knoop"), "tip=knoop: must be one of cone, sphere"),
+    (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
+    (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
+    (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),
+    (dict(METAL, depth=1e-7, block=2), "block=2"), (dict(METAL, depth=1e-7, hardening="power"), "hardening_exponent: must be given")])
+def test_what_indent_refuses(tmp_path, case, line):
+    with pytest.raises(mlgimp.Error, match=f"^{line}[^\n]*$"):
+        mlgimp.indent("j2", **case, file=tmp_path / "case.opts")
+    assert not (tmp_path / "case.opts").exists()
+
+
+def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
+        mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7)
+
+
+def test_version():
+    """The package has the program's version."""
+    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "include/program/simulation.hpp").read_text())[1]
+    assert f'version = "{version}"' in (harness.ROOT / "pyproject.toml").read_text()
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_documents_call_what_there_is(page):
+    """Functions of the package and members of results, with their arguments, in the blocks of Python."""
+    blocks = re.findall(r"^```python\n(.*?)^```", (harness.ROOT / page).read_text(), re.M | re.S)
+    assert blocks
+    for call in (node for block in blocks for node in ast.walk(ast.parse(block)) if isinstance(node, (ast.Call, ast.Attribute))):
+        name = call if isinstance(call, ast.Attribute) else call.func
+        owner = {"mlgimp": mlgimp, "test": mlgimp.Results, "run": mlgimp.Results}.get(getattr(getattr(name, "value", None), "id", ""))
+        if owner is None:
+            continue
+        member = getattr(owner, name.attr)
+        if isinstance(call, ast.Call):
+            given = [None] * (len(call.args) + (owner is mlgimp.Results))
+            inspect.signature(member).bind(*given, **{each.arg: None for each in call.keywords})
+
+
+def test_style_forgets_nothing_else():
+    """What is set while something is drawn, as by a notebook's backend with its first figure, stays; the style does not."""
+    before = pictures.plt.rcParams["font.size"], pictures.plt.rcParams["interactive"]
+
+    @pictures.styled
+    def draw():
+        pictures.plt.rcParams["interactive"] = not before[1]
+        return pictures.plt.rcParams["font.size"]
+    try:
+        assert draw() == 12 and pictures.plt.rcParams["font.size"] == before[0] != 12 and pictures.plt.rcParams["interactive"] != before[1]
+    finally:
+        pictures.plt.rcParams["interactive"] = before[1]
+
+
+def test_installs_without_a_network(tmp_path):
+    """pip needs nothing but setuptools; the installed package finds the program by MLGIMP_BIN."""
+    if not all(map(importlib.util.find_spec, ("pip", "setuptools", "wheel"))):
+        pytest.skip("needs pip, setuptools and wheel")
+    for name in ("pyproject.toml", "LICENSE"):
+        shutil.copy(harness.ROOT / name, tmp_path)
+    shutil.copytree(harness.ROOT / "python", tmp_path / "python", ignore=shutil.ignore_patterns("*.egg-info", "__pycache__"))
+    install = [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-build-isolation", "--no-deps", "--target", "there", "."]
+    subprocess.run(install, cwd=tmp_path, check=True, capture_output=True)
+    look = "import mlgimp.program; print(mlgimp.__file__, mlgimp.program.find_program())"
+    done = subprocess.run([sys.executable, "-c", look], cwd="/", check=True, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(tmp_path / "there"), "MLGIMP_BIN": str(harness.BIN)})
+    assert done.stdout.split() == [str(tmp_path / "there" / "mlgimp" / "__init__.py"), str(harness.PROGRAM)]

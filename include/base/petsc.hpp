@@ -10,6 +10,11 @@
 inline constexpr PetscErrorCode PETSC_SUCCESS = 0;
 #endif
 
+#if PETSC_VERSION_LT(3, 22, 0)
+inline constexpr int PETSC_CURRENT = PETSC_DEFAULT;
+inline constexpr auto PetscOptionsCreateViewer = PetscOptionsGetViewer;
+#endif
+
 #if PETSC_VERSION_LT(3, 23, 0)
 using OptionItems = PetscOptionItems *;
 #else

@@ -23,10 +23,10 @@ inline hid_t H5Type(FieldType type)
   return type == FieldType::kReal ? H5T_NATIVE_DOUBLE : type == FieldType::kInt32 ? H5T_NATIVE_INT : H5T_NATIVE_INT64;
 }
 
-/// Call before MPI_Init. Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards
-/// shared file pointers, which nobody needs here, by a semaphore named after the file, without the folder, that a killed
-/// run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
-void AvoidSharedFilePointers();
+/// Call before MPI_Init. Leaves the words about errors to us. Makes Open MPI prefer ROMIO, where it has it, to its own layer
+/// for files (ompio): that one guards shared file pointers, which nobody needs here, by a semaphore named after the file,
+/// without the folder, that a killed run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
+void PrepareHdf5();
 
 /// Owns one HDF5 identifier.
 class H5Handle

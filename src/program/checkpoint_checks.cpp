@@ -39,7 +39,7 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
   if (a.id[p] < 0 || a.id[p] > kLargestId) return "a number that no point has";
   if (!finite(a.position, a.dim) || !finite(a.velocity, a.dim) || !finite(a.F, a.dim * a.dim) ||
       !finite(a.stress, a.stress_components) || !finite(a.short_wave_stress, a.rate_components) ||
-      !finite(a.history, a.history_components))
+      !finite(a.history, a.history_components) || !finite(a.initial_position, a.dim))
     return "a value that is not finite";
   if (!(det > 0 && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";

@@ -13,7 +13,11 @@
 namespace mlgimp
 {
 
-void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
+void PrepareHdf5()
+{
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  setenv("OMPI_MCA_io_ompio_priority", "0", 0);
+}
 
 Slab MakeSlab(MPI_Comm comm, int count)
 {
@@ -66,7 +70,6 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   comm_ = comm;
   path_ = path;
   checked_ = checked;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
   if (RankIn(comm) == 0) {
     part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
     NoteSystem(part_.Valid());
@@ -179,7 +182,6 @@ bool H5Reader::Open(const std::string &path)
 {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false; // a pipe would be waited for
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)
   H5Pset_file_locking(access, false, true); // not all file systems have locks, and a file with its final name is whole

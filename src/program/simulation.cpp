@@ -144,6 +144,7 @@ void Simulation::Run()
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
   if (state_.step == 0) WriteHistoryRow();
+  if (state_.step == 0 && case_.output.frames > 0) CheckWritten(frames_.Write(hierarchy_, 0, state_.time, 0));
   while (!AtEnd()) {
     const double begin = MPI_Wtime();
     hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
@@ -160,6 +161,7 @@ void Simulation::Run()
   }
   ShowProgress(true);
   CheckWritten(WriteSummary("completed"));
+  EndOn(hierarchy_.View(state_.time));
 }
 
 void Simulation::WriteDue()
@@ -234,7 +236,7 @@ std::string Simulation::FindKept() const
   const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
   const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
   if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
-  if (frames_.Last() > 0 && is_there(frames_.PathOf(frames_.Last())))
+  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last())))
     parts.push_back("frames to " + std::to_string(frames_.Last()));
   if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
   const std::string last = parts.empty() ? "nothing" : parts.back();

@@ -19,7 +19,7 @@ PetscErrorCode ActiveSetSolver::Create(MPI_Comm comm, bool symmetric)
   PetscCall(KSPSetType(ksp_, symmetric ? KSPCG : KSPGMRES));
   PetscCall(KSPGetPC(ksp_, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSetTolerances(ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSetTolerances(ksp_, 1e-10, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT));
   PetscCall(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
   PetscCall(KSPSetFromOptions(ksp_));
   PetscFunctionReturn(PETSC_SUCCESS);

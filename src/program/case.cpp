@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <unistd.h>
 
 namespace mlgimp
@@ -71,8 +72,8 @@ void ReadGrid(OptionReader &reader, Case *c)
                     "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower));
   }
   CheckAxis(reader, c);
-  // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
-  const double most = PETSC_MAX_INT / NodeLayout::Viewed(c->Dim());
+  // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.
+  const double most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > most)

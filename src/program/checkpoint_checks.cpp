@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace mlgimp
@@ -124,7 +125,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
 {
-  constexpr double kMost = PETSC_MAX_INT; // of a rank
+  constexpr double kMost = std::numeric_limits<int>::max(); // of a rank
   const bool add_up = counts.size() == ranks && AllWhole(counts, 0, kMost) && rows <= kMost * static_cast<double>(ranks) &&
                       std::accumulate(counts.begin(), counts.end(), 0.0) == rows;
   return add_up ? "" : "its counts of points do not add up";

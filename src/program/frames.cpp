@@ -112,7 +112,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   std::string problem = file.Finish();
   if (!problem.empty()) return problem;
   frames_.push_back(frame);
-  return WriteSeries(hierarchy.Comm());
+  return WriteSeries(hierarchy.Comm(), false);
 }
 
 std::string FrameWriter::Resume(MPI_Comm comm, int written)
@@ -132,7 +132,7 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
   }
   int found = static_cast<int>(frames_.size());
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);
-  return found > 0 ? WriteSeries(comm) : "";
+  return found > 0 ? WriteSeries(comm, true) : "";
 }
 
 std::vector<FrameField> FrameWriter::Fields() const
@@ -144,12 +144,16 @@ std::vector<FrameField> FrameWriter::Fields() const
   return fields;
 }
 
-std::string FrameWriter::WriteSeries(MPI_Comm comm) const
+std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
 {
-  return OnFirstRank(comm, "series", [&] {
+  return OnFirstRank(comm, "series", [&]() -> std::string {
+    constexpr std::size_t kFew = 32, kShare = 16;
+    const std::size_t count = frames_.size(), due = whole || count <= kFew ? in_series_ + 1 : in_series_ + in_series_ / kShare;
+    if (count < due) return "";
     const std::vector<FrameField> fields = Fields();
     const std::string path = directory_ + "/points.vtkhdf", bytes = MakeVtkhdf(frames_, fields);
     const std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
+    in_series_ = count;
     return problem.empty() ? ReplaceFile(directory_ + "/points.xdmf", MakeXdmf(fields)) : problem;
   });
 }

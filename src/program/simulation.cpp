@@ -160,6 +160,7 @@ void Simulation::Run()
     ShowProgress(false);
   }
   ShowProgress(true);
+  CheckWritten(frames_.Finish(comm_));
   CheckWritten(WriteSummary("completed"));
   EndOn(hierarchy_.View(state_.time));
 }
@@ -225,7 +226,8 @@ void Simulation::SettleState()
 /// Ends the run, with what it has written so far.
 void Simulation::Fail(const std::string &message)
 {
-  WriteSummary("failed: " + message); // where that fails too, it is less than what is told here
+  frames_.Finish(comm_);
+  WriteSummary("failed: " + message); // where these fail too, it is less than what is told here
   Refuse(message + "; " + FindKept());
 }
 

@@ -11,7 +11,7 @@ from ranks import BERKOVICH, LEVELS
 pytestmark = pytest.mark.mpi
 
 # Where the components of the plane are among those that VTK takes of vectors, symmetric tensors and others.
-COLUMNS = {("position", 2): ([0, 1], 3), ("velocity", 2): ([0, 1], 3), ("displacement", 2): ([0, 1], 3), ("half_size", 2): ([0, 1], 3),
+COLUMNS = {**{(vector, 2): ([0, 1], 3) for vector in ("position", "velocity", "displacement", "half_size")},
            ("stress", 4): ([0, 1, 2, 3], 6), ("deformation_gradient", 4): ([0, 1, 3, 4], 9)}
 
 
@@ -47,8 +47,10 @@ def problems_of_step(root, step, frame):
         if not numpy.array_equal(vertices(root["Vertices"], first, count, part), numpy.arange(count)):
             wrong.append(f"{name}: vertices")
         for field in level:
-            data = root["Points"] if field == "position" else root["PointData"][field]
-            offset = first if field == "position" else int(steps["PointDataOffsets"][field][step]) + first - int(steps["PointOffsets"][step])
+            data, offset = root["Points"], first
+            if field != "position":
+                data = root["PointData"][field]
+                offset += int(steps["PointDataOffsets"][field][step]) - int(steps["PointOffsets"][step])
             if not numpy.array_equal(data[offset : offset + count], as_vtk(field, level[field][:])):
                 wrong.append(f"{name}: {field}")
         if set(root["PointData"]) != set(level) - {"position"} | {"level"}:
@@ -64,9 +66,11 @@ def problems_of_series(folder):
     frames, wrong = sorted(folder.glob("points_*.h5")), []
     with h5py.File(folder / "points.vtkhdf") as file:
         root = file["VTKHDF"]
-        if root.attrs["Type"] != b"PolyData" or list(root.attrs["Version"]) != [2, 0] or root["Steps"].attrs["NSteps"] != len(frames):
+        header = [root.attrs["Type"], *root.attrs["Version"], root["Steps"].attrs["NSteps"]]
+        if header != [b"PolyData", 2, 0, len(frames)]:
             wrong.append("header")
-        for group, name in itertools.product(("Lines", "Polygons", "Strips"), ("NumberOfCells", "NumberOfConnectivityIds", "Offsets")):
+        counts = ("NumberOfCells", "NumberOfConnectivityIds", "Offsets")
+        for group, name in itertools.product(("Lines", "Polygons", "Strips"), counts):
             if not numpy.array_equal(root[group][name][:], numpy.zeros(len(root["NumberOfPoints"]))):
                 wrong.append(f"{group}: {name}")
         for step, path in enumerate(frames):
@@ -84,13 +88,3 @@ def test_series(expect, case, ranks):
     expect("frames", len(list(result.folder.glob("points_*.h5"))), near=3, tolerance=0)
     points, series = ((result.folder / name).stat().st_size for name in ("points_000002.h5", "points.vtkhdf"))
     expect("points.vtkhdf over a frame: it repeats no numbers", series / points, at_most=0.5)
-
-
-def test_restart(expect, tmp_path):
-    """Frames behind the checkpoint leave the series, and it goes on."""
-    case = {**{name: value for name, value in LEVELS.items() if name != "end_time"}, "max_steps": 8, "frames": 4, "checkpoint_interval": 3}
-    harness.run(case, folder=tmp_path)
-    harness.run({**case, "max_steps": 6, "frames": 3, "restart": tmp_path / "checkpoint_000003.h5"}, folder=tmp_path)
-    wrong = problems_of_series(tmp_path)
-    expect.that("points.vtkhdf after a restart", not wrong, "; ".join(wrong[:5]))
-    expect("frames", len(list(tmp_path.glob("points_*.h5"))), near=4, tolerance=0)

@@ -1,4 +1,4 @@
-"""`make install`: program, scripts, examples and manual page are there and work from there; nothing is built anew."""
+"""The files that `make install` leaves: program, scripts, examples and manual page work from there; nothing is built anew."""
 import os
 import subprocess
 
@@ -22,8 +22,8 @@ def test_install(tmp_path):
 
 def check_page(page):
     """Every option of -help has an entry."""
-    text = subprocess.run([harness.PROGRAM, "-help"], capture_output=True, text=True, env=harness.environment(1), check=True).stdout
-    groups = options_doc.groups(text)
+    run = subprocess.run([harness.PROGRAM, "-help"], capture_output=True, text=True, env=harness.environment(1), check=True)
+    groups = options_doc.groups(run.stdout)
     assert page.startswith(".TH MLGIMP 1") and len(groups) >= 8
     for heading, options in groups.items():
         assert f".SH {heading.upper()}\n" in page

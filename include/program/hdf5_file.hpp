@@ -89,13 +89,14 @@ private:
   void Settle(const char *place);
   void Reserve(off_t size);
   H5Handle Layout(int components, hsize_t rows, std::size_t row_size) const;
-  off_t EndOf(const H5Handle &set, hsize_t bytes) const;
+  void ReserveChunks(hsize_t bytes);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   H5Handle file_;
   Descriptor part_;    ///< the same file on the first rank, by which room is reserved
   off_t reserved_ = 0; ///< bytes
+  off_t chunks_ = 0;   ///< bytes of all chunks, with some more for what they are found by
   bool checked_ = false, good_ = true;
   int error_ = 0; ///< errno of the first call of the system that failed
 };

@@ -8,6 +8,8 @@
 
 #if PETSC_VERSION_LT(3, 19, 0)
 inline constexpr PetscErrorCode PETSC_SUCCESS = 0;
+/// Only later versions of MINRES bound the norm of their solution.
+inline PetscErrorCode KSPMINRESSetRadius(KSP, PetscReal) { return PETSC_SUCCESS; }
 #endif
 
 #if PETSC_VERSION_LT(3, 22, 0)

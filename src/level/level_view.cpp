@@ -25,7 +25,7 @@ PetscErrorCode Level::View(const std::string &prefix, double time)
 static PetscErrorCode Describe(DM nodes, const GridGeometry &geometry)
 {
   const char *const axes[] = {"_x", "_y", "_z"}, *const vectors[] = {"momentum", "velocity", "force"};
-  double lower[3], upper[3];
+  Vec3 lower{}, upper{};
   PetscFunctionBeginUser;
   PetscCall(DMDASetFieldName(nodes, 0, "mass"));
   for (int k = 0; k < 3; ++k)

@@ -24,13 +24,13 @@ PetscErrorCode Level::View(const std::string &prefix, double time)
 /// Names of the components of a node and the place that each node has in space, for viewers that write them.
 static PetscErrorCode Describe(DM nodes, const GridGeometry &geometry)
 {
-  const char *const axes[] = {"_x", "_y", "_z"}, *const vectors[] = {"momentum", "velocity", "force"};
+  const std::string vectors[] = {"momentum_", "velocity_", "force_"};
   Vec3 lower{}, upper{};
   PetscFunctionBeginUser;
   PetscCall(DMDASetFieldName(nodes, 0, "mass"));
   for (int k = 0; k < 3; ++k)
     for (int axis = 0; axis < geometry.dim; ++axis)
-      PetscCall(DMDASetFieldName(nodes, 1 + k * geometry.dim + axis, (std::string(vectors[k]) + axes[axis]).c_str()));
+      PetscCall(DMDASetFieldName(nodes, 1 + k * geometry.dim + axis, (vectors[k] + static_cast<char>('x' + axis)).c_str()));
   const IndexBox box = geometry.NodeBox();
   for (int axis = 0; axis < 3; ++axis) {
     lower[axis] = geometry.lower[axis] + geometry.spacing * box.lower[axis];

@@ -1,4 +1,4 @@
-# mlgimp: make run | make test | make verify | make bench | make lint | make deps | make clean; see README.md.
+# mlgimp: make run | make test | make verify | make bench | make lint | make install | make deps | make clean; see README.md.
 #
 # PETSc is found by pkg-config, or under PETSC_DIR/PETSC_ARCH where they are set. V=1 shows the commands whole.
 
@@ -20,6 +20,7 @@ BIN      ?= bin
 endif
 
 HDF5     ?= hdf5-openmpi
+PREFIX   ?= /usr/local
 
 ifdef PETSC_DIR
 PKG_CONFIG := PKG_CONFIG_PATH=$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:$(PKG_CONFIG_PATH) pkg-config
@@ -51,7 +52,7 @@ endif
 COMPILE = $(call RUN,$(CXX) $(CXXFLAGS) $(FLAGS) $(1) -c -o $@ $<,CXX $<)
 LINK    = $(call RUN,$(CXX) $(CXXFLAGS) -o $@ $^ $(1) $(LIBRARIES),LINK $@)
 
-.PHONY: all programs deps run test verify bench lint clean
+.PHONY: all programs deps run test verify bench lint install clean
 .SECONDARY:
 all: $(BIN)/mlgimp
 programs: all $(TESTS) $(BIN)/faults/mlgimp
@@ -124,6 +125,15 @@ lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/main.tidy
 $(BUILD)/%.tidy: %.cpp .clang-tidy
 	@mkdir -p $(@D)
 	clang-tidy --quiet $< -- -std=c++17 $(subst -I/,-isystem /,$(INCLUDES)) && touch $@
+
+# The scripts find the program, the options and the Python package beside them, as they do here.
+SHARE = $(DESTDIR)$(PREFIX)/share
+install: $(BIN)/mlgimp
+	install -D $< $(DESTDIR)$(PREFIX)/bin/mlgimp
+	install -d $(SHARE)/mlgimp $(SHARE)/man/man1
+	tar c --exclude=__pycache__ options scripts $(wildcard python) | tar x --no-same-owner -C $(SHARE)/mlgimp
+	ln -sfn ../../bin $(SHARE)/mlgimp/bin
+	MLGIMP_BIN=$(BIN) $(PYTHON) scripts/man_page.py > $(SHARE)/man/man1/mlgimp.1
 
 clean:
 	rm -rf build bin

@@ -18,8 +18,8 @@ PROGRAM = ROOT / os.environ.get("MLGIMP_BIN", "bin") / "mlgimp"
 PAGE = ROOT / "docs" / "options.md"
 HEADER = ["| option | meaning | unit | default |", "| --- | --- | --- | --- |"]
 
-# "  -name <now 1 : formerly 1>: meaning [unit] (None)", as PETSc prints an option.
-OPTION = re.compile(r"  (-\w+) <now (.*) : formerly \2>: (.*?)(?: \[([^\]]*)\])? \(None\)")
+# "  -name <now 1 : formerly 1>: meaning [unit] (None)", as PETSc prints an option; later versions have a colon behind the name.
+OPTION = re.compile(r"  (-\w+):? <now (.*) : formerly \2>: (.*?)(?: \[([^\]]*)\])? \(None\)")
 # A default that is not one value is said at the end of the meaning.
 DEFAULT = re.compile(r"(.*) \(default: (.*)\)")
 

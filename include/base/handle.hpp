@@ -23,6 +23,7 @@ public:
   ~Handle() { Reset(); }
 
   operator T() const { return object_; }
+  PetscObject Object() const { return reinterpret_cast<PetscObject>(object_); }
   T *Out()
   {
     Reset();

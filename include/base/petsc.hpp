@@ -8,6 +8,13 @@
 
 #if PETSC_VERSION_LT(3, 19, 0)
 inline constexpr PetscErrorCode PETSC_SUCCESS = 0;
+/// Only later versions of MINRES bound the norm of their solution.
+inline PetscErrorCode KSPMINRESSetRadius(KSP, PetscReal) { return PETSC_SUCCESS; }
+#endif
+
+#if PETSC_VERSION_LT(3, 22, 0)
+inline constexpr int PETSC_CURRENT = PETSC_DEFAULT;
+inline constexpr auto PetscOptionsCreateViewer = PetscOptionsGetViewer;
 #endif
 
 #if PETSC_VERSION_LT(3, 23, 0)

@@ -114,6 +114,8 @@ public:
   const CopyState &Copies() const { return copies_; }
   void SetCopies(const CopyState &copies) { copies_ = copies; }
   const std::vector<PetscLogStage> &Stages() const { return stages_; }
+  /// Shows each level K to the viewers that the options -level_K_dm_view, _points_view and _nodes_view name. Collective.
+  PetscErrorCode View(double time);
   /// Bytes that the coupling of levels sends between ranks in a step of level 0, with the ranks that METIS chose for the
   /// blocks and with the first ranks in order.
   void BytesBetweenLevels(double *mapped, double *unmapped) const;

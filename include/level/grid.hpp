@@ -10,6 +10,7 @@
 #include "pointwise/shape.hpp"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace mlgimp
@@ -68,6 +69,7 @@ struct CellSums {
 /// dimensions, xx, yy, zz, xy, yz, xz in three).
 struct NodeLayout {
   static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
+  static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show
   static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
   static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
   static constexpr int Projected(int dim) { return dim == 2 ? 2 : 4; }  ///< place of the projection among the rates
@@ -152,6 +154,11 @@ public:
   /// The values of a node as one unit of communication.
   MPI_Datatype SumsUnit() const { return sums_unit_; }
   MPI_Datatype VelocityUnit() const { return velocity_unit_; }
+
+  /// Shows the grid to the viewer that the option -PREFIXdm_view names, and mass, momentum, velocity p/m and force of the nodes,
+  /// as they are in `sums`, to that of -PREFIXnodes_view. Nodes with less mass than mass_cutoff have no velocity. Collective on
+  /// the grid's ranks.
+  PetscErrorCode View(const std::string &prefix, double mass_cutoff) const;
 
 private:
   PetscErrorCode CreateNodes();

@@ -120,6 +120,9 @@ public:
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
 
+  /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
+  /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.
+  PetscErrorCode View(const std::string &prefix, double time);
   /// Adds mass, momentum, energies and number of all points, or of some, on this rank.
   PetscErrorCode SumPoints(Budgets *sums);
   PetscErrorCode SumPoints(const std::vector<int> &points, Budgets *sums);

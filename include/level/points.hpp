@@ -4,7 +4,7 @@
 #include "base/handle.hpp"
 #include "pointwise/point_fields.hpp"
 
-#include <functional>
+#include <string>
 #include <vector>
 
 namespace mlgimp
@@ -13,15 +13,15 @@ namespace mlgimp
 class Points
 {
 public:
-  /// The storage of this rank alone; points move between ranks by MovePoints.
-  PetscErrorCode Create(GeometryKind geometry, int loads, int history_components);
+  /// Each rank stores points of its own; they move between the ranks of `comm` by MovePoints. Collective.
+  PetscErrorCode Create(MPI_Comm comm, GeometryKind geometry, int loads, int history_components);
 
   int Count() const { return count_; }
   /// Changes whenever points come, go or change places in storage.
   long Version() const { return version_; }
   const std::array<PointFieldInfo, kPointFields> &Table() const { return table_; }
 
-  /// The fields as arrays; valid until the next Resize.
+  /// The fields as arrays; valid until the next Resize or View.
   PointArrays Arrays();
   void *Field(PointField field) { return data_[field]; }
 
@@ -50,6 +50,10 @@ public:
   void Pack(int point, char *record) const;
   void Unpack(const char *record, int point);
 
+  /// Shows the points to the viewer that the option -PREFIXpoints_view names: their number, or in HDF5 all fields of real
+  /// numbers. Collective.
+  PetscErrorCode View(const std::string &prefix);
+
   ~Points();
   Points() = default;
   Points(const Points &) = delete;
@@ -63,10 +67,14 @@ private:
     char *Of(int point) const { return data + bytes * point; }
   };
   std::vector<FieldMemory> Memory() const;
+  PetscErrorCode AccessFields();
   PetscErrorCode ReleaseFields();
+  PetscErrorCode ViewSwarm(const std::string &prefix, PetscViewer viewer);
+  PetscErrorCode ViewFields(const std::string &prefix, PetscViewer viewer) const;
   void NoteChange();
   int dim_ = 2;
 
+  MPI_Comm comm_ = MPI_COMM_NULL;
   DMHandle swarm_;
   std::array<PointFieldInfo, kPointFields> table_{};
   std::array<void *, kPointFields> data_{};

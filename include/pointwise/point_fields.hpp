@@ -23,6 +23,7 @@ enum PointField : int {
   kMass,
   kHalfSize,
   kInitialRadius,
+  kInitialPosition,
   kBody,
   kFaces,
   kLoadShare,
@@ -64,7 +65,8 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(GeometryKind geo
       {"short_wave_stress", kReal, rate, "Pa", MergeRule::kMean, true, false},     // acts with the stress, is no material stress
       {"mass", kReal, 1, "kg", MergeRule::kSum, false, true},
       {"initial_half_size", kReal, dim, "m", MergeRule::kFirst, false, false},
-      {"initial_radius", kReal, hoop, "m", MergeRule::kFirst, false, false}, // of the centre, in axisymmetry
+      {"initial_radius", kReal, hoop, "m", MergeRule::kFirst, false, false}, // of the centre, in axisymmetry; F_zz = r/R
+      {"initial_position", kReal, dim, "m", MergeRule::kMean, false, false}, // for pictures: no equation knows it
       {"body", kInt32, 1, "", MergeRule::kFirst, false, true},
       {"faces", kInt32, 1, "", MergeRule::kBits, false, false},            // bits: see below
       {"load_share", kReal, loads, "", MergeRule::kLargest, false, false}, // part of the point's face that each load acts on
@@ -97,7 +99,7 @@ struct PointArrays {
   int count;
   int dim, stress_components, rate_components; ///< F has dim x dim
   std::int64_t *id;
-  double *position, *velocity, *F, *stress, *short_wave_stress, *mass, *half_size, *initial_radius;
+  double *position, *velocity, *F, *stress, *short_wave_stress, *mass, *half_size, *initial_radius, *initial_position;
   int *body, *faces;
   double *load_share, *history;
   int loads, history_components;
@@ -138,7 +140,8 @@ inline PointArrays Slice(PointArrays points, int start, int end)
   };
   points.count = end - start;
   move(points.id, 1), move(points.mass, 1), move(points.initial_radius, 1), move(points.body, 1), move(points.faces, 1);
-  for (double **field : {&points.position, &points.velocity, &points.half_size}) move(*field, points.dim);
+  for (double **field : {&points.position, &points.velocity, &points.half_size, &points.initial_position})
+    move(*field, points.dim);
   move(points.F, points.dim * points.dim), move(points.stress, points.stress_components);
   move(points.short_wave_stress, points.rate_components);
   move(points.load_share, points.loads), move(points.history, points.history_components);

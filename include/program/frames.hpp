@@ -1,7 +1,8 @@
-// Frames of points for pictures and other tools: points_FFFFFF.h5 and the time series points.xdmf.
+// Frames of points for pictures and other tools: points_FFFFFF.h5, and their time series points.vtkhdf and points.xdmf.
 #pragma once
 
 #include "hierarchy/hierarchy.hpp"
+#include "program/vtkhdf.hpp"
 
 #include <string>
 #include <vector>
@@ -17,24 +18,25 @@ public:
   /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on.
   /// Returns nothing, or what could not be written; here and below.
   std::string Resume(MPI_Comm comm, int written);
-  /// Writes frame `number` (the first is 1) and the series with it. Collective.
+  /// Writes frame `number` (0 is the state at the start), and the series with it: with every frame while they are few, then after
+  /// each sixteenth more of them, as its length is that of all frames. Collective.
   std::string Write(Hierarchy &hierarchy, int number, double time, long step);
-  /// Number of the last frame that was written, or found by Resume; 0 for none. First rank.
-  int Last() const { return frames_.empty() ? 0 : frames_.back().number; }
+  /// Writes the series where it lacks frames. Collective.
+  std::string Finish(MPI_Comm comm) { return WriteSeries(comm, true); }
+  /// Number of the last frame that was written, or found by Resume; -1 for none. First rank.
+  int Last() const { return frames_.empty() ? -1 : frames_.back().number; }
   std::string PathOf(int number) const { return directory_ + "/" + FileName(number); }
 
 private:
-  struct Frame {
-    int number;
-    double time;
-    std::vector<unsigned long long> counts; ///< points of each level
-  };
   std::string FileName(int number) const;
-  std::string WriteSeries(MPI_Comm comm) const;
+  std::vector<FrameField> Fields() const;
+  std::string MakeXdmf(const std::vector<FrameField> &fields) const;
+  std::string WriteSeries(MPI_Comm comm, bool whole);
 
   std::string directory_;
   const Model &model_;
   std::vector<Frame> frames_;
+  std::size_t in_series_ = 0; ///< frames; first rank
 };
 
 } // namespace mlgimp

@@ -23,10 +23,10 @@ inline hid_t H5Type(FieldType type)
   return type == FieldType::kReal ? H5T_NATIVE_DOUBLE : type == FieldType::kInt32 ? H5T_NATIVE_INT : H5T_NATIVE_INT64;
 }
 
-/// Call before MPI_Init. Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards
-/// shared file pointers, which nobody needs here, by a semaphore named after the file, without the folder, that a killed
-/// run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
-void AvoidSharedFilePointers();
+/// Call before MPI_Init. Leaves the words about errors to us. Makes Open MPI prefer ROMIO, where it has it, to its own layer
+/// for files (ompio): that one guards shared file pointers, which nobody needs here, by a semaphore named after the file,
+/// without the folder, that a killed run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
+void PrepareHdf5();
 
 /// Owns one HDF5 identifier.
 class H5Handle
@@ -89,13 +89,14 @@ private:
   void Settle(const char *place);
   void Reserve(off_t size);
   H5Handle Layout(int components, hsize_t rows, std::size_t row_size) const;
-  off_t EndOf(const H5Handle &set, hsize_t bytes) const;
+  void ReserveChunks(hsize_t bytes);
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   H5Handle file_;
   Descriptor part_;    ///< the same file on the first rank, by which room is reserved
   off_t reserved_ = 0; ///< bytes
+  off_t chunks_ = 0;   ///< bytes of all chunks, with some more for what they are found by
   bool checked_ = false, good_ = true;
   int error_ = 0; ///< errno of the first call of the system that failed
 };

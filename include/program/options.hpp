@@ -51,6 +51,8 @@ public:
   // Those that return a truth value: whether the option was given.
   bool Text(const OptionText &option, bool required, std::string *value);
   void Flag(const OptionText &option, bool *value);
+  /// One of PETSc's viewers, which is opened to see that it can be; what shows an object by it reads the option anew.
+  void Viewer(const OptionText &option);
   /// Returns the place of the value among the choices.
   int Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value);
   void Integer(const OptionText &option, const Range &range, int *value);

@@ -5,6 +5,7 @@
 #include "program/case.hpp"
 #include "program/quasi_static.hpp"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ public:
 
 private:
   std::vector<std::string> lines_;
-  std::vector<bool> told_;
+  std::set<std::size_t> told_; ///< kinds
 };
 
 } // namespace mlgimp

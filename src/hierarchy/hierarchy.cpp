@@ -125,6 +125,13 @@ PetscErrorCode Hierarchy::MapRanks()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Hierarchy::View(double time)
+{
+  PetscFunctionBeginUser;
+  for (int l = 0; l < Levels(); ++l) PetscCall(levels_[l]->View("level_" + std::to_string(l) + "_", time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
 {
   const std::vector<BlockTraffic> traffic = Traffic();

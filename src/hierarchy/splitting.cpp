@@ -49,14 +49,20 @@ static Index PlaceOf(int child, const Index &parts)
   return {child % parts[0], child / parts[0] % parts[1], child / (parts[0] * parts[1])};
 }
 
-/// From the centre of a deformed parent to that of a child, m.
-static Vec3 OffsetOf(const PointArrays &a, int parent, int child, const Index &parts)
+/// From the centre of an undeformed parent to that of a child, m.
+static Vec3 InitialOffsetOf(const PointArrays &a, int parent, int child, const Index &parts)
 {
   const Vec3 half = a.HalfSize(parent);
   const Index place = PlaceOf(child, parts);
   Vec3 offset;
   for (int d = 0; d < 3; ++d) offset[d] = ((2 * place[d] + 1.0) / parts[d] - 1) * half[d];
-  return a.Deform(parent, offset);
+  return offset;
+}
+
+/// The same where both are deformed.
+static Vec3 OffsetOf(const PointArrays &a, int parent, int child, const Index &parts)
+{
+  return a.Deform(parent, InitialOffsetOf(a, parent, child, parts));
 }
 
 /// In axisymmetry, the mean by mass of the children's places less the parent's: heavier ones lie outside.
@@ -78,7 +84,7 @@ static void MakeChild(const Model &model, const PointArrays &a, int target, int 
 {
   const int dim = a.dim;
   const Index place = PlaceOf(child, split.parts);
-  const Vec3 dx = OffsetOf(a, target, child, split.parts);
+  const Vec3 dX = InitialOffsetOf(a, target, child, split.parts), dx = a.Deform(target, dX);
   Vec3 mean{};
   if (a.initial_radius) {
     const double r = a.position[PointArrays::At(target, dim)];
@@ -90,6 +96,7 @@ static void MakeChild(const Model &model, const PointArrays &a, int target, int 
     const std::ptrdiff_t at = PointArrays::At(target, dim) + d;
     for (int b = 0; b < dim; ++b) a.velocity[at] += sample.L[dim * d + b] * (dx[b] - mean[b]);
     a.position[at] += dx[d];
+    a.initial_position[at] += dX[d];
     a.half_size[at] /= split.parts[d];
   }
   a.id[target] = split.numbers.Child(a.id[target], child);

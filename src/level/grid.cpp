@@ -52,7 +52,7 @@ PetscErrorCode Grid::CreateNodes()
   PetscCall(DMDASetNumProcs(nodes_, static_cast<PetscInt>(widths[0].size()), static_cast<PetscInt>(widths[1].size()),
                             static_cast<PetscInt>(widths[2].size())));
   PetscCall(DMDASetOwnershipRanges(nodes_, widths[0].data(), widths[1].data(), widths[2].data()));
-  PetscCall(DMDASetDof(nodes_, NodeLayout::kSums));
+  PetscCall(DMDASetDof(nodes_, NodeLayout::Viewed(geometry_.dim)));
   PetscCall(DMDASetStencilType(nodes_, DMDA_STENCIL_BOX));
   PetscCall(DMDASetStencilWidth(nodes_, kHaloWidth));
   PetscCall(DMSetUp(nodes_));

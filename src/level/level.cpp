@@ -35,7 +35,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   grid_ = std::make_unique<Grid>();
   PetscCall(grid_->Create(world, geometry.grid, layout, model_.VolumeAverages()));
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
-    PetscCall(store->Create(model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
+    PetscCall(store->Create(world, model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
   if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
   bodies_ = model_.Table();

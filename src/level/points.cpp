@@ -10,14 +10,15 @@
 namespace mlgimp
 {
 
-PetscErrorCode Points::Create(GeometryKind geometry, int loads, int history_components)
+PetscErrorCode Points::Create(MPI_Comm comm, GeometryKind geometry, int loads, int history_components)
 {
-  constexpr PetscDataType kPetscTypes[] = {PETSC_REAL, PETSC_INT, PETSC_INT64}; // by FieldType
-  static_assert(sizeof(PetscInt) == sizeof(int), "point fields of type kInt32 are stored as PetscInt");
+  constexpr PetscDataType kPetscTypes[] = {PETSC_REAL, PETSC_ENUM, PETSC_INT64}; // by FieldType
+  static_assert(sizeof(PetscEnum) == sizeof(int), "PETSc's versions have no other name for an int of any PetscInt");
   PetscFunctionBeginUser;
   table_ = PointFieldTable(geometry, loads, history_components);
   dim_ = table_[kPosition].components;
-  PetscCall(DMCreate(PETSC_COMM_SELF, swarm_.Out()));
+  comm_ = comm;
+  PetscCall(DMCreate(comm, swarm_.Out()));
   PetscCall(DMSetType(swarm_, DMSWARM));
   PetscCall(DMSetDimension(swarm_, dim_));
   PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
@@ -36,6 +37,14 @@ Points::~Points()
   PetscFunctionBegin;
   PetscCallVoid(ReleaseFields());
   PetscFunctionReturnVoid();
+}
+
+PetscErrorCode Points::AccessFields()
+{
+  PetscFunctionBeginUser;
+  for (int k = 0; k < kPointFields; ++k)
+    if (table_[k].components) PetscCall(DMSwarmGetField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Points::ReleaseFields()
@@ -63,6 +72,7 @@ PointArrays Points::Arrays()
           real(kMass),
           real(kHalfSize),
           real(kInitialRadius),
+          real(kInitialPosition),
           integer(kBody),
           integer(kFaces),
           real(kLoadShare),
@@ -84,11 +94,53 @@ PetscErrorCode Points::Resize(int count)
     PetscCall(ReleaseFields());
     capacity_ = capacity_ == 0 ? count : count + count / 10;
     PetscCall(DMSwarmSetLocalSizes(swarm_, capacity_, 0));
-    for (int k = 0; k < kPointFields; ++k)
-      if (table_[k].components) PetscCall(DMSwarmGetField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+    PetscCall(AccessFields());
   }
   count_ = count;
   NoteChange();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::View(const std::string &prefix)
+{
+  PetscViewer viewer;
+  PetscViewerFormat format;
+  PetscBool on, hdf5;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsCreateViewer(comm_, nullptr, prefix.c_str(), "-points_view", &viewer, &format, &on));
+  if (!on) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscViewerPushFormat(viewer, format));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERHDF5, &hdf5));
+  PetscCall(hdf5 ? ViewFields(prefix, viewer) : ViewSwarm(prefix, viewer));
+  PetscCall(PetscViewerPopFormat(viewer));
+  PetscCall(PetscViewerDestroy(&viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::ViewSwarm(const std::string &prefix, PetscViewer viewer)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReleaseFields());
+  PetscCall(DMSwarmSetLocalSizes(swarm_, count_, capacity_ - count_)); // the points that there are, with the same room
+  PetscCall(PetscObjectSetName(swarm_.Object(), (prefix + "points").c_str()));
+  PetscCall(DMView(swarm_, viewer));
+  PetscCall(AccessFields());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What DMView does not write of points that no cells of PETSc hold.
+PetscErrorCode Points::ViewFields(const std::string &prefix, PetscViewer viewer) const
+{
+  PetscFunctionBeginUser;
+  for (int k = 0; k < kPointFields; ++k) {
+    const PointFieldInfo &field = table_[k];
+    VecHandle values;
+    if (field.type != FieldType::kReal || field.components == 0) continue;
+    PetscCall(VecCreateMPIWithArray(comm_, field.components, PetscInt{count_} * field.components, PETSC_DETERMINE,
+                                    static_cast<double *>(data_[k]), values.Out()));
+    PetscCall(PetscObjectSetName(values.Object(), (prefix + field.name).c_str()));
+    PetscCall(VecView(values, viewer));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

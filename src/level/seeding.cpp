@@ -131,7 +131,7 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
   a.faces[p] = FaceBits(seed);
   for (int d = 0; d < dim; ++d) {
     const std::ptrdiff_t at = PointArrays::At(p, dim) + d;
-    a.position[at] = seed.tile.center[d];
+    a.position[at] = a.initial_position[at] = seed.tile.center[d];
     a.velocity[at] = body.velocity[d];
     a.half_size[at] = seed.tile.half_size[d];
     volume *= 2 * seed.tile.half_size[d];

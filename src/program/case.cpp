@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <unistd.h>
 
 namespace mlgimp
@@ -71,8 +72,8 @@ void ReadGrid(OptionReader &reader, Case *c)
                     "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower));
   }
   CheckAxis(reader, c);
-  // PETSc counts nodal values as PetscInt; four more nodes an axis leave room for the grid's padding.
-  const double most = PETSC_MAX_INT / NodeLayout::kSums;
+  // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.
+  const double most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > most)
@@ -125,6 +126,18 @@ bool OnTerminal(MPI_Comm comm)
   return watched;
 }
 
+/// What PETSc's viewers show of each level at the end of the run; -help lists level 0.
+void ReadViewers(OptionReader &reader, int levels)
+{
+  for (int l = 0; l < levels; ++l) {
+    const std::string start = "-level_" + std::to_string(l) + "_",
+                      end = " of the level at the end of the run, to one of PETSc's viewers";
+    reader.Viewer({start + "dm_view", "the grid" + end});
+    reader.Viewer({start + "points_view", "the points" + end});
+    reader.Viewer({start + "nodes_view", "mass, momentum, velocity and force on the nodes" + end});
+  }
+}
+
 void ReadOutput(OptionReader &reader, Case *c)
 {
   OutputSettings &out = c->output;
@@ -133,7 +146,8 @@ void ReadOutput(OptionReader &reader, Case *c)
               &out.directory);
   reader.Flag({"-overwrite", "replace the results that the folder holds"}, &out.overwrite);
   reader.Integer({"-history_interval", "level-0 steps between rows of history.csv"}, Closed(1, 2e9), &out.history_interval);
-  reader.Integer({"-frames", "number of equally spaced point frames, the last at the end"}, Closed(0, 1e6), &out.frames);
+  reader.Integer({"-frames", "number of equally spaced point frames behind that of the start, the last at the end; 0 = none"},
+                 Closed(0, 1e6), &out.frames);
   reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none"}, kNotNegative, &out.checkpoint_interval);
   reader.Text({"-restart", "checkpoint to go on from, on any number of ranks"}, false, &out.restart);
   out.monitor = OnTerminal(reader.Comm());
@@ -146,6 +160,7 @@ void ReadOutput(OptionReader &reader, Case *c)
                 {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold);
   reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks"}, Closed(1, 2e9),
                  &c->hierarchy.points_per_rank);
+  ReadViewers(reader, c->levels);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace mlgimp
@@ -40,7 +41,7 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
   if (a.id[p] < 0 || a.id[p] > kLargestId) return "a number that no point has";
   if (!finite(a.position, a.dim) || !finite(a.velocity, a.dim) || !finite(a.F, a.dim * a.dim) ||
       !finite(a.stress, a.stress_components) || !finite(a.short_wave_stress, a.rate_components) ||
-      !finite(a.history, a.history_components))
+      !finite(a.history, a.history_components) || !finite(a.initial_position, a.dim))
     return "a value that is not finite";
   if (!(det > 0 && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
@@ -146,7 +147,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
 {
-  constexpr double kMost = PETSC_MAX_INT; // of a rank
+  constexpr double kMost = std::numeric_limits<int>::max(); // of a rank
   const bool add_up = counts.size() == ranks && AllWhole(counts, 0, kMost) && rows <= kMost * static_cast<double>(ranks) &&
                       std::accumulate(counts.begin(), counts.end(), 0.0) == rows;
   return add_up ? "" : "its counts of points do not add up";

@@ -17,10 +17,9 @@
 namespace mlgimp
 {
 
-const char kUsage[] = "mlgimp simulates indentation and contact; it needs a case. Try\n\n"
-                      "  bin/mlgimp -options_file options/wedge_500nm.opts     a case, with results in output/wedge_500nm\n"
-                      "  bin/mlgimp -help                                      every option with its unit and default\n\n"
-                      "or see docs/tutorial.md.\n";
+const char kUsage[] = "a first case, with results in output/:   bin/mlgimp -options_file options/wedge_500nm.opts\n"
+                      "every option with its unit and default:  bin/mlgimp -help\n"
+                      "from there to a case of your own:        docs/tutorial.md\n";
 
 namespace
 {
@@ -146,6 +145,15 @@ std::string Parse(int argc, char **argv, CommandLine *line)
   return "";
 }
 
+/// Takes -help, without a value, out of the words; whether it was there.
+bool TakeHelp(std::vector<std::string> *words)
+{
+  const std::size_t before = words->size();
+  for (std::size_t k = words->size(); k-- > 0;)
+    if ((*words)[k] == "-help" && (k + 1 == words->size() || IsOptionName((*words)[k + 1]))) words->erase(words->begin() + k);
+  return words->size() < before;
+}
+
 } // namespace
 
 CommandLine ReadCommandLine(int argc, char **argv)
@@ -157,6 +165,7 @@ CommandLine ReadCommandLine(int argc, char **argv)
   line.name = ShareText(MPI_COMM_WORLD, line.name);
   line.problem = ShareText(MPI_COMM_WORLD, line.problem);
   line.words = words.empty() ? std::vector<std::string>() : Split(words, '\0');
+  line.help = TakeHelp(&line.words);
   return line;
 }
 

@@ -1,4 +1,4 @@
-// Point frames in HDF5 and their XDMF series.
+// Point frames in HDF5, and their series.
 #include "program/frames.hpp"
 
 #include "program/agree.hpp"
@@ -22,14 +22,6 @@ std::string FrameWriter::FileName(int number) const
   return name;
 }
 
-/// A dataset of a frame as its series describes it.
-struct FrameField {
-  const char *name;
-  int components;
-  bool real;
-  int bytes; ///< of a number
-};
-
 /// A dataset that is not a field of the points: what it has of a point.
 struct DerivedField {
   const char *name;
@@ -49,11 +41,19 @@ static double VonMisesStress(const Sym3 &stress)
   return std::sqrt(1.5 * Contract(deviator, deviator));
 }
 
-/// Current volume and half size; measures of the stress; internal variables that any material has, 0 in the others.
+/// Displacement since the start; current volume and half size; measures of the stress; internal variables that any material has,
+/// 0 in the others.
 static std::vector<DerivedField> DerivedFields(const Model &model)
 {
   using Points = const PointArrays &;
   std::vector<DerivedField> fields = {
+      {"displacement", model.geometry.Dim(),
+       [](Points a, int p, const Material &, double *displacement) {
+         for (int axis = 0; axis < a.dim; ++axis) {
+           const std::ptrdiff_t at = PointArrays::At(p, a.dim) + axis;
+           displacement[axis] = a.position[at] - a.initial_position[at];
+         }
+       }},
       {"volume", 1,
        [](Points a, int p, const Material &material, double *volume) {
          *volume = a.VolumeRatio(p) * a.mass[p] / material.Density();
@@ -91,7 +91,7 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
 std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
 {
   H5Writer file;
-  Frame frame{number, time, {}};
+  Frame frame{number, time, FileName(number), {}};
   file.Open(hierarchy.Comm(), PathOf(number), false);
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
@@ -112,14 +112,14 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   std::string problem = file.Finish();
   if (!problem.empty()) return problem;
   frames_.push_back(frame);
-  return WriteSeries(hierarchy.Comm());
+  return WriteSeries(hierarchy.Comm(), false);
 }
 
 std::string FrameWriter::Resume(MPI_Comm comm, int written)
 {
-  for (int number = 1; number <= written && RankIn(comm) == 0; ++number) { // some are absent where steps are fewer than frames
+  for (int number = 0; number <= written && RankIn(comm) == 0; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
-    Frame frame{number, 0, {}};
+    Frame frame{number, 0, FileName(number), {}};
     std::vector<double> time(1);
     if (!file.Open(PathOf(number)) || !file.Attribute("/", "time", &time)) continue;
     frame.time = time[0];
@@ -132,47 +132,64 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
   }
   int found = static_cast<int>(frames_.size());
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);
-  return found > 0 ? WriteSeries(comm) : "";
+  return found > 0 ? WriteSeries(comm, true) : "";
 }
 
-std::string FrameWriter::WriteSeries(MPI_Comm comm) const
+std::vector<FrameField> FrameWriter::Fields() const
+{
+  std::vector<FrameField> fields;
+  for (const DerivedField &field : DerivedFields(model_)) fields.push_back({field.name, H5T_NATIVE_DOUBLE, field.components});
+  for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
+    if (field.in_frames && field.components > 0) fields.push_back({field.name, H5Type(field.type), field.components});
+  return fields;
+}
+
+std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
+{
+  return OnFirstRank(comm, "series", [&]() -> std::string {
+    constexpr std::size_t kFew = 32, kShare = 16;
+    const std::size_t count = frames_.size(), due = whole || count <= kFew ? in_series_ + 1 : in_series_ + in_series_ / kShare;
+    if (count < due) return "";
+    const std::vector<FrameField> fields = Fields();
+    const std::string path = directory_ + "/points.vtkhdf", bytes = MakeVtkhdf(frames_, fields);
+    const std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
+    in_series_ = count;
+    return problem.empty() ? ReplaceFile(directory_ + "/points.xdmf", MakeXdmf(fields)) : problem;
+  });
+}
+
+/// For readers that do not know PolyData in VTKHDF: VTK before 9.3, ParaView before 5.12.
+std::string FrameWriter::MakeXdmf(const std::vector<FrameField> &fields) const
 {
   const int dim = model_.geometry.Dim();
-  std::vector<FrameField> fields;
-  for (const DerivedField &field : DerivedFields(model_)) fields.push_back({field.name, field.components, true, 8});
-  for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
-    if (field.in_frames && field.components > 0)
-      fields.push_back({field.name, field.components, field.type == FieldType::kReal, field.type == FieldType::kInt32 ? 4 : 8});
-  return OnFirstRank(comm, "series", [&] {
-    std::ostringstream xml;
-    xml.precision(17);
-    xml << "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-        << "<Grid Name=\"points\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-    for (const Frame &frame : frames_) {
-      xml << "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" << frame.time << "\"/>\n";
-      for (std::size_t l = 0; l < frame.counts.size(); ++l) {
-        const auto n = frame.counts[l];
-        if (n == 0) continue;
-        const std::string place = FileName(frame.number) + ":/level_" + std::to_string(l) + "/";
-        xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
-            << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n << "\" NodesPerElement=\"1\"/>\n"
-            << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
-            << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
-        for (const FrameField &field : fields) {
-          if (field.name == std::string("position")) continue;
-          xml << "<Attribute Name=\"" << field.name << "\" AttributeType=\"" << (field.components > 1 ? "Matrix" : "Scalar")
-              << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
-          if (field.components > 1) xml << " " << field.components;
-          xml << "\" NumberType=\"" << (field.real ? "Float" : "Int") << "\" Precision=\"" << field.bytes << "\" Format=\"HDF\">"
-              << place << field.name << "</DataItem></Attribute>\n";
-        }
-        xml << "</Grid>\n";
+  std::ostringstream xml;
+  xml.precision(17);
+  xml << "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+      << "<Grid Name=\"points\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const Frame &frame : frames_) {
+    xml << "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" << frame.time << "\"/>\n";
+    for (std::size_t l = 0; l < frame.counts.size(); ++l) {
+      const auto n = frame.counts[l];
+      if (n == 0) continue;
+      const std::string place = frame.file + ":/level_" + std::to_string(l) + "/";
+      xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
+          << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n << "\" NodesPerElement=\"1\"/>\n"
+          << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
+          << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
+      for (const FrameField &field : fields) {
+        if (field.name == "position") continue;
+        xml << "<Attribute Name=\"" << field.name << "\" AttributeType=\"" << (field.components > 1 ? "Matrix" : "Scalar")
+            << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
+        if (field.components > 1) xml << " " << field.components;
+        xml << "\" NumberType=\"" << (H5Tget_class(field.type) == H5T_FLOAT ? "Float" : "Int") << "\" Precision=\""
+            << H5Tget_size(field.type) << "\" Format=\"HDF\">" << place << field.name << "</DataItem></Attribute>\n";
       }
       xml << "</Grid>\n";
     }
-    xml << "</Grid>\n</Domain>\n</Xdmf>\n";
-    return ReplaceFile(directory_ + "/points.xdmf", xml.str());
-  });
+    xml << "</Grid>\n";
+  }
+  xml << "</Grid>\n</Domain>\n</Xdmf>\n";
+  return xml.str();
 }
 
 } // namespace mlgimp

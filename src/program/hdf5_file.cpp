@@ -13,7 +13,11 @@
 namespace mlgimp
 {
 
-void AvoidSharedFilePointers() { setenv("OMPI_MCA_io_ompio_priority", "0", 0); }
+void PrepareHdf5()
+{
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  setenv("OMPI_MCA_io_ompio_priority", "0", 0);
+}
 
 Slab MakeSlab(MPI_Comm comm, int count)
 {
@@ -66,7 +70,7 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   comm_ = comm;
   path_ = path;
   checked_ = checked;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told in our own words
+  chunks_ = 0;
   if (RankIn(comm) == 0) {
     part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
     NoteSystem(part_.Valid());
@@ -115,24 +119,23 @@ H5Handle H5Writer::Layout(int components, hsize_t rows, std::size_t row_size) co
   return layout;
 }
 
-/// The last byte that a new dataset needs. Chunks find their place only when they are written, after all that is there.
-off_t H5Writer::EndOf(const H5Handle &set, hsize_t bytes) const
+/// Room for a dataset's chunks, which come after those of all others. They are filled when the dataset is created.
+void H5Writer::ReserveChunks(hsize_t bytes)
 {
-  hsize_t end = 0;
-  if (!checked_) return static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set));
-  H5Fget_filesize(file_, &end);
-  return static_cast<off_t>(end + bytes + bytes / 64);
+  chunks_ += static_cast<off_t>(bytes + bytes / 64);
+  Reserve(chunks_);
 }
 
 void H5Writer::Dataset(const std::string &name, hid_t type, int components, const Slab &slab, const void *data)
 {
   const std::size_t row_size = static_cast<std::size_t>(components) * H5Tget_size(type);
+  if (good_ && checked_) ReserveChunks(slab.total * row_size);
   if (!good_) return;
   const H5Handle layout = Layout(components, slab.total, row_size), transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   const H5Handle target = SlabSpace(components, slab, false), source = SlabSpace(components, slab, true);
   const H5Handle set(H5Dcreate2(file_, name.c_str(), type, target, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
   Note(set.Valid());
-  Reserve(good_ ? EndOf(set, slab.total * row_size) : 0);
+  Reserve(good_ && !checked_ ? static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set)) : 0);
   if (!good_ || slab.total == 0) return;
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
   Note(H5Dwrite(set, type, source, target, transfer, data) >= 0);
@@ -179,7 +182,6 @@ bool H5Reader::Open(const std::string &path)
 {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false; // a pipe would be waited for
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)
   H5Pset_file_locking(access, false, true); // not all file systems have locks, and a file with its final name is whole

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact in plane strain.\n\n"
+static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact.\n\n"
                             "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
                             "  mpiexec -n N bin/mlgimp -options_file options/NAME.opts\n\n";
 
@@ -23,16 +23,20 @@ using namespace mlgimp;
 /// For -fp_trap, whose handler prints eight lines about debuggers beside the error.
 PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 
-void Main(const std::string &name)
+void Main(const CommandLine &line)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
   EndOn(PetscLogDefaultBegin()); // the summary tells shares of the time
+  if (line.help) {
+    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", kHelp));
+    EndOn(PetscOptionsSetValue(nullptr, "-help", nullptr));
+  }
   EndOn(PetscOptionsHasHelp(nullptr, &help));
   EndOn(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
   if (traps) PetscErrorPrintf = PrintNothing;
   OptionReader reader(PETSC_COMM_WORLD, help);
-  settings.name = name;
+  settings.name = line.name;
   ReadCase(reader, &settings);
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
@@ -51,18 +55,29 @@ void Main(const std::string &name)
 /// Call before MPI_Init. What the user has chosen stays.
 static void ChooseLayersOfMpi()
 {
-  AvoidSharedFilePointers();
+  PrepareHdf5();
   // Halos are small: copying them through shared memory takes less than asking the kernel to copy, which containers forbid.
   setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
 }
 
 /// The words of a command line as main gets them; PETSc keeps the pointers.
-static std::vector<char *> Pointers(char *program, CommandLine &line)
+static std::vector<char *> Pointers(char *program, std::vector<std::string> &all)
 {
   std::vector<char *> pointers = {program};
-  for (std::string &word : line.words) pointers.push_back(word.data());
+  for (std::string &word : all) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;
+}
+
+/// What PETSc tells about its own options, behind ours: it prints that when it starts.
+static PetscErrorCode PrintPetscHelp(char *program)
+{
+  std::vector<std::string> help = {"-help"};
+  std::vector<char *> words = Pointers(program, help);
+  int count = static_cast<int>(words.size()) - 1;
+  char **first = words.data();
+  const PetscErrorCode code = PetscInitialize(&count, &first, nullptr, nullptr);
+  return code ? code : PetscFinalize();
 }
 
 int main(int argc, char **argv)
@@ -78,7 +93,7 @@ int main(int argc, char **argv)
     MPI_Finalize();
     return 1;
   }
-  std::vector<char *> words = Pointers(argv[0], line);
+  std::vector<char *> words = Pointers(argv[0], line.words);
   int count = static_cast<int>(words.size()) - 1;
   char **first = words.data();
   ErrorExit errors;
@@ -87,13 +102,14 @@ int main(int argc, char **argv)
   if (!code) {
     InstallSignals(RanksOf(MPI_COMM_WORLD));
     try {
-      Main(line.name);
+      Main(line);
     } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
       code = PETSC_ERR_USER_INPUT;
     }
     if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // no news to whom has just been told of one
     const PetscErrorCode end = PetscFinalize();                        // reads options too
     if (!code) code = end;
+    if (!code && line.help) code = PrintPetscHelp(argv[0]);
   }
   errors.Free();
   MPI_Finalize();

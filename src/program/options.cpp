@@ -111,6 +111,15 @@ void OptionReader::Flag(const OptionText &option, bool *value)
   *value = yes.count(text) > 0;
 }
 
+void OptionReader::Viewer(const OptionText &option)
+{
+  std::string text;
+  PetscViewer viewer;
+  if (!Raw(option, "none", &text) || help_) return;
+  EndOn(PetscOptionsCreateViewer(comm_, nullptr, nullptr, option.name.c_str(), &viewer, nullptr, nullptr));
+  EndOn(PetscViewerDestroy(&viewer));
+}
+
 int OptionReader::Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value)
 {
   Raw({option.name, option.help + ": " + Join(choices, ", "), option.unit}, *value, value);
@@ -243,6 +252,7 @@ static bool LooksLikePetsc(const std::string &option)
                                         "check_", "get_",    "error_",    "saws",     "device_",  "use_gpu",    "x_",
                                         "nox",    "display", "citations", "version",  "da_",      "vecscatter_"};
   std::string name = option.substr(1);
+  if (name.rfind("level_", 0) == 0) return false; // of a level that is not there
   if (name.rfind("contact_", 0) == 0) name = name.substr(8);
   if (name.find("_view") != std::string::npos || name.find("_monitor") != std::string::npos) return true;
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });

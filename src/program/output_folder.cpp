@@ -40,7 +40,7 @@ ResultName ParseResultName(const std::string &name)
   result.number = std::max({frame, checkpoint, 0L});
   if (whole == "history.csv") result.kind = ResultName::kHistory;
   if (whole == "summary.json") result.kind = ResultName::kSummary;
-  if (whole == "points.xdmf") result.kind = ResultName::kSeries;
+  if (whole == "points.vtkhdf" || whole == "points.xdmf") result.kind = ResultName::kSeries;
   if (frame >= 0) result.kind = ResultName::kFrame;
   if (checkpoint >= 0) result.kind = ResultName::kCheckpoint;
   return result;
@@ -134,7 +134,7 @@ bool OutputFolder::IsStale(const std::string &name, long step, int frames) const
   if (IsRestart(PathOf(name))) return false;
   if (!goes_on_ || result.part) return true;
   return (result.kind == ResultName::kCheckpoint && result.number > step) ||
-         (result.kind == ResultName::kFrame && result.number > frames) || (result.kind == ResultName::kSeries && frames == 0);
+         (result.kind == ResultName::kFrame && result.number > frames) || (result.kind == ResultName::kSeries && frames < 0);
 }
 
 std::string OutputFolder::Claim(MPI_Comm comm)

@@ -153,6 +153,7 @@ void Simulation::Run()
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
   if (state_.step == 0) WriteHistoryRow();
+  if (state_.step == 0 && case_.output.frames > 0) CheckWritten(frames_.Write(hierarchy_, 0, state_.time, 0));
   while (!AtEnd()) {
     const double begin = MPI_Wtime();
     hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
@@ -169,7 +170,9 @@ void Simulation::Run()
     ShowProgress(false);
   }
   ShowProgress(true);
+  CheckWritten(frames_.Finish(comm_));
   CheckWritten(WriteSummary("completed"));
+  EndOn(hierarchy_.View(state_.time));
 }
 
 /// Moves the boxes of levels where that is due, and tells what has changed.
@@ -246,7 +249,8 @@ void Simulation::SettleState()
 /// Ends the run, with what it has written so far.
 void Simulation::Fail(const std::string &message)
 {
-  WriteSummary("failed: " + message); // where that fails too, it is less than what is told here
+  frames_.Finish(comm_);
+  WriteSummary("failed: " + message); // where these fail too, it is less than what is told here
   Refuse(message + "; " + FindKept());
 }
 
@@ -257,7 +261,7 @@ std::string Simulation::FindKept() const
   const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
   const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
   if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
-  if (frames_.Last() > 0 && is_there(frames_.PathOf(frames_.Last())))
+  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last())))
     parts.push_back("frames to " + std::to_string(frames_.Last()));
   if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
   const std::string last = parts.empty() ? "nothing" : parts.back();

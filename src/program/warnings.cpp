@@ -100,12 +100,11 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
     bool at_end; ///< while little work is done, there is little to compare with
   } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false}, {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfLeast, true}};
-  told_.resize(std::size(kAll));
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
-    if (told_[k] || (kAll[k].at_end && !ended)) continue;
+    if (told_.count(k) || (kAll[k].at_end && !ended)) continue;
     const std::string line = kAll[k].line(c, budgets, slow);
     if (line.empty()) continue;
-    told_[k] = true;
+    told_.insert(k);
     lines_.push_back(line);
     Warn(comm, line);
   }

@@ -161,9 +161,10 @@ def twice(file):
 def handmade():
     """Checkpoints with right checksums and senseless contents."""
     bad = (math.nan, math.inf, -math.inf, 1e300, -1e300)
-    for name in ("position", "velocity", "stress", "deformation_gradient", "short_wave_stress", "mass", "initial_half_size"):
+    for name in ("position", "velocity", "stress", "deformation_gradient", "short_wave_stress", "mass", "initial_half_size",
+                 "initial_position"):
         for value in bad:
-            if math.isfinite(value) and name in ("velocity", "stress", "short_wave_stress", "initial_half_size"):
+            if math.isfinite(value) and name in ("velocity", "stress", "short_wave_stress", "initial_half_size", "initial_position"):
                 continue  # large, but a state
             yield scalar(f"level_0/{name}", 3, value)
     for name in ("velocity", "stress", "deformation_gradient"):
@@ -193,7 +194,7 @@ def handmade():
     yield reshaped("level_0/counts", lambda v: v[:0])
     yield "all points twice", twice
     for name in ("id", "position", "velocity", "stress", "deformation_gradient", "short_wave_stress", "mass", "initial_half_size",
-                 "body", "faces"):
+                 "initial_position", "body", "faces"):
         yield reshaped(f"level_0/{name}", lambda v: v[:-1])
         yield reshaped(f"level_0/{name}", lambda v: numpy.concatenate([v, v]))
         yield reshaped(f"level_0/{name}", lambda v: v[:0])

@@ -152,7 +152,7 @@ def test_kill_while_writing(expect):
     for path in checkpoints[middle + 1:]:
         path.unlink()
     checkpoints[middle + 1].with_suffix(".h5.part").write_bytes(half[: len(half) // 2])
-    for name in ("points_000003.h5.part", "points.xdmf.part", "history.csv.part", "summary.json.part"):
+    for name in ("points_000003.h5.part", "points.vtkhdf.part", "points.xdmf.part", "history.csv.part", "summary.json.part"):
         (folder / name).write_bytes(b"half a file")
     rows = (folder / "history.csv").read_text()
     (folder / "history.csv").write_text(rows[: rows.rindex("\n", 0, len(rows) - 1) + 2])  # one digit of the last row
@@ -298,6 +298,9 @@ def kept_in(folder):
                 if numpy.sum(file["level_0"][field][:]) > 0:
                     numbers.append(int(path.stem.split("_")[1]))
         last.append(max(numbers))
+    if (folder / "points.vtkhdf").exists():
+        with h5py.File(folder / "points.vtkhdf", "r") as file:
+            assert len(file["VTKHDF/Points"][:]) == sum(file["VTKHDF/NumberOfPoints"][:])
     if (folder / "points.xdmf").exists():
         for item in xml.etree.ElementTree.parse(folder / "points.xdmf").iter("DataItem"):
             place, _, dataset = item.text.strip().partition(":")
@@ -306,7 +309,7 @@ def kept_in(folder):
     return tuple(last)
 
 
-KINDS = ("history.csv", "points_", "points.xdmf", "checkpoint_", "summary.json")
+KINDS = ("history.csv", "points_", "points.vtkhdf", "points.xdmf", "checkpoint_", "summary.json")
 
 # Few points and many frames, so that the list of frames becomes large.
 LIGHT = {**WEDGE, "cell_size": "1e-6", "end_time": 6e-9, "history_interval": 1000, "frames": 60}
@@ -321,7 +324,10 @@ def full_disks():
     frames = sum(count for name, count in pages.items() if name.startswith("points_"))
     yield LONG, 2 * page
     yield LONG, rows * page  # all but the summary
-    yield LIGHT, (1 + frames + pages["points.xdmf"] + (pages["points.xdmf"] + reserved) // 2) * page  # the last frame, but not its place in the list
+    vtkhdf, xdmf = pages["points.vtkhdf"], pages["points.xdmf"]  # which are replaced in this order
+    assert reserved < vtkhdf < xdmf
+    for room in (vtkhdf - 4, (vtkhdf + xdmf) // 2):  # the last frame, but not its place in one of the lists
+        yield LIGHT, (1 + frames + vtkhdf + xdmf + room) * page
     for size in (30, 60, 120):
         yield {**LIGHT, "frames": 4, "checkpoint_interval": 5}, size * page
     for size in (10, 100, 250, 500):

@@ -19,7 +19,7 @@ COLUMNS = ("step,time,depth,load,contact_points,contact_half_width,kinetic_energ
 # Dataset: numbers a point has, type. The names of the components are in the manual.
 DATASETS = {"id": (1, "int64"), "position": (2, "float64"), "velocity": (2, "float64"), "stress": (4, "float64"),
             "deformation_gradient": (4, "float64"), "volume": (1, "float64"), "mass": (1, "float64"),
-            "half_size": (2, "float64"), "body": (1, "int32"), "pressure": (1, "float64"), "von_mises_stress": (1, "float64")}
+            "displacement": (2, "float64"), "half_size": (2, "float64"), "body": (1, "int32"), "pressure": (1, "float64"), "von_mises_stress": (1, "float64")}
 
 SUMMARY = {"status", "case", "ranks", "levels", "steps", "simulated_time", "wall_seconds", "seconds_per_point_step",
            "contact_share", "transfer_share", "halo_share", "mass_error", "points_created", "points_lost", "options", "versions"}
@@ -65,11 +65,12 @@ def test_history(expect):
         expect.that(f"history.csv, {ranks} ranks: a row a step", numpy.array_equal(steps, numpy.arange(len(steps))))
         expect(f"history.csv, {ranks} ranks: ends at -end_time", result.history["time"][-1] / 1.6e-9 - 1, near=0, tolerance=1e-12)
         frames = sorted(result.folder.glob("points_*.h5"))
-        expect.that(f"20 frames by default, {ranks} ranks", [f.name for f in frames] == [f"points_{k:06d}.h5" for k in range(1, 21)])
+        expect.that(f"20 frames by default, {ranks} ranks", [f.name for f in frames] == [f"points_{k:06d}.h5" for k in range(21)])
         with h5py.File(frames[-1]) as file:
             expect.that(f"the last frame is at the end, {ranks} ranks",
                         file.attrs["step"] == steps[-1] and file.attrs["time"] == result.history["time"][-1])
         check_frame(expect, result, frames[3], f"frame, {ranks} ranks")
+        check_displacement(expect, result, f"displacement, {ranks} ranks")
         check_series(expect, result, f"points.xdmf, {ranks} ranks")
         check_summary(expect, result, ranks)
         expect.that(f"nothing unfinished, {ranks} ranks", not list(result.folder.glob("*.part")))
@@ -92,6 +93,15 @@ def check_frame(expect, result, path, name):
         momentum = numpy.sum(level["mass"][:] * level["velocity"][:, 1])
         expect(f"{name}: momentum is that of the history", momentum / result.history["momentum_y"][row] - 1, near=0,
                tolerance=1e-12)
+
+
+def check_displacement(expect, result, name):
+    """Frame 0 is the undeformed body, from which the points of the others are displaced."""
+    start, end = result.frame(0), result.frame(20)
+    expect.that(f"{name}: none at the start", not start["displacement"].any() and not start["stress"].any())
+    moved = end["position"] - start["position"]
+    expect(f"{name}: way since frame 0", numpy.max(numpy.abs(end["displacement"] - moved)), at_most=0)
+    expect.that(f"{name}: there is some", numpy.max(numpy.abs(moved)) > 1e-8)
 
 
 def check_series(expect, result, name):

@@ -6,6 +6,7 @@ import pytest
 
 import harness
 from ranks import BALL, BERKOVICH, COLLISION, CONE, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
+from series import problems_of_series
 
 pytestmark = pytest.mark.mpi
 CHECKPOINT = 25  # steps; no multiple of 10, so that the steps between looks at the wave speed go on too
@@ -13,13 +14,15 @@ CASE = {**WEDGE, "checkpoint_interval": CHECKPOINT, "frames": 8}
 
 
 def expect_series(expect, name, folder, frames):
-    """Every frame is there, and points.xdmf lists each once, in order."""
+    """Every frame is there, points.xdmf lists each once, in order, and points.vtkhdf shows them."""
     present = sorted(path.name for path in folder.glob("points_*.h5"))
-    wanted = [f"points_{number:06d}.h5" for number in range(1, frames + 1)]
+    wanted = [f"points_{number:06d}.h5" for number in range(frames + 1)]
     expect.that(f"{name}: frames", present == wanted, "" if present == wanted else f"{present}")
     series = xml.etree.ElementTree.parse(folder / "points.xdmf")
     listed = [item.text.split(":")[0] for item in series.iter("DataItem") if item.text.endswith("/position")]
     expect.that(f"{name}: series", listed == wanted, "" if listed == wanted else f"{listed}")
+    wrong = problems_of_series(folder)
+    expect.that(f"{name}: points.vtkhdf", not wrong, "; ".join(wrong[:5]))
 
 
 def rows_after(folder, step):

@@ -58,7 +58,7 @@ def names(folder):
 
 USERS = {"points.csv", "points_of_interest.txt", "history.csv.bak", "summary.json.old", "checkpoint_000040.h5.keep", "points_30deg.png",
          "points_0001.h5", "points_0000001.h5", "checkpoint_1.h5", "history.csv.part.txt", "points_000001.h5.old"}
-OWN = {"history.csv", "summary.json.part", "points.xdmf.part", "points_000009.h5", "points_1234567.h5.part", "checkpoint_000070.h5"}
+OWN = {"history.csv", "summary.json.part", "points.xdmf.part", "points.vtkhdf", "points_000009.h5", "points_1234567.h5.part", "checkpoint_000070.h5"}
 
 
 def test_users_files_survive_overwrite(tmp_path):

@@ -20,7 +20,7 @@ constexpr double kH = 0.25; // m
 /// One point somewhere on a grid of 16 x 16 cells, with the share of its face that each load acts on.
 void MakePoint(const std::vector<double> &shares, Points &points, PointArrays *a)
 {
-  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, static_cast<int>(shares.size()), 0), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kPlaneStrain, static_cast<int>(shares.size()), 0), PETSC_SUCCESS);
   ASSERT_EQ(points.Resize(1), PETSC_SUCCESS);
   *a = points.Arrays();
   for (int d = 0; d < 2; ++d) a->position[d] = Random(4 * kH, 12 * kH), a->half_size[d] = kH * Random(0.05, 0.4);
@@ -156,7 +156,7 @@ TEST(Faces, OuterAndLoadedFaces)
   Grid grid;
   Points points;
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
-  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
   const Seeding seeding(
       model, geometry, sides, [](Vec3) { return kH; }, 2, 0);
   ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);

@@ -45,11 +45,11 @@ std::vector<std::int64_t> Read(Points &points)
   const PointArrays a = points.Arrays();
   for (int p = 0; p < a.count; ++p) {
     const std::int64_t id = a.id[p];
-    const double *const reals[] = {a.position, a.velocity,  a.F,          a.stress, a.short_wave_stress,
-                                   a.mass,     a.half_size, a.load_share, a.history};
-    const PointField fields[] = {kPosition, kVelocity, kDeformation, kStress, kShortWaveStress,
-                                 kMass,     kHalfSize, kLoadShare,   kHistory};
-    for (int k = 0; k < 9; ++k) {
+    const double *const reals[] = {a.position, a.velocity,  a.F,          a.stress,  a.short_wave_stress,
+                                   a.mass,     a.half_size, a.load_share, a.history, a.initial_position};
+    const PointField fields[] = {kPosition, kVelocity, kDeformation, kStress,  kShortWaveStress,
+                                 kMass,     kHalfSize, kLoadShare,   kHistory, kInitialPosition};
+    for (std::size_t k = 0; k < std::size(fields); ++k) {
       const int components = points.Table()[fields[k]].components;
       for (int c = 0; c < components; ++c) EXPECT_EQ(reals[k][components * p + c], Value(id, fields[k], c)) << "point " << id;
     }
@@ -61,7 +61,7 @@ std::vector<std::int64_t> Read(Points &points)
 
 void Fill(Points &points, std::int64_t first, int count)
 {
-  ASSERT_EQ(points.Create(GeometryKind::kPlaneStrain, kLoads, kHistoryComponents), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kPlaneStrain, kLoads, kHistoryComponents), PETSC_SUCCESS);
   ASSERT_EQ(points.Resize(count), PETSC_SUCCESS);
   for (int p = 0; p < count; ++p) Write(points, p, first + p);
 }

@@ -19,9 +19,10 @@ PetscErrorCode ActiveSetSolver::Create(MPI_Comm comm, bool symmetric)
   PetscCall(KSPSetType(ksp_, symmetric ? KSPCG : KSPGMRES));
   PetscCall(KSPGetPC(ksp_, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSetTolerances(ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSetTolerances(ksp_, 1e-10, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT));
   PetscCall(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
   PetscCall(KSPSetFromOptions(ksp_));
+  PetscCall(KSPMINRESSetRadius(ksp_, PETSC_MAX_REAL)); // pressures in Pa are beyond what it allows by itself
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +120,8 @@ PetscErrorCode ActiveSetSolver::SolveActive(Vec right_side, Vec solution, Active
   PetscCall(KSPGetConvergedReason(ksp_, &reason));
   PetscCall(KSPGetIterationNumber(ksp_, &iterations));
   report->linear_iterations += static_cast<int>(iterations);
-  report->solved = report->solved && reason > 0;
+  // MINRES ends so at a bound of its solution, where its residual is not small.
+  report->solved = report->solved && reason > 0 && reason != KSP_CONVERGED_STEP_LENGTH;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,234 @@
+// VTKHDF 2.0, PolyData over time, by HDF5's virtual datasets.
+#include "program/vtkhdf.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// The points of one level in one frame.
+struct Part {
+  std::string file;
+  int level;
+  hsize_t count;
+};
+
+/// How a row of a dataset lies in the row that VTK takes: blocks of so many components, one every `stride`.
+struct Columns {
+  hsize_t stored, shown, block, stride;
+};
+
+Columns ColumnsOf(const FrameField &field)
+{
+  const auto stored = static_cast<hsize_t>(field.components);
+  const bool gradient = field.name == "deformation_gradient", tensor = field.components == 4;
+  if (gradient && tensor) return {stored, 9, 2, 3}; // xx, xy, yx, yy
+  const hsize_t shown = tensor ? 6 : stored == 2 ? 3 : stored;
+  return {stored, shown, stored, shown};
+}
+
+/// A file in memory; after any failure it has no bytes.
+class VtkhdfFile
+{
+public:
+  VtkhdfFile()
+  {
+    constexpr std::size_t kGrowth = 1 << 20; // bytes
+    const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_fapl_core(access, kGrowth, false);
+    file_ = H5Handle(H5Fcreate("points.vtkhdf", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+    Note(file_);
+  }
+
+  void Group(const std::string &name) { Note(H5Handle(H5Gcreate2(file_, name.c_str(), 0, 0, 0), H5Gclose)); }
+
+  template <class Number>
+  void Attribute(const std::string &object, const char *name, hid_t type, const H5Handle &space, Number *value)
+  {
+    const H5Handle attribute(H5Acreate_by_name(file_, object.c_str(), name, type, space, 0, 0, 0), H5Aclose);
+    good_ = good_ && attribute.Valid() && H5Awrite(attribute, type, value) >= 0;
+  }
+
+  /// Rows of `width` numbers each.
+  template <class Number> void List(const std::string &name, hid_t type, const std::vector<Number> &values, hsize_t width = 1)
+  {
+    const H5Handle set = Create(name, type, Space(values.size() / width, width), H5Handle());
+    good_ = good_ && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
+  }
+  void List(const std::string &name, const std::vector<hsize_t> &values, hsize_t width = 1)
+  {
+    List(name, H5T_NATIVE_INT64, values, width);
+  }
+
+  /// `count` times the same number, which takes no room.
+  void Constant(const std::string &name, int value, hsize_t count)
+  {
+    const H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_fill_value(layout, H5T_NATIVE_INT, &value);
+    Create(name, H5T_NATIVE_INT, Space(count, 1), layout);
+  }
+
+  /// Pieces of other datasets, one after the other. piece(part): file and dataset whose first rows are the piece; `more` rows
+  /// than the part has points.
+  template <class Piece>
+  void Virtual(const std::string &name, hid_t type, const Columns &columns, const std::vector<Part> &parts, hsize_t more,
+               Piece piece)
+  {
+    const H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    const int zero = 0;
+    hsize_t rows = 0, at = 0;
+    for (const Part &part : parts) rows += part.count + more;
+    H5Pset_fill_value(layout, H5T_NATIVE_INT, &zero);
+    for (const Part &part : parts) {
+      const hsize_t count = part.count + more, start[2] = {at, 0}, stride[2] = {count, columns.stride};
+      const hsize_t times[2] = {1, columns.stored / columns.block}, block[2] = {count, columns.block};
+      const H5Handle target = Space(rows, columns.shown), source = Space(count, columns.stored);
+      const std::pair<std::string, std::string> from = piece(part);
+      good_ = good_ && H5Sselect_hyperslab(target, H5S_SELECT_SET, start, stride, times, block) >= 0 &&
+              H5Pset_virtual(layout, target, from.first.c_str(), from.second.c_str(), source) >= 0;
+      at += count;
+    }
+    Create(name, type, Space(rows, columns.shown), layout);
+  }
+
+  std::string Bytes()
+  {
+    std::string bytes;
+    good_ = good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
+    if (good_) bytes.resize(static_cast<std::size_t>(H5Fget_file_image(file_, nullptr, 0)));
+    if (good_ && H5Fget_file_image(file_, bytes.data(), bytes.size()) < 0) bytes.clear();
+    return bytes;
+  }
+
+private:
+  void Note(const H5Handle &object) { good_ = good_ && object.Valid(); }
+  static H5Handle Space(hsize_t rows, hsize_t width)
+  {
+    const hsize_t size[2] = {rows, width};
+    return {H5Screate_simple(width > 1 ? 2 : 1, size, nullptr), H5Sclose};
+  }
+  H5Handle Create(const std::string &name, hid_t type, const H5Handle &space, const H5Handle &layout)
+  {
+    H5Handle set(H5Dcreate2(file_, name.c_str(), type, space, 0, layout.Valid() ? hid_t(layout) : H5P_DEFAULT, 0), H5Dclose);
+    Note(set);
+    return set;
+  }
+
+  H5Handle file_;
+  bool good_ = true;
+};
+
+std::vector<Part> PartsOf(const std::vector<Frame> &frames)
+{
+  std::vector<Part> parts;
+  for (const Frame &frame : frames)
+    for (std::size_t l = 0; l < frame.counts.size(); ++l)
+      if (frame.counts[l] > 0) parts.push_back({frame.file, static_cast<int>(l), frame.counts[l]});
+  return parts;
+}
+
+constexpr char kCells[][10] = {"Vertices", "Lines", "Polygons", "Strips"};
+
+void AddHeader(VtkhdfFile &file)
+{
+  const hsize_t two = 2;
+  const std::int64_t version[2] = {2, 0};
+  const char type[] = "PolyData";
+  const H5Handle text(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(text, sizeof type - 1);
+  H5Tset_strpad(text, H5T_STR_NULLPAD);
+  file.Group("/VTKHDF");
+  file.Attribute("/VTKHDF", "Version", H5T_NATIVE_INT64, H5Handle(H5Screate_simple(1, &two, nullptr), H5Sclose), version);
+  file.Attribute("/VTKHDF", "Type", text, H5Handle(H5Screate(H5S_SCALAR), H5Sclose), type);
+}
+
+/// A vertex for each point: both lists of cells are 0, 1, 2, ... in each part. No lines, polygons and strips.
+void AddCells(VtkhdfFile &file, const std::vector<Part> &parts, const std::vector<hsize_t> &counts)
+{
+  const std::vector<hsize_t> none(parts.size(), 0);
+  std::vector<hsize_t> numbers(1 + (counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end())));
+  const auto first_numbers = [](const Part &) { return std::pair<std::string, std::string>(".", "/numbers"); };
+  const Columns single = {1, 1, 1, 1};
+  std::iota(numbers.begin(), numbers.end(), hsize_t{0});
+  file.List("/numbers", numbers);
+  for (const std::string kind : kCells) {
+    const std::string group = "/VTKHDF/" + kind;
+    const bool vertices = kind == kCells[0];
+    file.Group(group);
+    file.List(group + "/NumberOfCells", vertices ? counts : none);
+    file.List(group + "/NumberOfConnectivityIds", vertices ? counts : none);
+    if (vertices) file.Virtual(group + "/Offsets", H5T_NATIVE_INT64, single, parts, 1, first_numbers);
+    if (vertices) file.Virtual(group + "/Connectivity", H5T_NATIVE_INT64, single, parts, 0, first_numbers);
+    if (!vertices) file.List(group + "/Offsets", none);
+    if (!vertices) file.List(group + "/Connectivity", std::vector<hsize_t>());
+  }
+}
+
+/// Where the parts, points and vertices of each frame begin.
+void AddSteps(VtkhdfFile &file, const std::vector<Frame> &frames, const std::vector<std::string> &point_data)
+{
+  const auto steps = static_cast<std::int64_t>(frames.size());
+  std::vector<double> times;
+  std::vector<hsize_t> parts, first_part, first_point, first_cell;
+  hsize_t part = 0, point = 0;
+  for (const Frame &frame : frames) {
+    const auto filled =
+        static_cast<hsize_t>(std::count_if(frame.counts.begin(), frame.counts.end(), [](auto n) { return n > 0; }));
+    times.push_back(frame.time);
+    parts.push_back(filled);
+    first_part.push_back(part);
+    first_point.push_back(point);
+    first_cell.insert(first_cell.end(), {point, 0, 0, 0});
+    part += filled;
+    point = std::accumulate(frame.counts.begin(), frame.counts.end(), point);
+  }
+  const std::string group = "/VTKHDF/Steps";
+  file.Group(group);
+  file.Attribute(group, "NSteps", H5T_NATIVE_INT64, H5Handle(H5Screate(H5S_SCALAR), H5Sclose), &steps);
+  file.List(group + "/Values", H5T_NATIVE_DOUBLE, times);
+  file.List(group + "/NumberOfParts", parts);
+  file.List(group + "/PartOffsets", first_part);
+  file.List(group + "/PointOffsets", first_point);
+  file.List(group + "/CellOffsets", first_cell, std::size(kCells));
+  file.List(group + "/ConnectivityIdOffsets", first_cell, std::size(kCells));
+  file.Group(group + "/PointDataOffsets");
+  for (const std::string &name : point_data) file.List(group + "/PointDataOffsets/" + name, first_point);
+}
+
+} // namespace
+
+std::string MakeVtkhdf(const std::vector<Frame> &frames, const std::vector<FrameField> &fields)
+{
+  const std::vector<Part> parts = PartsOf(frames);
+  std::vector<hsize_t> counts, most; // of each part; of each level
+  std::vector<std::string> point_data;
+  VtkhdfFile file;
+  AddHeader(file);
+  for (const Part &part : parts) {
+    counts.push_back(part.count);
+    most.resize(std::max(most.size(), std::size_t(part.level) + 1));
+    most[part.level] = std::max(most[part.level], part.count);
+  }
+  file.List("/VTKHDF/NumberOfPoints", counts);
+  AddCells(file, parts, counts);
+  file.Group("/VTKHDF/PointData");
+  const auto in_group = [](int level, const std::string &name) { return "/level_" + std::to_string(level) + "/" + name; };
+  for (const FrameField &field : fields) {
+    const bool points = field.name == "position";
+    file.Virtual(points ? "/VTKHDF/Points" : "/VTKHDF/PointData/" + field.name, field.type, ColumnsOf(field), parts, 0,
+                 [&](const Part &part) { return std::pair(part.file, in_group(part.level, field.name)); });
+    if (!points) point_data.push_back(field.name);
+  }
+  for (std::size_t l = 0; l < most.size(); ++l) file.Constant("/level_" + std::to_string(l), static_cast<int>(l), most[l]);
+  file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, {1, 1, 1, 1}, parts, 0,
+               [](const Part &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); });
+  point_data.emplace_back("level");
+  AddSteps(file, frames, point_data);
+  return file.Bytes();
+}
+
+} // namespace mlgimp

@@ -1,0 +1,90 @@
+"""points.vtkhdf, read by the rules of VTKHDF (docs.vtk.org): every time step holds the points of its frame, level by level."""
+import itertools
+
+import h5py
+import numpy
+import pytest
+
+import harness
+from ranks import BERKOVICH, LEVELS
+
+pytestmark = pytest.mark.mpi
+
+# Where the components of the plane are among those that VTK takes of vectors, symmetric tensors and others.
+COLUMNS = {**{(vector, 2): ([0, 1], 3) for vector in ("position", "velocity", "displacement", "half_size")},
+           ("stress", 4): ([0, 1, 2, 3], 6), ("deformation_gradient", 4): ([0, 1, 3, 4], 9)}
+
+
+def as_vtk(name, values):
+    """Values of a frame with the components that VTK takes."""
+    places, width = COLUMNS.get((name, values.shape[-1] if values.ndim > 1 else 1), (None, 0))
+    if places is None:
+        return values
+    wide = numpy.zeros((len(values), width))
+    wide[:, places] = values
+    return wide
+
+
+def vertices(group, first, count, part):
+    """The points that the vertices of one part show; `first`: vertices before the part, `part`: parts before it."""
+    assert group["NumberOfCells"][part] == count == group["NumberOfConnectivityIds"][part]
+    offsets = group["Offsets"][first + part : first + part + count + 1]
+    assert numpy.array_equal(numpy.diff(offsets), numpy.ones(count))  # one point each
+    return group["Connectivity"][first : first + count][offsets[:-1]]
+
+
+def problems_of_step(root, step, frame):
+    """What a reader of VTKHDF finds wrong in a time step, against the frame it is of."""
+    steps, wrong = root["Steps"], []
+    if steps["Values"][step] != frame.attrs["time"]:
+        wrong.append("time")
+    part, parts, first = (int(steps[name][step]) for name in ("PartOffsets", "NumberOfParts", "PointOffsets"))
+    filled = [name for name in sorted(frame) if len(frame[name]["id"])]
+    if parts != len(filled) or list(steps["CellOffsets"][step]) != [first, 0, 0, 0]:
+        wrong.append("parts or cells")
+    for name in filled:
+        level, count = frame[name], int(root["NumberOfPoints"][part])
+        if not numpy.array_equal(vertices(root["Vertices"], first, count, part), numpy.arange(count)):
+            wrong.append(f"{name}: vertices")
+        for field in level:
+            data, offset = root["Points"], first
+            if field != "position":
+                data = root["PointData"][field]
+                offset += int(steps["PointDataOffsets"][field][step]) - int(steps["PointOffsets"][step])
+            if not numpy.array_equal(data[offset : offset + count], as_vtk(field, level[field][:])):
+                wrong.append(f"{name}: {field}")
+        if set(root["PointData"]) != set(level) - {"position"} | {"level"}:
+            wrong.append(f"{name}: fields")
+        if not numpy.array_equal(root["PointData/level"][first : first + count], numpy.full(count, int(name[-1]))):
+            wrong.append(f"{name}: level")
+        part, first = part + 1, first + count
+    return wrong
+
+
+def problems_of_series(folder):
+    """What is wrong with the series of all frames in a folder."""
+    frames, wrong = sorted(folder.glob("points_*.h5")), []
+    with h5py.File(folder / "points.vtkhdf") as file:
+        root = file["VTKHDF"]
+        header = [root.attrs["Type"], *root.attrs["Version"], root["Steps"].attrs["NSteps"]]
+        if header != [b"PolyData", 2, 0, len(frames)]:
+            wrong.append("header")
+        counts = ("NumberOfCells", "NumberOfConnectivityIds", "Offsets")
+        for group, name in itertools.product(("Lines", "Polygons", "Strips"), counts):
+            if not numpy.array_equal(root[group][name][:], numpy.zeros(len(root["NumberOfPoints"]))):
+                wrong.append(f"{group}: {name}")
+        for step, path in enumerate(frames):
+            with h5py.File(path) as frame:
+                wrong += [f"{path.name}: {problem}" for problem in problems_of_step(root, step, frame)]
+    return wrong
+
+
+@pytest.mark.parametrize("case, ranks", [(LEVELS, 2), (BERKOVICH, 1)], ids=["plane", "space"])
+def test_series(expect, case, ranks):
+    case = {name: value for name, value in case.items() if name != "end_time"}
+    result = harness.run({**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0}, ranks=ranks)
+    wrong = problems_of_series(result.folder)
+    expect.that("points.vtkhdf", not wrong, "; ".join(wrong[:5]))
+    expect("frames", len(list(result.folder.glob("points_*.h5"))), near=3, tolerance=0)
+    points, series = ((result.folder / name).stat().st_size for name in ("points_000002.h5", "points.vtkhdf"))
+    expect("points.vtkhdf over a frame: it repeats no numbers", series / points, at_most=0.5)

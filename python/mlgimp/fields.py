@@ -36,7 +36,7 @@ def read_panel(directory, number=None, title=None):
     """Returns the Panel of a frame, by default of the last one."""
     path = results.find_frame(directory, number)
     frame, history, summary = results.read_frame(path), results.read_history(directory), results.read_summary(directory)
-    points, boxes = results.all_points(frame.levels), results.level_boxes(summary)
+    points, boxes = results.all_points(frame.levels), results.level_boxes(summary, frame.time)
     is_space = points["position"].shape[1] == 3
     if is_space:
         points, boxes = slice_of(points, boxes, tip_across(history, frame.time))

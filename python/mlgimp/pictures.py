@@ -13,7 +13,7 @@ from .errors import ResultError
 Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the unit of this name
 
 LABORATORY = {"m": Unit(1e6, "µm"), "N": Unit(1e3, "mN")}  # what is used where numbers stay readable
-READABLE = 1e-2, 2e4  # the largest number on an axis
+READABLE = 0.1, 2e4  # the largest number on an axis
 DOTS_PER_INCH = 160
 STYLE = {
     "figure.dpi": DOTS_PER_INCH, "font.size": 12, "axes.titlesize": 13, "axes.titlepad": 10,

@@ -73,10 +73,25 @@ def case_name(directory):
     return read_summary(directory).get("case") or Path(directory).resolve().name
 
 
-def level_boxes(summary):
-    """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y, in space z] in m, coarsest first."""
-    boxes = [(level["lower"], level["upper"]) for level in summary.get("levels", [])]
-    return np.array(boxes, float).reshape(len(boxes), 2, len(boxes[0][0]) if boxes else 2)
+def level_boxes(summary, time=None):
+    """Returns the boxes of the grid levels as an array [levels][lower, upper][x, y, in space z] in m, coarsest first.
+
+    time (s): of boxes that follow the contact those at this time, without levels that rest then; by default those at the end.
+    """
+    levels = summary.get("levels", [])
+    boxes = [(level["lower"], level["upper"]) for level in levels]
+    if time is not None:
+        boxes = [box for box in (box_at(summary, level, time, box) for level, box in enumerate(boxes)) if box]
+    return np.array(boxes, float).reshape(len(boxes), 2, len(levels[0]["lower"]) if levels else 2)
+
+
+def box_at(summary, level, time, last):
+    """Returns the box (lower, upper) of a level at a time, `last` where it never moves, None where it rests or has not moved yet."""
+    moves = [move for move in summary.get("regrids", []) if move["level"] == level]
+    before = [move for move in moves if move["time"] <= time]
+    if not before:
+        return None if moves else last
+    return (before[-1]["lower"], before[-1]["upper"]) if before[-1]["active"] else None
 
 
 def numbered_frames(directory):

@@ -15,7 +15,7 @@ from matplotlib import animation
 
 import harness
 import mlgimp
-from mlgimp import fields, indentation, options, pictures, surface
+from mlgimp import fields, indentation, options, pictures, results, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -97,9 +97,9 @@ def test_pictures(pressed, tmp_path, monkeypatch):
 
 def test_paint():
     """Rectangles cover the dots that they touch, the stretched ones beneath; what lies outside is cut off."""
-    points = {"position": np.array([[0.5, 0.5], [3.0, 1.0], [9.0, 9.0]]), "half_size": np.array([[0.5, 0.5], [2.0, 1.0], [1.0, 1.0]])}
+    points = {"position": np.array([[1.5, 0.5], [3.0, 1.0], [9.0, 9.0]]), "half_size": np.array([[0.5, 0.5], [2.0, 1.0], [1.0, 1.0]])}
     image = fields.paint(points, np.array([1.0, 2.0, 3.0]), np.array([0.0, 4.0, 0.0, 3.0]), (3, 4))
-    np.testing.assert_array_equal(image, [[1, 2, 2, 2], [np.nan, 2, 2, 2], [np.nan] * 4])
+    np.testing.assert_array_equal(image, [[np.nan, 1, 2, 2], [np.nan, 2, 2, 2], [np.nan] * 4])
 
 
 def test_slice_through_the_tip():
@@ -112,6 +112,18 @@ def test_slice_through_the_tip():
         cut, met = fields.slice_of(points, boxes, y)
         assert cut["position"].shape == (64, 2) and len(met) == levels
         np.testing.assert_array_equal(cut["stress"], np.tile(np.array([0, 2, 1, 5]) + 10 * row, (64, 1)))
+
+
+def test_boxes_that_follow():
+    """A box is that of the last move before the frame; a level that rests has none."""
+    levels = [{"lower": [0, 0], "upper": [8, 8]}, {"lower": [0, 4], "upper": [4, 8]}, {"lower": [0, 6], "upper": [2, 8]}]
+    moves = [{"level": 1, "time": 0.0, "active": True, "lower": [0, 6], "upper": [2, 8]},
+             {"level": 1, "time": 1.0, "active": True, "lower": [0, 4], "upper": [4, 8]},
+             {"level": 2, "time": 1.0, "active": False, "lower": [0, 7], "upper": [1, 8]}]
+    summary = {"levels": levels, "regrids": moves}
+    assert results.level_boxes(summary, 0.5)[:, 1, 0].tolist() == [8, 2]
+    assert results.level_boxes(summary, 1.0)[:, 1, 0].tolist() == [8, 4]
+    assert results.level_boxes({"levels": levels}, 1.0)[:, 1, 0].tolist() == results.level_boxes(summary)[:, 1, 0].tolist() == [8, 4, 2]
 
 
 # ---- errors ----

@@ -81,6 +81,7 @@ struct Budgets {
   VectorBudget gravity_impulse{"gravity_impulse", Adds::kTotal, Shown::kColumn};
   VectorBudget damping_impulse{"damping_impulse", Adds::kTotal, Shown::kColumn};
   ScalarBudget penetration{"penetration", Adds::kLargestEver, Shown::kColumn};
+  ScalarBudget contact_cells{"contact_cells", Adds::kLargestEver, Shown::kNowhere}; ///< in contact_half_width, of its level
   ScalarBudget penetration_cells{"penetration_cells", Adds::kLargestEver, Shown::kNowhere}; ///< of the level that it was on
   ScalarBudget peak_pressure{"peak_pressure", Adds::kLargest, Shown::kColumn};
   VectorBudget stagger_impulse{"stagger_impulse", Adds::kTotal, Shown::kColumn}; ///< of coarse forces' extrapolation at borders

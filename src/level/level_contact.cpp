@@ -52,6 +52,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   NoteContact(report, rank == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
+  budgets_.contact_cells = std::max<double>(budgets_.contact_cells, report.half_width / grid_->Geometry().spacing);
   budgets_.penetration_cells = std::max<double>(budgets_.penetration_cells, report.penetration / grid_->Geometry().spacing);
   budgets_.contact_impulse += report.impulse;
   budgets_.support_impulse += report.side_impulse;

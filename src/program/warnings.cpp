@@ -60,25 +60,25 @@ std::string OfBorder(const Case &c, const Budgets &budgets, const QuasiStaticWat
          "farther from the contact, above the surface at the domain's side";
 }
 
-/// Levels that follow the contact, and are too few for how wide it gets, or stays.
-std::string OfRange(const Case &c, const Budgets &budgets, bool ended)
+/// Levels that follow the contact, and are too few for how wide it gets.
+std::string OfWidest(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   const FollowSettings &follow = c.hierarchy.follow;
-  const double half_width = budgets.contact_half_width, widest = half_width / c.CellSize(0),
-               least = half_width / c.CellSize(c.levels - 1);
-  const std::string cells = "-levels " + std::to_string(c.levels) + ": half the contact's width is ";
-  if (follow.kind != FollowKind::kContact || half_width == 0) return "";
-  if (!ended && widest > follow.cells_max)
-    return cells + FormatRounded(widest) + " cells of level 0" + When(budgets) +
-           ", more than -level_cells_max, and there is no coarser level to go on with: try more levels and a larger -cell_size";
-  if (ended && least < follow.cells_min)
-    return cells + FormatRounded(least) +
-           " cells of the finest level at the end, fewer than -level_cells_min: the load is that "
-           "of the cells; try more levels";
-  return "";
+  const double cells = budgets.contact_half_width / c.CellSize(0);
+  if (follow.kind != FollowKind::kContact || cells <= follow.cells_max) return "";
+  return "-levels " + std::to_string(c.levels) + ": half the contact's width is " + FormatRounded(cells) + " cells of level 0" +
+         When(budgets) + ", more than -level_cells_max, and no level is coarser: try more levels and a larger -cell_size";
 }
-std::string OfWidest(const Case &c, const Budgets &budgets, const QuasiStaticWatch &) { return OfRange(c, budgets, false); }
-std::string OfLeast(const Case &c, const Budgets &budgets, const QuasiStaticWatch &) { return OfRange(c, budgets, true); }
+
+/// The same for a contact that never gets wide.
+std::string OfNarrowest(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
+{
+  const FollowSettings &follow = c.hierarchy.follow;
+  const double cells = budgets.contact_cells;
+  if (follow.kind != FollowKind::kContact || cells == 0 || cells >= follow.cells_min) return "";
+  return "-levels " + std::to_string(c.levels) + ": half the contact's width is at most " + FormatRounded(cells) +
+         " cells of the finest level, fewer than -level_cells_min: the load is that of the cells; try more levels";
+}
 
 /// A slow test that is not slow.
 std::string OfSpeed(const Case &c, const Budgets &, const QuasiStaticWatch &slow)
@@ -98,8 +98,8 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const QuasiStaticWatch &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false}, {OfNoise, true},
-              {OfSpeed, true},        {OfWidest, false},    {OfLeast, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false},  {OfNoise, true},
+              {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     if (told_.count(k) || (kAll[k].at_end && !ended)) continue;
     const std::string line = kAll[k].line(c, budgets, slow);

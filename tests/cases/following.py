@@ -187,7 +187,7 @@ REFUSED = [
      ["-level_1_path 3 numbers", "2 for each time"]),
     ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
     ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0", "overwrite": None},
-     ["time 3.2", "level 1 has followed its path", "is kept"]),
+     ["time 3.2", "level 1 has followed its path", "are kept"]),
 ]
 
 

@@ -73,6 +73,26 @@ def side_by_side(options):
     save(fields.fields(panels, options.component, options.window), options.picture)
 
 
+def depths(options):
+    """Draws a stress or a scalar of several frames of one run side by side, each in lengths of the depth it has: what is similar
+    to itself looks the same."""
+    history = results.read_history(options.directory)
+    if not results.has_indenter(history):
+        raise ResultError(options.directory, "this run has no indenter")
+    surface = np.array([history["tip_x"][0], history["tip_y"][0] + history["depth"][0]])
+    panels = []
+    for number in options.frames:
+        time = results.read_frame(results.find_frame(options.directory, number)).time
+        depth = float(np.interp(time, history["time"], history["depth"]))
+        if depth <= 0:
+            raise ResultError(options.directory, f"the indenter has no depth in frame {number}")
+        panel = fields.read_panel(options.directory, number)
+        panels.append(fields.in_lengths(panel, surface, depth)._replace(title=f"h = {pictures.in_si_unit(depth, 'm')}"))
+    width = options.width
+    save(fields.fields(panels, options.component, (-width, width, -1.2 * width, 0.4 * width), length=pictures.Unit(1, "h")),
+         options.picture)
+
+
 def cell_percentage(levels):
     """Returns, for the first 1, 2, ... of the levels of summary.json, the cells they have in percent of those that the
     whole domain would have at the finest of them; cells under a finer level do not count. (The paper's Fig. 6b.)"""
@@ -124,6 +144,13 @@ def main(arguments=None):
     stresses.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="yy")
     add_window_option(stresses)
     stresses.set_defaults(draw=side_by_side)
+    similar = commands.add_parser("depths", help=depths.__doc__)
+    similar.add_argument("picture", metavar="OUT.png")
+    similar.add_argument("directory", metavar="DIR")
+    similar.add_argument("frames", nargs="+", type=int, metavar="FRAME")
+    similar.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress")
+    similar.add_argument("--width", type=float, default=6, help="what is seen to each side of the tip, depths (default: 6)")
+    similar.set_defaults(draw=depths)
     savings = commands.add_parser("cells", help=cells.__doc__)
     savings.add_argument("picture", metavar="OUT.png")
     savings.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")

@@ -234,16 +234,23 @@ def set_ticks(axes):
     axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(2 * height, 1, 8)), steps=[1, 2, 5, 10]))
 
 
+def in_lengths(panel, origin, length):
+    """Returns the Panel with places as distances from origin [2] (m) in multiples of a length (m)."""
+    points = dict(panel.points, position=(panel.points["position"] - origin) / length, half_size=panel.points["half_size"] / length)
+    return panel._replace(points=points, boxes=(panel.boxes - origin) / length)
+
+
 @styled
-def fields(panels, component, window=None, scale=None):
+def fields(panels, component, window=None, scale=None, length=None):
     """Returns the picture of one component, with a Panel for each of panels side by side.
 
-    All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units.
+    All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units; length is
+    the Unit of places, by default one of the laboratory.
     """
     window, (width, height) = fitted(window_of(panels, window), len(panels))
     values = np.concatenate([values_of(each.points, component)[in_window(each.points, window)] for each in panels])
     scale = scale or colour_scale(values, centred=component == "xy")
-    units = lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
+    units = length or lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
     left, bottom, right, top = MARGIN
     bottom = bottom if height > UPRIGHT else BELOW
     full = left + len(panels) * (width + GAP) - GAP + right, bottom + height + top

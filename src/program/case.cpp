@@ -73,7 +73,7 @@ void ReadGrid(OptionReader &reader, Case *c)
   }
   CheckAxis(reader, c);
   // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.
-  const double most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > most)

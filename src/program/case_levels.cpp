@@ -88,7 +88,8 @@ void ReadBox(OptionReader &reader, Case *c, int k)
   if (const double r = box.lower[0]; c->model.geometry.HasHoop() && r > 0 && r < 4 * coarse)
     reader.Refuse(name + "_lower", reader.Text(box.lower),
                   "at x = 0, the axis, or at least four coarser cells, " + FormatRounded(4 * coarse) + ", from it");
-  const double cell = c->CellSize(k), most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const double cell = c->CellSize(k);
+  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
   if (nodes > most)

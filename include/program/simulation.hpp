@@ -36,6 +36,7 @@ private:
   void PrepareOutputFolder();
   void ControlStep();
   void FollowBoxes();
+  void CheckPace();
   void WriteDue();
   void WriteHistoryRow();
   void SetFrictionForce(double passed);

@@ -141,6 +141,21 @@ void Simulation::ControlStep()
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
   EndOn(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
+  CheckPace();
+}
+
+/// Ends the run where the tip would leave the finest level's box before boxes are looked at again.
+void Simulation::CheckPace()
+{
+  const FollowSettings &follow = case_.hierarchy.follow;
+  if (follow.kind != FollowKind::kContact) return;
+  const int finest = hierarchy_.Following().plan.active - 1;
+  const double room = case_.hierarchy.rules.Border(finest), soon = state_.time + follow.interval * state_.time_step;
+  const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
+  if (finest > 0 && way > room)
+    FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are looked at again, by time " +
+                 FormatRounded(soon) + " s, more than the " + FormatRounded(room) + " m that level " + std::to_string(finest) +
+                 " keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval");
 }
 
 void Simulation::Run()
@@ -182,6 +197,7 @@ void Simulation::FollowBoxes()
   const std::size_t before = state_.moves.size();
   std::string problem;
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
+  CheckPace();
   EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, &state_.moves, &problem));
   if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
   for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)

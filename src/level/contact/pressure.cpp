@@ -34,6 +34,12 @@ bool IsAtTip(const ContactView &view, Index column)
   return near;
 }
 
+/// False for cells that this rank has not all corners of: a segment there is of a point that has failed, which ends the run soon.
+bool IsHere(const Grid &grid, Index cell)
+{
+  return grid.IsLocal(cell) && grid.IsLocal(Corner(cell, grid.Geometry().dim == 3 ? 7 : 3));
+}
+
 constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
 
 class PressureContact : public Contact
@@ -86,9 +92,9 @@ private:
         const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
         if (gap.distance > range) continue;
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
-        if (Faces(s, gap.normal))
-          segments_.push_back({Locate(view.grid, s.x, view.geometry.Dim()), gap.normal, s.area, gap.distance,
-                               s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
+        const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
+        if (Faces(s, gap.normal) && IsHere(view.grid, place.cell))
+          segments_.push_back({place, gap.normal, s.area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
       }
       point_ends_.push_back(segments_.size());
     }

@@ -178,7 +178,7 @@ REFUSED = [
     ("margin", {**CONE, "level_2_margin": -3}, ["-level_2_margin"]),
     ("margins", {**CONE, "level_2_margin": "3,4,5"}, ["-level_2_margin"]),
     ("unknown level", {**CONE, "level_4_margin": 3}, ["-level_4_margin", "nothing reads this option"]),
-    ("too fast for the cells", {**CONE, "levels": 11}, ["-level_follow contact: the tip goes", "that level 10 keeps free"]),
+    ("too fast for the cells", {**CONE, "levels": 13}, ["-level_follow contact: the tip goes", "that level 12 keeps free"]),
     ("interval", {**CONE, "regrid_interval": 0}, ["-regrid_interval 0"]),
     ("path without times", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_path": "0,0"},
      ["-level_1_times"]),

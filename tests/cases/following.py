@@ -187,7 +187,7 @@ REFUSED = [
     ("numbers", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1", "level_1_path": "0,1,2"},
      ["-level_1_path 3 numbers", "2 for each time"]),
     ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
-    ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0", "overwrite": None},
+    ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0"},
      ["time 3.2", "level 1 has followed its path", "are kept"]),
 ]
 
@@ -196,7 +196,7 @@ REFUSED = [
 def test_refused(tmp_path):
     for count, some in ((1, REFUSED), (3, REFUSED[::4])):
         for name, case, expected in some:
-            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, count, expected)
+            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out", "overwrite": None}), tmp_path, count, expected)
             assert not problem, f"{name} on {count} ranks: {problem}"
 
 

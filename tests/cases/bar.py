@@ -27,7 +27,7 @@ def bar(pressure, rise_time, end_time, **others):
 
 def frames(result):
     """(time, points ordered by id) of every frame."""
-    for path in results.frames(result.folder):
+    for path in results.numbered_frames(result.folder).values():
         frame = results.read_frame(path)
         points = results.all_points(frame.levels)
         order = numpy.argsort(points["id"])

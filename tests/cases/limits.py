@@ -6,6 +6,7 @@ import numpy
 import pytest
 
 import harness
+from mlgimp.results import read_history
 
 BLOCK = {"domain_lower": "0,0", "domain_upper": "12,12", "cell_size": 1, "materials": "al", "al_youngs_modulus": 1e9,
          "al_poissons_ratio": 0.3, "al_density": 1000, "bodies": "block", "block_lower": "0,0", "block_upper": "8,8", "frames": 0}
@@ -84,7 +85,7 @@ def test_surface_deep_inside_the_indenter_is_told():
             "al_model": "j2", "al_yield_stress": 1e6, "al_hardening_modulus": 0}
     status, lines, folder = end_of(case)
     told = [line for line in lines if line.startswith(WARNING + "-cell_size 0.25: the surface lies")]
-    history = __import__("results").read_history(folder)
+    history = read_history(folder)
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
@@ -116,7 +117,7 @@ def test_indenter_faster_than_waves():
     case = {**BLOCK, "indenter": "polygon", "indenter_tip": "4,9", "indenter_vertices": "0,0,3,1,0,2,-3,1", "indenter_times": 0,
             "indenter_velocities": 1e4, "indenter_max_depth": 1, "boundary_y_lower": "symmetry"}
     status, lines, folder = end_of(case)
-    history = __import__("results").read_history(folder)
+    history = read_history(folder)
     assert numpy.max(numpy.diff(history["depth"])) <= 0.4 * (1 + 1e-9)
     assert numpy.max(history["load"]) > 0, lines
 

@@ -56,11 +56,16 @@ class UnitFile(pytest.File):
     def collect(self):
         self.program = "test_units" if self.path.parent.name == "unit" else "test_" + self.path.stem
         tests = [name for name, source in self.listed() if pathlib.Path(source).name == self.path.name]
-        if not tests:
+        if not tests and self.wanted():
             raise self.CollectError(f"bin/{self.program} has no test of {self.path.name}; make programs")
         for test in tests:
             for ranks in RANKS[test.split(".")[0].endswith("OnRanks")]:
                 yield UnitTest.from_parent(self, name=test + (f"[{ranks}]" if ranks > 1 else ""), test=test, ranks=ranks)
+
+    def wanted(self):
+        """Whether the program must be there: a selection by -k need not have built what it does not name."""
+        words = self.config.option.keyword.split(" or ")
+        return any(word in f"{self.program} {self.path.name}" for word in words)
 
     def listed(self):
         """(name, source) of all tests of the program."""

@@ -90,8 +90,8 @@ public:
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
   /// After a step that ends at `time`: moves the boxes that follow where it is due, adds what has moved to `moves`, and tells
-  /// why a box cannot lie where it should; the same on every rank. Collective.
-  PetscErrorCode Follow(double step, double time, std::vector<LevelMove> *moves, std::string *problem);
+  /// why a box cannot lie where it should; the same on every rank. next_look: when boxes may move again, s. Collective.
+  PetscErrorCode Follow(double step, double time, double next_look, std::vector<LevelMove> *moves, std::string *problem);
   /// Where boxes are now; while they follow, what the contact has reached since they were last looked at.
   const FollowState &Following() const { return follow_; }
   /// Puts empty levels there. Collective.
@@ -137,7 +137,7 @@ private:
   void CoupleNodes(int l);
   PetscErrorCode RebalanceIfNeeded(int l);
   PetscErrorCode Rebalance(int l);
-  PetscErrorCode FindContact(double time, ContactPlace *place);
+  PetscErrorCode FindContact(double time, double next_look, ContactPlace *place);
   PetscErrorCode MoveLevels(const BoxPlan &next);
   PetscErrorCode SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active);
   PetscErrorCode SortIntoBoxes(const std::vector<LevelGeometry> &next, int active);

@@ -110,6 +110,8 @@ struct Indenter {
     return std::hypot(by_load ? by_load->largest_speed : motion.Fastest(from, to), std::hypot(x, y));
   }
   double Depth(Vec3 tip_now) const { return initial_surface - tip_now[up]; }
+  /// Half the width of the part below the undeformed surface where the tip is so deep; nothing above it, m.
+  double HalfWidth(double depth) const { return depth > 0 ? 0.5 * surface->Width(depth) : 0; }
   SurfaceGap Gap(Vec3 x, Vec3 tip_now) const { return surface->Gap(x - tip_now); }
 };
 

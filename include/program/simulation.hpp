@@ -37,6 +37,8 @@ private:
   void ControlStep();
   void FollowBoxes();
   void CheckPace();
+  /// When boxes may move again.
+  double NextLook() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
   void WriteDue();
   void WriteHistoryRow();
   void SetFrictionForce(double passed);

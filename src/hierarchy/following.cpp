@@ -60,8 +60,9 @@ Box AroundContact(const LevelRules &rules, const BoxMargin &margin, const Contac
 {
   const int up = rules.dim - 1;
   const double h = rules.CellSize(k), border = rules.Border(k), lowest = std::min(place.surface, place.tip[up]);
-  const double side = std::max(border, margin.sideways < 0 ? (kHalfWidths - 1) * place.half_width : margin.sideways * h);
-  const double depth = margin.down < 0 ? place.surface - kHalfWidths * place.half_width : lowest - margin.down * h;
+  const double widest = std::max(place.half_width, place.reach);
+  const double side = std::max(border, margin.sideways < 0 ? (kHalfWidths - 1) * widest : margin.sideways * h);
+  const double depth = margin.down < 0 ? place.surface - kHalfWidths * widest : lowest - margin.down * h;
   Box box;
   for (int axis = 0; axis < up; ++axis) {
     box.lower[axis] = place.tip[axis] - place.reach - side;

@@ -44,8 +44,9 @@ PetscErrorCode Hierarchy::ShareReach()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Where the contact has been since the last look; the surface around it is that of the finest level.
-PetscErrorCode Hierarchy::FindContact(double time, ContactPlace *place)
+/// Where the contact has been since the last look, and as much wider as the indenter is that will meet the surface until the
+/// next: a flat punch touches with all of it at once. The surface around it is that of the finest level.
+PetscErrorCode Hierarchy::FindContact(double time, double next_look, ContactPlace *place)
 {
   const Indenter &indenter = *model_->indenter;
   Points &finest = levels_[follow_.plan.active - 1]->PointStore();
@@ -55,7 +56,9 @@ PetscErrorCode Hierarchy::FindContact(double time, ContactPlace *place)
   for (int p : finest.SurfacePoints()) top = std::max(top, a.Position(p)[indenter.up]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &top, 1, MPI_DOUBLE, MPI_MAX, comm_));
   PetscCall(ShareReach());
-  *place = {tip_.At(time), follow_.half_width, follow_.reach, indenter.initial_surface, top};
+  const double now = indenter.Depth(tip_.At(time)), soon = indenter.Depth(tip_.At(next_look));
+  const double wider = std::max(0.0, indenter.HalfWidth(soon) - indenter.HalfWidth(now));
+  *place = {tip_.At(time), follow_.half_width, follow_.reach + wider, indenter.initial_surface, top};
   follow_.half_width = follow_.reach = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -180,7 +183,7 @@ static PetscErrorCode MoveOf(MPI_Comm comm, const Budgets &before, const Budgets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Follow(double step, double time, std::vector<LevelMove> *moves, std::string *problem)
+PetscErrorCode Hierarchy::Follow(double step, double time, double next_look, std::vector<LevelMove> *moves, std::string *problem)
 {
   const FollowSettings &follow = settings_.follow;
   const BoxPlan now = follow_.plan;
@@ -188,7 +191,7 @@ PetscErrorCode Hierarchy::Follow(double step, double time, std::vector<LevelMove
   ContactPlace place;
   std::vector<Budgets> before;
   PetscFunctionBeginUser;
-  if (follow.kind == FollowKind::kContact) PetscCall(FindContact(time, &place));
+  if (follow.kind == FollowKind::kContact) PetscCall(FindContact(time, next_look, &place));
   if (!(follow.kind == FollowKind::kContact ? FollowContact(settings_.rules, follow, place, now, &next)
                                             : FollowPath(settings_.rules, follow, time, now, &next)))
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -186,8 +186,8 @@ void PlaceLevels(Case *c)
   if (settings.follow.kind == FollowKind::kContact) {
     const Indenter &indenter = *c->model.indenter;
     BoxPlan now{c->boxes, c->levels}, first;
-    FollowContact(settings.rules, settings.follow, {indenter.tip, 0, 0, indenter.initial_surface, indenter.initial_surface}, now,
-                  &first);
+    const double surface = indenter.initial_surface, reach = indenter.HalfWidth(c->CellSize(c->levels - 1));
+    FollowContact(settings.rules, settings.follow, {indenter.tip, 0, reach, surface, surface}, now, &first);
     c->boxes = first.boxes;
   }
   settings.follow.start = c->boxes;

@@ -150,7 +150,7 @@ void Simulation::CheckPace()
   const FollowSettings &follow = case_.hierarchy.follow;
   if (follow.kind != FollowKind::kContact) return;
   const int finest = hierarchy_.Following().plan.active - 1;
-  const double room = case_.hierarchy.rules.Border(finest), soon = state_.time + follow.interval * state_.time_step;
+  const double room = case_.hierarchy.rules.Border(finest), soon = NextLook();
   const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
   if (finest > 0 && way > room)
     FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are looked at again, by time " +
@@ -198,7 +198,7 @@ void Simulation::FollowBoxes()
   std::string problem;
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
   CheckPace();
-  EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, &state_.moves, &problem));
+  EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextLook(), &state_.moves, &problem));
   if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
   for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)
     EndOn(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));

@@ -96,6 +96,18 @@ def test_cone(expect):
     expect("step in the load where it ends", (after / before) ** 2, near=1, tolerance=0.005)
 
 
+def test_punch_touches_with_all_of_it_at_once(expect):
+    punch = {name: value for name, value in CONE.items() if name != "indenter_half_angle"}
+    punch |= {"indenter": "flat_punch", "indenter_radius": 40e-9, "indenter_max_depth": 3e-9, "levels": 3, "level_cells_max": 64}
+    result = harness.run(punch)
+    fixed = harness.run(fixed_boxes(punch, [("0,200e-9", "160e-9,480e-9"), ("0,300e-9", "80e-9,440e-9")])).history
+    expect.that("warnings", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+    history, depths = result.history, numpy.linspace(0.3e-9, 2.9e-9, 27)
+    ratio = numpy.interp(depths, history["depth"], history["load"]) / numpy.interp(depths, fixed["depth"], fixed["load"])
+    expect("load over that with boxes that stay, largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.01)
+    expect("energy left", energy_left(history), near=0, tolerance=0.01)
+
+
 def expect_same(expect, result, reference):
     """Equal histories and moves."""
     left = {**result.history}, {**reference.history}

@@ -7,6 +7,8 @@ CXX      := mpicxx
 endif
 ARCH     ?= -march=native
 PYTHON   ?= /usr/bin/python3
+# How many programs are compiled, and files of tests run, at once.
+JOBS     ?= 2
 
 # SANITIZE=1 builds with the address and undefined-behaviour sanitizers, apart from the usual build.
 ifdef SANITIZE
@@ -106,11 +108,11 @@ PROGRAMS ?= programs
 EMPTY :=
 WORDS = $(subst $(EMPTY) $(EMPTY), or ,$(strip $(SELECT)))
 test: deps
-	@$(MAKE) --no-print-directory -j2 $(PROGRAMS)
-	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest $(if $(WORDS),-k "$(WORDS)")
+	@$(MAKE) --no-print-directory -j$(JOBS) $(PROGRAMS)
+	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest -n $(JOBS) --dist loadfile $(if $(WORDS),-k "$(WORDS)")
 
 verify: deps
-	@$(MAKE) --no-print-directory -j2 programs
+	@$(MAKE) --no-print-directory -j$(JOBS) programs
 	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(SELECT)
 
 bench: deps

@@ -1,5 +1,4 @@
 """What pytest is told about this project: expectations that go on, unit programs, studies, and the last line."""
-import concurrent.futures
 import pathlib
 import re
 import subprocess
@@ -111,20 +110,16 @@ class UnitFailure(Exception):
     """A test of a unit program failed, or the program did."""
 
 
-unit_runs = {}  # futures by program and ranks
+unit_runs = {}  # by file and ranks
 
 
 def unit_run(item):
-    """The run of the item's program with all its tests that were selected. The programs run two at a time."""
-    if not unit_runs:
-        chosen = {}
-        for other in item.session.items:
-            if isinstance(other, UnitTest):
-                chosen.setdefault((other.parent.program, other.ranks), []).append(other.test)
-        pool = concurrent.futures.ThreadPoolExecutor(2)
-        for (program, ranks), tests in chosen.items():
-            unit_runs[program, ranks] = pool.submit(harness.run_units, program, ":".join(tests), ranks)
-    return unit_runs[item.parent.program, item.ranks].result()
+    """The run of the item's program with all tests of its file that were selected."""
+    if (item.path, item.ranks) not in unit_runs:
+        tests = [other.test for other in item.session.items
+                 if isinstance(other, UnitTest) and (other.path, other.ranks) == (item.path, item.ranks)]
+        unit_runs[item.path, item.ranks] = harness.run_units(item.parent.program, ":".join(tests), item.ranks)
+    return unit_runs[item.path, item.ranks]
 
 
 # ---- selection and the last line ----
@@ -144,6 +139,8 @@ counts = {}
 def pytest_sessionfinish(session):
     """Counts; a session in which no test passed has failed."""
     harness.clean_up()
+    if hasattr(session.config, "workerinput"):
+        return  # a process that -n has started; the one that started it counts
     stats = session.config.pluginmanager.get_plugin("terminalreporter").stats
     failed = len(stats.get("failed", [])) + len(stats.get("error", []))
     counts.update(passed=len(stats.get("passed", [])), failed=failed, skipped=len(stats.get("skipped", [])))

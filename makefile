@@ -12,7 +12,7 @@ JOBS     ?= 2
 
 # SANITIZE=1 builds with the address and undefined-behaviour sanitizers, apart from the usual build.
 ifdef SANITIZE
-CXXFLAGS ?= -O1 -g $(ARCH) -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+CXXFLAGS ?= -O1 -g1 $(ARCH) -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 BUILD    ?= build/sanitize
 BIN      ?= bin/sanitize
 else

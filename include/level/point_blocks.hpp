@@ -145,7 +145,7 @@ void AdvanceStress(const Block &b, double dt, const double (*L)[Geometry::kGradi
                    Budgets &budgets, PointFailure &failure)
 {
   constexpr int size = Geometry::kGradient, dim = Geometry::kDim;
-  alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock] = {};
+  alignas(64) double increment[kBlock][size], hoop[kBlock], hoop_ratio[kBlock] = {}, plastic[kBlock] = {};
   double largest = AdvanceDeformation<Geometry>(b.count, dt, L[0], increment[0], b.F);
   const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
   if constexpr (Geometry::kHoop) {

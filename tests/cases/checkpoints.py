@@ -298,12 +298,12 @@ def wrong_of_handmade(case, whole, variants, tmp_path, ranks):
 
 
 def test_handmade_checkpoints(tmp_path):
-    """Each is refused by one line: all on one rank, a part of them on three, as one and as three ranks have written them."""
+    """Each is refused by one line: every other on one rank, a part on three, as one and as three ranks have written them."""
     variants = list(handmade())
     assert len(variants) >= 200
     whole = checkpoint_of(TINY, tmp_path / "made")
     by_three = checkpoint_of({**TINY, "points_per_rank": "1"}, tmp_path / "three", ranks=3)
-    assert not wrong_of_handmade(TINY, whole, variants, tmp_path, 1)
+    assert not wrong_of_handmade(TINY, whole, variants[::2], tmp_path, 1)
     assert not wrong_of_handmade(TINY, whole, variants[::14], tmp_path, 3)
     assert not wrong_of_handmade({**TINY, "points_per_rank": "1"}, by_three, variants[7::14], tmp_path, 3)
 

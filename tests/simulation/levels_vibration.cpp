@@ -134,14 +134,15 @@ PetscErrorCode TestVibration(const Scheme &scheme)
   constexpr int kCells = 24;
   PetscFunctionBeginUser;
   const bool absolute = !scheme.viscosity.On(); // the energy itself, not that against one level
+  const int longest = absolute ? 20 : 80;       // where drifts would show: the defaults
   Result one;
   if (!absolute) PetscCall(Vibrate(kOne, scheme, "neo_hookean", kCells, 80, &one));
   for (const Case &levels : {kAcross, kInside}) {
     const bool across = levels.name == kAcross.name;
     const std::string name = std::string("vibrating block, ") + levels.name + ", " + scheme.name;
     Result r;
-    PetscCall(Vibrate(levels, scheme, "neo_hookean", kCells, across ? 80 : 20, &r));
-    for (int k = 0; k < (across ? 2 : 1); ++k) {
+    PetscCall(Vibrate(levels, scheme, "neo_hookean", kCells, across ? longest : 20, &r));
+    for (int k = 0; k < (across && longest > 20 ? 2 : 1); ++k) {
       const std::string when = k ? ", 80 periods" : ", 20 periods";
       if (absolute) {
         ExpectAtLeast(name + ": E/E0" + when, r.energy[k], 0.97);

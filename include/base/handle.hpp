@@ -47,4 +47,32 @@ using MatHandle = Handle<Mat, MatDestroy>;
 using KSPHandle = Handle<KSP, KSPDestroy>;
 using SFHandle = Handle<PetscSF, PetscSFDestroy>;
 
+/// Owns an MPI type of some doubles in a row.
+class UnitHandle
+{
+public:
+  UnitHandle() = default;
+  UnitHandle(const UnitHandle &) = delete;
+  UnitHandle &operator=(const UnitHandle &) = delete;
+  ~UnitHandle() { Free(); }
+
+  operator MPI_Datatype() const { return type_; }
+  PetscErrorCode Create(int doubles)
+  {
+    PetscFunctionBeginUser;
+    Free();
+    PetscCallMPI(MPI_Type_contiguous(doubles, MPI_DOUBLE, &type_));
+    PetscCallMPI(MPI_Type_commit(&type_));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+private:
+  void Free()
+  {
+    if (type_ != MPI_DATATYPE_NULL) MPI_Type_free(&type_);
+  }
+
+  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+};
+
 } // namespace mlgimp

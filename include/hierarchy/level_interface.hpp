@@ -7,6 +7,7 @@
 #pragma once
 
 #include "hierarchy/mapping.hpp"
+#include "level/contact/border_nodes.hpp"
 #include "level/level.hpp"
 
 #include <array>
@@ -30,7 +31,7 @@ inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
 /// Cells beside the band that a border needs free of other borders and of contact.
 inline constexpr double kBorderCells = 3;
 
-class LevelInterface
+class LevelInterface : public BorderNodes
 {
 public:
   /// The levels are kept by reference. Collective on `world`.
@@ -43,6 +44,19 @@ public:
   PetscErrorCode Advance(int substep, double dt);
   /// Brings the mean velocity and the whole change of the interface nodes to the coarse level. Collective on all.
   PetscErrorCode FineToCoarse();
+
+  /// The coarser level's nodes by place, for its contact in a step that has come to FineToCoarse.
+  SharedNode *Shared() { return shared_.data(); }
+  /// Takes what contact on the coarser level leaves to the finer level's points; they get it in the next step. Collective on all.
+  PetscErrorCode TakeContact();
+
+  // What contact on the finer level asks.
+  NodeBlend BlendOf(Index node) const override;
+  PetscMPIInt OwnerOf(Index coarse) const override;
+  double MassOf(Index coarse) const override;
+  Vec3 FreePart(Index coarse, Vec3 change) const override;
+  void Push(Index coarse, Vec3 change_of_velocity) override;
+  PetscErrorCode Spread(std::vector<PushedNode> *pushed) override;
 
   /// Adds to the coarse forces of the step before those of points that have changed levels, which are no change to
   /// extrapolate: what is in `sums` of the coarse level, or of the fine level's slaves. Collective on all.
@@ -57,7 +71,8 @@ public:
   /// restart. Empty where there has been no step. Collective on all.
   PetscErrorCode GatherState(std::vector<double> *state) const;
   void RestoreState(const std::vector<double> &state);
-  static constexpr int kState = 3; ///< of an interface node: the coarse force
+  static constexpr int kState =
+      9; ///< of an interface node: the coarse force, the impulse of coarse contact, and what is left of it
   std::size_t InterfaceNodes() const { return interface_.size(); }
 
   /// What the border adds up on this rank.
@@ -72,6 +87,7 @@ private:
     int block, place;
   };
 
+  Index Offset() const;
   int Depth(Index node) const;
   double Beta(Index node) const;
   IndexBox MassNodes() const;
@@ -80,6 +96,7 @@ private:
   void ListKnown(std::map<Index, int> *place);
   void ListBand();
   BlendNode Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place);
+  PetscErrorCode BroadcastVelocity(std::vector<double> *array);
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();
   /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
@@ -100,15 +117,21 @@ private:
   std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
   std::vector<int> local_;               ///< those known here: owned ones first, in order
   int owned_ = 0;
+  std::map<Index, int> owned_place_;                   ///< in local_
   std::vector<BlendNode> band_;                        ///< of owned fine nodes
   std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   SFHandle exchange_, transfer_;
   std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
   std::vector<Vec3> previous_force_;  ///< [owned_]
-  std::vector<NodeSums> sums_;        ///< [local_]: of the fine points, restricted
-  std::vector<double> velocity_;      ///< [local_][velocity_size_]: (v, dv) of the substep
-  std::vector<double> mean_;          ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
+  std::vector<Vec3> contact_, left_;  ///< [owned_]: impulse of contact on the coarse level; what fine points lack of it
+  std::vector<SharedNode> shared_;    ///< by place on the coarse level
+  std::vector<SharedNode> to_share_;  ///< [owned_]
+  UnitHandle shared_unit_;
+  std::vector<NodeSums> sums_;   ///< [local_]: of the fine points, restricted
+  std::vector<double> velocity_; ///< [local_][velocity_size_]: (v, dv) of the substep
+  std::vector<double> pushed_;   ///< [local_][velocity_size_]: what contact on the finer level adds to it
+  std::vector<double> mean_;     ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   Budgets budgets_;
 };

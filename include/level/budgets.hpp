@@ -133,8 +133,6 @@ struct Budgets {
   VectorBudget xpic_impulse{"xpic_impulse", Adds::kTotal, Shown::kNowhere};           ///< change of momentum by XPIC
   VectorBudget xpic_side_impulse{"xpic_side_impulse", Adds::kTotal, Shown::kNowhere}; ///< of sides on what XPIC mixes in
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
-  /// Impulses of contact on nodes that neighbouring levels have a part in, absolute values times that part.
-  ScalarBudget shared_contact_impulse{"shared_contact_impulse", Adds::kTotal, Shown::kNowhere};
   VectorBudget friction_impulse{"friction_impulse", Adds::kTotal, Shown::kNowhere}; ///< the part of tractions in contact_impulse
   ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere};               ///< along the radius, in the last sweep
 

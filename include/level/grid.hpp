@@ -180,8 +180,7 @@ private:
   CellSums *cells_ = nullptr;
   std::ptrdiff_t cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
-  MPI_Datatype sums_unit_ = MPI_DATATYPE_NULL, velocity_unit_ = MPI_DATATYPE_NULL, rates_unit_ = MPI_DATATYPE_NULL,
-               cells_unit_ = MPI_DATATYPE_NULL;
+  UnitHandle sums_unit_, velocity_unit_, rates_unit_, cells_unit_;
   std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };
 

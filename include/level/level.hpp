@@ -76,6 +76,9 @@ public:
 
   /// Owned nodes whose velocities neighbouring levels have a part in. From now on their exchange of energy is added up.
   void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes), is_coupled_ = true; }
+  /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
+  /// level's; none where there is no such level.
+  void SetBorders(BorderNodes *coarser, SharedNode *finer) { border_ = coarser, shared_ = finer; }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
@@ -148,6 +151,7 @@ public:
 
 private:
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
+  void PrepareSharedNodes();
   void NoteContact(const ContactReport &report, double area);
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
@@ -171,6 +175,8 @@ private:
   std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Contact> contact_;
   std::vector<CoupledNode> coupled_nodes_;
+  BorderNodes *border_ = nullptr;
+  SharedNode *shared_ = nullptr;
   std::vector<PushedNode> pushed_; ///< by contact in the step
   bool is_coupled_ = false, measures_noise_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store

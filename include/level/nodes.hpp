@@ -53,7 +53,6 @@ struct NodalSettings {
 struct CoupledNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
   bool held;           ///< its second velocity is the first
-  double share;        ///< the neighbour's part in it, 1 - beta
   Vec3 change{};       ///< of its velocity by the other level in the last step, m/s
 };
 

@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 16;
+inline constexpr int kFormatVersion = 17;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 

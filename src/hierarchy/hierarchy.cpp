@@ -160,6 +160,7 @@ void Hierarchy::CoupleNodes(int l)
 {
   std::vector<CoupledNode> nodes;
   if (!CoupledByNodes()) return;
+  levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr);
   if (l > 0) nodes = borders_[l - 1]->FineNodes();
   if (IsActive(l + 1)) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
   levels_[l]->SetCoupledNodes(std::move(nodes));
@@ -216,6 +217,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
     PetscCall(Logged(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
   }
   PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip, time, dt)));
+  if (has_finer) PetscCall(Logged(events_.coupling, [&] { return borders_[l]->TakeContact(); }));
   PetscCall(tip_.Follow(comm_, l, level, time, dt));
   follow_.half_width = std::max(follow_.half_width, level.Tip().half_width);
   follow_.reach = std::max(follow_.reach, level.Tip().reach);

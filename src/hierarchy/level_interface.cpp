@@ -9,6 +9,8 @@ namespace mlgimp
 {
 
 static constexpr double kOuterBeta = 0.3; ///< beta just inside the box
+/// Of a full cell: nodes with less mass may lose it within a step, and get nothing of what acted on them in the step before.
+static constexpr double kLeastExpecting = 1e-3;
 
 static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
@@ -28,9 +30,15 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   PetscCall(CreateTransfer());
   coarse_sums_.assign(owned_, {});
   previous_force_.assign(owned_, {});
+  contact_.assign(owned_, {});
+  left_ = contact_;
+  to_share_.assign(owned_, {});
+  shared_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, {});
+  PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
   mean_.assign(static_cast<std::size_t>(velocity_size_) * owned_, 0.0);
   sums_.assign(local_.size(), {});
   velocity_.assign(velocity_size_ * local_.size(), 0.0);
+  pushed_ = velocity_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -65,9 +73,9 @@ IndexBox LevelInterface::MassNodes() const
 }
 
 /// Indices of the fine box's lower corner on the coarse grid.
-static Index Offset(const Level &coarse, const Level &fine)
+Index LevelInterface::Offset() const
 {
-  const GridGeometry &c = coarse.Geometry().grid, &f = fine.Geometry().grid;
+  const GridGeometry &c = coarse_->Geometry().grid, &f = fine_->Geometry().grid;
   Index offset{};
   for (int axis = 0; axis < f.dim; ++axis)
     offset[axis] = static_cast<int>(std::lround((f.lower[axis] - c.lower[axis]) / c.spacing));
@@ -77,7 +85,7 @@ static Index Offset(const Level &coarse, const Level &fine)
 /// True where some fine node with beta < 1 lies within the hat of a coarse node.
 bool LevelInterface::IsInterface(Index node) const
 {
-  const Index from = node - Offset(*coarse_, *fine_);
+  const Index from = node - Offset();
   IndexBox hat{{}, {1, 1, 1}};
   for (int axis = 0; axis < dim_; ++axis)
     hat.lower[axis] = (from[axis] - 1) * ratio_ + 1, hat.upper[axis] = (from[axis] + 1) * ratio_;
@@ -87,11 +95,22 @@ bool LevelInterface::IsInterface(Index node) const
   return depth < blend_width_ * ratio_;
 }
 
+/// The block of the fine node at its place, or of the nearest one.
+PetscMPIInt LevelInterface::OwnerOf(Index coarse) const
+{
+  const IndexBox all = fine_->Geometry().grid.NodeBox();
+  const Index offset = Offset();
+  Index at{};
+  for (int axis = 0; axis < dim_; ++axis)
+    at[axis] = std::clamp((coarse[axis] - offset[axis]) * ratio_, all.lower[axis], all.upper[axis] - 1);
+  return fine_->Mesh().BlockOfNode(at);
+}
+
 void LevelInterface::ListInterface()
 {
   const GridGeometry &f = fine_->Geometry().grid;
   const Grid &mesh = fine_->Mesh();
-  const Index offset = Offset(*coarse_, *fine_);
+  const Index offset = Offset();
   const int reach = (f.padding + ratio_ - 1) / ratio_;
   std::vector<int> places(mesh.Layout().Blocks(), 0);
   IndexBox around{{}, {1, 1, 1}};
@@ -102,11 +121,7 @@ void LevelInterface::ListInterface()
   interface_.clear();
   ForEach(Intersection(around, coarse_->Geometry().grid.NodeBox()), [&](Index node) {
     if (!IsInterface(node)) return;
-    const IndexBox all = f.NodeBox();
-    Index at{};
-    for (int axis = 0; axis < dim_; ++axis)
-      at[axis] = std::clamp((node[axis] - offset[axis]) * ratio_, all.lower[axis], all.upper[axis] - 1);
-    const int block = mesh.BlockOfNode(at);
+    const int block = OwnerOf(node);
     interface_.push_back({node, block, places[block]++});
   });
 }
@@ -119,7 +134,7 @@ void LevelInterface::ListKnown(std::map<Index, int> *place)
   local_.clear(), held_axes_.clear(), coarse_nodes_.clear();
   for (int k = 0; k < static_cast<int>(interface_.size()); ++k) {
     const InterfaceNode &node = interface_[k];
-    if (coarse.Participates() && coarse.Owns(node.at)) coarse_nodes_.push_back({coarse.Place(node.at), true, 1});
+    if (coarse.Participates() && coarse.Owns(node.at)) coarse_nodes_.push_back({coarse.Place(node.at), true});
     if (node.block != block) continue;
     (*place)[node.at] = static_cast<int>(local_.size());
     local_.push_back(k);
@@ -128,6 +143,7 @@ void LevelInterface::ListKnown(std::map<Index, int> *place)
       if (coarse_->Geometry().sides.Constrains(node.at, axis)) held_axes_.back() |= 1 << axis;
   }
   owned_ = static_cast<int>(local_.size());
+  owned_place_ = *place;
 }
 
 void LevelInterface::ListBand()
@@ -141,15 +157,15 @@ void LevelInterface::ListBand()
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
     band_.push_back(Blend(node, number, place));
-    fine_nodes_.push_back({band_.back().node, band_.back().beta == 0, 1 - band_.back().beta});
+    fine_nodes_.push_back({band_.back().node, band_.back().beta == 0});
   });
 }
 
-/// The weights N_I(x_i) of a fine node; interface nodes that other ranks advance become known here.
-BlendNode LevelInterface::Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place)
+NodeBlend LevelInterface::BlendOf(Index node) const
 {
-  BlendNode blend{fine_->Mesh().Place(node), Beta(node), 0, {}, {}};
-  const Index offset = Offset(*coarse_, *fine_);
+  NodeBlend blend{Beta(node), 0, {}, {}};
+  const Index offset = Offset();
+  if (blend.beta == 1) return blend;
   ForEach({{}, {2, 2, dim_ == 3 ? 2 : 1}}, [&](Index corner) {
     Index coarse{};
     double weight = 1;
@@ -159,13 +175,26 @@ BlendNode LevelInterface::Blend(Index node, const std::map<Index, int> &number, 
       coarse[axis] = below + corner[axis] + offset[axis];
       weight *= corner[axis] ? x : 1 - x;
     }
-    const auto found = number.find(coarse);
-    if (weight == 0 || found == number.end()) return;
-    const auto [at, is_new] = place.insert({coarse, static_cast<int>(local_.size())});
-    if (is_new) local_.push_back(found->second);
-    blend.interface[blend.count] = at->second;
+    if (weight == 0) return;
+    blend.node[blend.count] = coarse;
     blend.weight[blend.count++] = weight;
   });
+  return blend;
+}
+
+/// The weights of a fine node; interface nodes that other ranks advance become known here.
+BlendNode LevelInterface::Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place)
+{
+  const NodeBlend all = BlendOf(node);
+  BlendNode blend{fine_->Mesh().Place(node), all.beta, 0, {}, {}};
+  for (int a = 0; a < all.count; ++a) {
+    const auto found = number.find(all.node[a]);
+    if (found == number.end()) continue;
+    const auto [at, is_new] = place.insert({all.node[a], static_cast<int>(local_.size())});
+    if (is_new) local_.push_back(found->second);
+    blend.interface[blend.count] = at->second;
+    blend.weight[blend.count++] = all.weight[a];
+  }
   return blend;
 }
 
@@ -227,6 +256,8 @@ PetscErrorCode LevelInterface::CoarseToFine()
   if (!has_previous_) keep_forces();
   has_previous_ = true;
   std::fill(mean_.begin(), mean_.end(), 0.0);
+  for (SharedNode &node : to_share_) node = {};
+  if (!coarse_->Clock().contact_awake) std::fill(contact_.begin(), contact_.end(), Vec3{});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -237,11 +268,19 @@ PetscErrorCode LevelInterface::Advance(int substep, double dt)
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Restrict());
   AdvanceInterface(substep, dt);
-  if (mesh.HasGhosts()) {
-    PetscCall(PetscSFBcastBegin(exchange_, mesh.VelocityUnit(), velocity_.data(), velocity_.data(), MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(exchange_, mesh.VelocityUnit(), velocity_.data(), velocity_.data(), MPI_REPLACE));
-  }
+  PetscCall(BroadcastVelocity(&velocity_));
   Prolong();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// From the owners of interface nodes to their copies.
+PetscErrorCode LevelInterface::BroadcastVelocity(std::vector<double> *array)
+{
+  const Grid &mesh = fine_->Mesh();
+  PetscFunctionBeginUser;
+  if (!mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFBcastBegin(exchange_, mesh.VelocityUnit(), array->data(), array->data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(exchange_, mesh.VelocityUnit(), array->data(), array->data(), MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -271,8 +310,9 @@ PetscErrorCode LevelInterface::Restrict()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// old = (p^c + p^f)/m, dv = dt (F_k + f^f)/m with m = m^c + m^f and F_k = f^c + (k/r)(f^c - f^c of the step before);
-/// then p^c += m^c dv, as the coarse points will get dv.
+/// old = (p^c + p^f)/m, dv = (dt (F_k + f^f) + J/r)/m with m = m^c + m^f, F_k = f^c + (k/r)(f^c - f^c of the step before) and J
+/// the impulse that contact on the coarse level had in the last step, and what fine points lack of it; then p^c += m^c dv, as the
+/// coarse points will get dv.
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->MassCutoff();
@@ -283,14 +323,19 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
     const double mass = coarse.mass + fine.mass;
     std::fill_n(now.velocity, velocity_size_, 0.0);
     if (mass <= cutoff) continue;
+    const bool expects = mass > kLeastExpecting / kEmptyNode * cutoff;
     for (int axis = 0; axis < dim_; ++axis) {
-      const double ahead = extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
+      const double ahead = expects * extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
       const double old = (coarse.momentum[axis] + fine.momentum[axis]) / mass;
-      double dv = dt * (coarse.force[axis] + ahead + fine.force[axis]) / mass;
-      budgets_.stagger_impulse[axis] += dt * ahead;
+      const double contact = expects * (contact_[k][axis] + left_[k][axis]) / ratio_;
+      double dv = (dt * (coarse.force[axis] + ahead + fine.force[axis]) + contact) / mass;
+      budgets_.stagger_impulse[axis] += dt * ahead + contact;
       if (held_axes_[k] >> axis & 1) {
         budgets_.support_impulse[axis] -= mass * (old + dv);
         dv = -old;
+      } else {
+        to_share_[k].finer_push[axis] += contact / mass;
+        to_share_[k].impulse[axis] += expects * contact_[k][axis] / ratio_;
       }
       coarse.momentum[axis] += coarse.mass * dv;
       now.velocity[axis] = old + dv;
@@ -338,6 +383,10 @@ PetscErrorCode LevelInterface::FineToCoarse()
   PetscFunctionBeginUser;
   PetscCall(PetscSFReduceBegin(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
+  if (!coarse_->Clock().contact_awake) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int k = 0; k < owned_; ++k) to_share_[k].finer_mass = sums_[k].mass;
+  PetscCall(PetscSFReduceBegin(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -347,8 +396,12 @@ PetscErrorCode LevelInterface::GatherState(std::vector<double> *state) const
   state->clear();
   if (!has_previous_) PetscFunctionReturn(PETSC_SUCCESS);
   state->assign(kState * interface_.size(), 0.0);
-  for (int k = 0; k < owned_; ++k)
-    std::copy_n(coarse_sums_[k].force, kState, &(*state)[kState * static_cast<std::size_t>(local_[k])]);
+  for (int k = 0; k < owned_; ++k) {
+    double *const to = &(*state)[kState * static_cast<std::size_t>(local_[k])];
+    std::copy_n(coarse_sums_[k].force, 3, to);
+    std::copy_n(contact_[k].begin(), 3, to + 3);
+    std::copy_n(left_[k].begin(), 3, to + 6);
+  }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, state->data(), static_cast<int>(state->size()), MPI_DOUBLE, MPI_SUM, world_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -356,8 +409,12 @@ PetscErrorCode LevelInterface::GatherState(std::vector<double> *state) const
 void LevelInterface::RestoreState(const std::vector<double> &state)
 {
   has_previous_ = !state.empty();
-  for (int k = 0; has_previous_ && k < owned_; ++k)
-    std::copy_n(&state[kState * static_cast<std::size_t>(local_[k])], kState, coarse_sums_[k].force);
+  for (int k = 0; has_previous_ && k < owned_; ++k) {
+    const double *const from = &state[kState * static_cast<std::size_t>(local_[k])];
+    std::copy_n(from, 3, coarse_sums_[k].force);
+    std::copy_n(from + 3, 3, contact_[k].begin());
+    std::copy_n(from + 6, 3, left_[k].begin());
+  }
 }
 
 } // namespace mlgimp

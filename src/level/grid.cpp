@@ -6,14 +6,6 @@
 namespace mlgimp
 {
 
-static PetscErrorCode CreateUnit(int components, MPI_Datatype *unit)
-{
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Type_contiguous(components, MPI_DOUBLE, unit));
-  PetscCallMPI(MPI_Type_commit(unit));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages)
 {
   PetscMPIInt rank;
@@ -31,10 +23,10 @@ PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const 
   const auto place = std::find(layout.ranks.begin(), layout.ranks.end(), rank);
   const bool participates = place != layout.ranks.end();
   PetscCallMPI(MPI_Comm_split(world, participates ? 0 : MPI_UNDEFINED, static_cast<int>(place - layout.ranks.begin()), &comm_));
-  PetscCall(CreateUnit(NodeLayout::kSums, &sums_unit_));
-  PetscCall(CreateUnit(static_cast<int>(velocity_size_), &velocity_unit_));
-  PetscCall(CreateUnit(static_cast<int>(rates_size_), &rates_unit_));
-  if (cell_size_ > 0) PetscCall(CreateUnit(static_cast<int>(cell_size_ * sizeof(CellSums) / sizeof(double)), &cells_unit_));
+  PetscCall(sums_unit_.Create(NodeLayout::kSums));
+  PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
+  PetscCall(rates_unit_.Create(static_cast<int>(rates_size_)));
+  if (cell_size_ > 0) PetscCall(cells_unit_.Create(static_cast<int>(cell_size_ * sizeof(CellSums) / sizeof(double))));
   if (!participates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateNodes());
   PetscCall(CreateHalo());
@@ -87,8 +79,6 @@ PetscErrorCode Grid::CreateNodes()
 Grid::~Grid()
 {
   PetscFunctionBegin;
-  for (MPI_Datatype *unit : {&sums_unit_, &velocity_unit_, &rates_unit_, &cells_unit_})
-    if (*unit != MPI_DATATYPE_NULL) MPI_Type_free(unit);
   halo_.Reset(), nodes_.Reset();
   if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
   PetscFunctionReturnVoid();

@@ -134,7 +134,10 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (contact_ && clock_.contact_awake) PetscCall(ApplyContact(time, dt, tip));
+  if (contact_ && clock_.contact_awake) {
+    PrepareSharedNodes();
+    PetscCall(ApplyContact(time, dt, tip));
+  }
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);

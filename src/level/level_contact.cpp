@@ -22,11 +22,23 @@ void Level::Rest()
   budgets_.noise_energy = 0;
 }
 
-static Vec3 VelocityOf(const Grid &grid, std::ptrdiff_t node)
+/// Nodes that also move those of the next finer level: what contact there has done to them is contact, not coupling of levels;
+/// and in their velocities is the impulse of contact here in the step before, in whose place that of this step comes.
+void Level::PrepareSharedNodes()
 {
-  Vec3 velocity{};
-  std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, velocity.begin());
-  return velocity;
+  if (!shared_) return;
+  for (CoupledNode &one : coupled_nodes_) {
+    SharedNode &node = shared_[one.node];
+    const double mass = grid_->Sums()[one.node].mass + node.finer_mass;
+    if (mass <= nodal_.mass_cutoff) node = {}; // the last point has left
+    const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_push - expected;
+    if (by != Vec3{}) pushed_.push_back({one.node, by});
+    one.change = one.change - node.finer_push;
+    const NodeVelocity now = grid_->Velocity(one.node);
+    for (int axis = 0; axis < grid_->Geometry().dim; ++axis)
+      now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
+    node.impulse = {};
+  }
 }
 
 PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
@@ -37,17 +49,10 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
-                            time,   dt,      tip};
-  std::vector<Vec3> shared;
-  for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
+                            time,   dt,      tip,     border_,         shared_};
   PetscCall(contact_->Apply(view, &report));
-  pushed_ = report.pushed;
+  pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
-  for (std::size_t k = 0; k < shared.size(); ++k) {
-    const std::ptrdiff_t node = coupled_nodes_[k].node;
-    budgets_.shared_contact_impulse +=
-        coupled_nodes_[k].share * grid_->Sums()[node].mass * Norm(VelocityOf(*grid_, node) - shared[k]);
-  }
   PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   NoteContact(report, rank == 0 ? report.area : 0);

@@ -48,18 +48,6 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const QuasiStaticWatc
          When(budgets) + ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
-/// Where levels share nodes, the pressures of contact and the coupling work against each other.
-std::string OfBorder(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
-{
-  constexpr double kMost = 0.02;
-  const double all = std::abs(budgets.contact_impulse[c.Dim() - 1]);
-  if (budgets.shared_contact_impulse <= kMost * all || all == 0) return "";
-  return "-level_" + std::to_string(c.levels - 1) + "_lower: the indenter presses, with " +
-         FormatRounded(100 * budgets.shared_contact_impulse / all) + " % of its load" + When(budgets) +
-         ", on nodes that levels share near a border: loads and energies are not right there; let the boxes of finer levels end "
-         "farther from the contact, above the surface at the domain's side";
-}
-
 /// Levels that follow the contact, and are too few for how wide it gets.
 std::string OfWidest(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
@@ -98,7 +86,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const QuasiStaticWatch &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfBorder, false},  {OfNoise, true},
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     if (told_.count(k) || (kAll[k].at_end && !ended)) continue;

@@ -223,12 +223,6 @@ def test_heated_rod(expect):
     assert frame["temperature"].max() > 320
 
 
-def test_contact_at_a_border_is_told():
-    """A box of the finest level that ends just above the surface: the contact lies where levels share their nodes."""
-    result = harness.run({"frames": 1, "level_2_upper": "2.4e-6,26e-6", "indenter_max_depth": 12e-9}, file="cone_metal.opts", ranks=2)
-    assert "-level_2_lower: the indenter presses" in result.stderr and len(result.summary["warnings"]) == 1
-
-
 J2 = {"geometry": "plane_strain", "domain_lower": "0,0", "domain_upper": "4,4", "cell_size": 1, "materials": "m", "m_model": "j2",
       "m_youngs_modulus": 1e9, "m_poissons_ratio": 0.3, "m_density": 1000, "m_yield_stress": 1e6, "bodies": "b", "b_lower": "0,0",
       "b_upper": "2,2", "max_steps": 1}

@@ -1,6 +1,7 @@
 // Contact of a level's points with the rigid indenter: three methods behind one interface.
 #pragma once
 
+#include "level/contact/border_nodes.hpp"
 #include "level/contact/settings.hpp"
 #include "level/kernels.hpp"
 #include "level/nodes.hpp"
@@ -25,6 +26,8 @@ struct ContactView {
   double mass_cutoff; ///< kg
   double time, dt;    ///< s
   TipStep tip{};
+  BorderNodes *border = nullptr; ///< to the next coarser level, where there is one
+  SharedNode *shared = nullptr;  ///< by place: nodes that also move the next finer level's; none where there is none
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all

@@ -30,6 +30,8 @@ struct ContactCoupling {
   Index node;
   int unknown; ///< its place among the unknowns
   Vec3 constraint, traction;
+  bool coarser = false; ///< the node is one of the next coarser level, beyond the border
+  double share = 1;     ///< of the node's velocity that is its own: beta, see border_nodes.hpp
 };
 
 class ContactSystem

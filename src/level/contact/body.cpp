@@ -34,7 +34,12 @@ bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
   return view.indenter.Gap(points.Position(p), view.tip.end).distance > kPointRange * h;
 }
 
-double MassOf(const Grid &grid, Index node) { return grid.Sums()[grid.Place(node)].mass; }
+double MassOf(const ContactView &view, Index node)
+{
+  const std::ptrdiff_t place = view.grid.Place(node);
+  const double own = view.grid.Sums()[place].mass;
+  return own > view.mass_cutoff && view.shared ? own + view.shared[place].finer_mass : own;
+}
 
 Vec3 VelocityOf(const Grid &grid, Index node)
 {
@@ -52,14 +57,15 @@ Vec3 FreePart(const ContactView &view, Index node, Vec3 change)
 
 void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report)
 {
-  const double mass = MassOf(view.grid, node);
-  const Vec3 taken = FreePart(view, node, impulse), by = (1 / mass) * taken;
-  const auto [velocity, change] = view.grid.Velocity(view.grid.Place(node));
+  const std::ptrdiff_t place = view.grid.Place(node);
+  const Vec3 taken = FreePart(view, node, impulse), by = (1 / MassOf(view, node)) * taken;
+  const auto [velocity, change] = view.grid.Velocity(place);
   for (int d = 0; d < view.geometry.Dim(); ++d) {
     velocity[d] += by[d];
     change[d] += by[d];
   }
-  report->pushed.push_back({view.grid.Place(node), by});
+  if (view.shared) view.shared[place].impulse = view.shared[place].impulse + taken;
+  report->pushed.push_back({place, by});
   report->impulse = report->impulse + impulse;
   report->side_impulse = report->side_impulse + taken - impulse;
 }

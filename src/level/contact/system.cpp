@@ -12,11 +12,32 @@ namespace mlgimp
 namespace
 {
 
+/// Adds the couplings with the coarser nodes that nodes near a border hang on.
+void AddBeyondBorder(const BorderNodes &border, std::vector<ContactCoupling> *couplings)
+{
+  const std::size_t count = couplings->size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const NodeBlend blend = border.BlendOf((*couplings)[k].node);
+    (*couplings)[k].share = blend.beta;
+    for (int a = 0; a < blend.count; ++a) {
+      const ContactCoupling &own = (*couplings)[k];
+      const double weight = (1 - blend.beta) * blend.weight[a];
+      couplings->push_back({blend.node[a], own.unknown, weight * own.constraint, weight * own.traction, true});
+    }
+  }
+}
+
+/// kg
+double MassOf(const ContactView &view, const ContactCoupling &at)
+{
+  return at.coarser ? view.border->MassOf(at.node) : MassOf(view, at.node);
+}
+
 /// Calls work(first, end) for the couplings of each node, which stand together.
 template <class Work> void ForEachNode(const std::vector<ContactCoupling> &couplings, Work work)
 {
   for (auto first = couplings.begin(), end = first; first != couplings.end(); first = end) {
-    while (end != couplings.end() && end->node == first->node) ++end;
+    while (end != couplings.end() && end->node == first->node && end->coarser == first->coarser) ++end;
     work(first, end);
   }
 }
@@ -25,14 +46,18 @@ template <class Work> void ForEachNode(const std::vector<ContactCoupling> &coupl
 /// return they are ordered by nodes, the last axis slowest, and unknowns.
 PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings)
 {
-  const auto order = [](const ContactCoupling &c) { return std::tie(c.node[2], c.node[1], c.node[0], c.unknown); };
+  const auto order = [](const ContactCoupling &c) { return std::tie(c.coarser, c.node[2], c.node[1], c.node[0], c.unknown); };
+  const auto owner = [&](const ContactCoupling &c) {
+    return c.coarser ? view.border->OwnerOf(c.node) : OwnerOf(view.grid, c.node);
+  };
   PetscFunctionBeginUser;
-  PetscCall(ExchangeRecords(view.grid.Comm(), couplings, [&](const ContactCoupling &c) { return OwnerOf(view.grid, c.node); }));
+  if (view.border) AddBeyondBorder(*view.border, couplings);
+  PetscCall(ExchangeRecords(view.grid.Comm(), couplings, owner));
   std::stable_sort(couplings->begin(), couplings->end(),
                    [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
   auto kept = couplings->begin();
   for (auto next = couplings->begin(); next != couplings->end(); ++next) {
-    if (MassOf(view.grid, next->node) <= view.mass_cutoff) continue;
+    if (MassOf(view, *next) <= view.mass_cutoff) continue;
     if (kept != couplings->begin() && order(kept[-1]) == order(*next)) {
       kept[-1].constraint = kept[-1].constraint + next->constraint;
       kept[-1].traction = kept[-1].traction + next->traction;
@@ -44,6 +69,15 @@ PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCouplin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Adds an impulse on a node of the coarser level.
+void PushBeyondBorder(const ContactView &view, const ContactCoupling &at, Vec3 impulse, ContactReport *report)
+{
+  const Vec3 taken = view.border->FreePart(at.node, impulse);
+  view.border->Push(at.node, (1 / MassOf(view, at)) * taken);
+  report->impulse = report->impulse + impulse;
+  report->side_impulse = report->side_impulse + taken - impulse;
+}
+
 /// Adds what pressures and tractions do to the velocities of nodes.
 void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
           ContactReport *report)
@@ -51,7 +85,11 @@ void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings
   ForEachNode(couplings, [&](auto first, auto end) {
     Vec3 impulse{};
     for (auto c = first; c != end; ++c) impulse = impulse + view.dt * lambda[c->unknown] * c->traction;
-    if (impulse != Vec3{}) PushNode(view, first->node, impulse, report);
+    if (impulse == Vec3{}) return;
+    if (first->coarser)
+      PushBeyondBorder(view, *first, impulse, report);
+    else
+      PushNode(view, first->node, first->share * impulse, report);
   });
 }
 
@@ -61,7 +99,7 @@ Vec3 FrictionImpulse(const ContactView &view, const std::vector<ContactCoupling>
 {
   Vec3 impulse{};
   for (const ContactCoupling &c : couplings)
-    if (c.unknown % per_column) impulse = impulse + view.dt * lambda[c.unknown] * c.traction;
+    if (c.unknown % per_column && !c.coarser) impulse = impulse + view.dt * lambda[c.unknown] * c.traction;
   return impulse;
 }
 
@@ -90,13 +128,15 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
       terms.push_back({row, column, value});
   };
   ForEachNode(couplings, [&](auto first, auto end) {
-    const double mass = MassOf(view.grid, first->node);
-    const Vec3 velocity = VelocityOf(view.grid, first->node);
+    const double mobility = view.dt * view.dt * first->share / MassOf(view, *first);
     for (auto a = first; a != end; ++a) {
-      const Vec3 mobile = view.dt * view.dt / mass * FreePart(view, a->node, a->constraint);
-      add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, velocity));
-      if (a->unknown % per_column) add(a->unknown, kRightSide, Dot(a->constraint, way)); // of pressures the gap has it
-      if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
+      const Vec3 mobile =
+          mobility * (a->coarser ? view.border->FreePart(a->node, a->constraint) : FreePart(view, a->node, a->constraint));
+      if (!a->coarser) { // whose velocity has the coarser nodes' part
+        add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, VelocityOf(view.grid, a->node)));
+        if (a->unknown % per_column) add(a->unknown, kRightSide, Dot(a->constraint, way)); // of pressures the gap has it
+        if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
+      }
       for (auto b = first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
     }
   });
@@ -202,6 +242,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
   Push(view, couplings, lambda_, report);
+  if (view.border) PetscCall(view.border->Spread(&report->pushed));
   report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,76 @@
+// Contact across the border of a level: impulses on nodes of the coarser level, and what hangs on them.
+#include "hierarchy/level_interface.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+double LevelInterface::MassOf(Index coarse) const
+{
+  const int k = owned_place_.at(coarse);
+  return coarse_sums_[k].mass + sums_[k].mass;
+}
+
+Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
+{
+  const unsigned char held = held_axes_[owned_place_.at(coarse)];
+  for (int axis = 0; axis < dim_; ++axis)
+    if (held >> axis & 1) change[axis] = 0;
+  return change;
+}
+
+void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
+{
+  const NodeVelocity to = VelocityIn(pushed_, owned_place_.at(coarse));
+  for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
+}
+
+/// v_I, dv_I, what they are summed up to and p^c as in a substep; then (v, dv)_i += (1 - beta_i) sum_I N_I(x_i) (v, dv)_I.
+PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(BroadcastVelocity(&pushed_));
+  for (int k = 0; k < owned_; ++k) {
+    const NodeVelocity by = VelocityIn(pushed_, k), mean = VelocityIn(mean_, k);
+    for (int axis = 0; axis < dim_; ++axis) {
+      coarse_sums_[k].momentum[axis] += coarse_sums_[k].mass * by.change[axis];
+      mean.velocity[axis] += by.velocity[axis] / ratio_;
+      mean.change[axis] += by.change[axis];
+      to_share_[k].finer_push[axis] += by.change[axis];
+    }
+  }
+  for (const BlendNode &node : band_) {
+    PushedNode one{node.node, {}};
+    for (int a = 0; a < node.count; ++a) {
+      const NodeVelocity by = VelocityIn(pushed_, node.interface[a]);
+      for (int axis = 0; axis < dim_; ++axis) one.change[axis] += (1 - node.beta) * node.weight[a] * by.change[axis];
+    }
+    if (one.change == Vec3{}) continue;
+    const NodeVelocity to = fine_->Mesh().Velocity(node.node);
+    for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] += one.change[axis], to.change[axis] += one.change[axis];
+    pushed->push_back(one);
+  }
+  std::fill(pushed_.begin(), pushed_.end(), 0.0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LevelInterface::TakeContact()
+{
+  std::vector<Vec3> before; // the impulses in whose place new ones have come
+  PetscFunctionBeginUser;
+  for (const SharedNode &node : to_share_) before.push_back(node.impulse);
+  for (int k = 0; k < owned_; ++k) contact_[k] = left_[k] = {};
+  if (!coarse_->Clock().contact_awake) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFBcastBegin(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
+  for (int k = 0; k < owned_; ++k) {
+    const double mass = coarse_sums_[k].mass + sums_[k].mass;
+    contact_[k] = to_share_[k].impulse;
+    if (mass > 0) left_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
+    budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

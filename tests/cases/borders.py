@@ -1,0 +1,51 @@
+"""Contact that crosses the border of the finest box: load and work as with a box that holds it."""
+import numpy
+import pytest
+
+import harness
+from axisymmetry import momentum_left
+from following import ALUMINIUM, energy_left
+
+# Half the contact's width grows to 88 nm, 22 cells of the finer level.
+SPHERE = {
+    **ALUMINIUM, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "480e-9,480e-9", "cell_size": 8e-9, "levels": 2,
+    "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry", "block_lower": "0,0", "block_upper": "480e-9,400e-9",
+    "indenter": "sphere", "indenter_radius": 400e-9, "indenter_tip": "0,400e-9", "indenter_times": "0,2e-11",
+    "indenter_velocities": "0,60", "indenter_max_depth": 16e-9, "damping": 2e10}
+CYLINDER = {**SPHERE, "geometry": "plane_strain", "indenter": "cylinder", "domain_lower": "-480e-9,0", "block_lower": "-480e-9,0",
+            "boundary_x_lower": "symmetry"}
+METAL = {"frames": 1, "indenter_max_depth": 60e-9}
+
+
+def with_box(case, half_width, bottom):
+    lower = 0 if case["geometry"] == "axisymmetric" else -half_width
+    return {**case, "level_1_lower": f"{lower}e-9,{bottom}e-9", "level_1_upper": f"{half_width}e-9,480e-9"}
+
+
+def load_ratio(result, reference, depths):
+    loads = [numpy.interp(depths, history["depth"], history["load"]) for history in (result.history, reference.history)]
+    return loads[0] / loads[1]
+
+
+@pytest.mark.parametrize("case, half_width, mean, largest", [(SPHERE, 64, 0.006, 0.015), (CYLINDER, 48, 0.003, 0.006)],
+                         ids=["sphere", "cylinder"])
+def test_contact_outgrows_its_box(expect, case, half_width, mean, largest):
+    """The waves of first touch, and columns of two sizes that come into contact one by one, make the largest difference."""
+    reference, result = (harness.run(with_box(case, *box), ranks=2) for box in ((160, 200), (half_width, 280)))
+    history = result.history
+    ratio = load_ratio(result, reference, numpy.linspace(8e-9, 15.5e-9, 31))
+    expect("load, mean", numpy.mean(ratio), near=1, tolerance=mean)
+    expect("largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=largest)
+    expect("energy left", energy_left(history), near=0, tolerance=0.005)
+    work = (history["contact_work"] + history["exchange_energy"])[-1] / history["indenter_work"][-1]
+    expect("work of contact and exchange over that of the indenter", work, near=1, tolerance=0.005)
+    expect("momentum along y less impulses", momentum_left(history, "y"), at_most=1e-9)
+
+
+def test_metal_under_a_border_above_the_surface(expect):
+    """The finest box ends just above the surface, so that all of the contact is on nodes that levels share."""
+    reference = harness.run(METAL, file="cone_metal.opts")
+    result = harness.run({**METAL, "level_2_upper": "2.4e-6,26e-6"}, file="cone_metal.opts", ranks=2)
+    ratio = load_ratio(result, reference, numpy.linspace(30e-9, 58e-9, 15))
+    expect("load, mean", numpy.mean(ratio), near=1, tolerance=0.01)
+    expect("energy left", energy_left(result.history), near=0, tolerance=0.02)

@@ -92,7 +92,7 @@ PetscErrorCode ContactColumns::FindBox(const ContactView &view, const std::vecto
       bounds[a] = std::max(bounds[a], -segment.place.column[a]);
       bounds[2 + a] = std::max(bounds[2 + a], segment.place.column[a] + 2);
     }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 4, MPI_INT, MPI_MAX, view.grid.Comm()));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 4, MPI_INT, MPI_MAX, view.group.Comm()));
   box_ = {};
   if (bounds[0] > INT_MIN)
     for (int a = 0; a < 3; ++a) {
@@ -137,7 +137,7 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   for (const PressedSegment &segment : segments) Add(view, width, segment);
   if (!columns_.empty())
     PetscCallMPI(
-        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.grid.Comm()));
+        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

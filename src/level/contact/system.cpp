@@ -27,7 +27,7 @@ PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCouplin
 {
   const auto order = [](const ContactCoupling &c) { return std::tie(c.node[2], c.node[1], c.node[0], c.unknown); };
   PetscFunctionBeginUser;
-  PetscCall(ExchangeRecords(view.grid.Comm(), couplings, [&](const ContactCoupling &c) { return OwnerOf(view.grid, c.node); }));
+  PetscCall(ExchangeRecords(view.group.Comm(), couplings, [&](const ContactCoupling &c) { return OwnerOf(view, c.node); }));
   std::stable_sort(couplings->begin(), couplings->end(),
                    [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
   auto kept = couplings->begin();
@@ -106,14 +106,14 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
 PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                                             const std::vector<ContactCoupling> &couplings, const Layout &layout)
 {
-  const PetscMPIInt rank = RankIn(view.grid.Comm());
+  const PetscMPIInt rank = RankIn(view.group.Comm());
   std::vector<Term> terms;
   PetscFunctionBeginUser;
   rows_.resize(unknowns.size());
   for (std::vector<Term> &row : rows_) row.clear();
   AddProducts(view, couplings, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
-  PetscCall(ExchangeRecords(view.grid.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
+  PetscCall(ExchangeRecords(view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
 
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);
@@ -153,7 +153,7 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
 /// Solves on the ranks that hold equations and tells all ranks the pressures.
 PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
 {
-  const MPI_Comm comm = view.grid.Comm();
+  const MPI_Comm comm = view.group.Comm();
   const PetscMPIInt rank = RankIn(comm), size = RanksOf(comm);
   ActiveSetSolver parallel, *const solver = layout.ranks > 1 ? &parallel : &serial_;
   ActiveSetReport solved;
@@ -195,7 +195,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   pressures_.clear();
   if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
+  const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.group.Comm())};
   PetscCall(GatherAtNodes(view, &couplings));
   PetscCall(MakeEquations(view, unknowns, couplings, layout));
   PetscCall(FindPressures(view, layout, report));

@@ -1,0 +1,35 @@
+// A communicator of the blocks near the indenter.
+#include "level/contact/group.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+ContactGroup::~ContactGroup()
+{
+  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+}
+
+PetscErrorCode ContactGroup::Create(const Grid &grid, const IndexBox &zone)
+{
+  MPI_Group all, members;
+  PetscFunctionBeginUser;
+  if (comm_ != MPI_COMM_NULL) PetscCallMPI(MPI_Comm_free(&comm_));
+  blocks_ = grid.BlocksIn(zone);
+  if (!grid.Participates() || RankOf(RankIn(grid.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_group(grid.Comm(), &all));
+  PetscCallMPI(MPI_Group_incl(all, static_cast<int>(blocks_.size()), blocks_.data(), &members));
+  PetscCallMPI(MPI_Comm_create_group(grid.Comm(), members, 0, &comm_));
+  PetscCallMPI(MPI_Group_free(&members));
+  PetscCallMPI(MPI_Group_free(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscMPIInt ContactGroup::RankOf(int block) const
+{
+  const auto place = std::lower_bound(blocks_.begin(), blocks_.end(), block);
+  return place != blocks_.end() && *place == block ? static_cast<PetscMPIInt>(place - blocks_.begin()) : -1;
+}
+
+} // namespace mlgimp

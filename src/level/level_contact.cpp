@@ -51,7 +51,9 @@ PetscErrorCode Level::SetClock(const LevelClock &clock)
 PetscErrorCode Level::Regroup()
 {
   PetscFunctionBeginUser;
-  if (!contact_ || grid_->BlocksIn(clock_.contact_zone) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  group_.SetZone(clock_.contact_zone);
+  if (grid_->BlocksIn(clock_.contact_zone) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SharePressures());
   PetscCall(group_.Create(*grid_, clock_.contact_zone));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -77,6 +77,7 @@ public:
 
 private:
   PetscErrorCode FindBox(const ContactView &view, const std::vector<PressedSegment> &segments);
+  void Crop();
   void Add(const ContactView &view, double width, const PressedSegment &segment);
 
   IndexBox box_;

@@ -9,6 +9,7 @@
 namespace mlgimp
 {
 
+/// A zone of which nothing is known.
 inline constexpr IndexBox kAllNodes = {{INT_MIN, INT_MIN, INT_MIN}, {INT_MAX, INT_MAX, INT_MAX}};
 
 /// The owners of the nodes that the surface near the indenter touches, ordered by their blocks.
@@ -26,13 +27,19 @@ public:
 
   MPI_Comm Comm() const { return comm_; } ///< null on ranks that are not in the group
   bool Participates() const { return comm_ != MPI_COMM_NULL; }
+  const IndexBox &Zone() const { return zone_; }
   /// The blocks of the grid that they hold, on all ranks.
   const std::vector<int> &Blocks() const { return blocks_; }
+  /// Another zone in the same blocks.
+  void SetZone(const IndexBox &zone) { zone_ = zone; }
   /// The rank in Comm() that holds a block; -1 for none.
   PetscMPIInt RankOf(int block) const;
 
 private:
-  MPI_Comm comm_ = MPI_COMM_NULL;
+  PetscErrorCode Free();
+
+  MPI_Comm comm_ = MPI_COMM_NULL, inner_ = MPI_COMM_NULL; ///< inner: PETSc's own beside it, which it would make anew in each use
+  IndexBox zone_;
   std::vector<int> blocks_;
 };
 

@@ -8,19 +8,32 @@ namespace mlgimp
 
 ContactGroup::~ContactGroup()
 {
-  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+  PetscFunctionBegin;
+  PetscCallVoid(Free());
+  PetscFunctionReturnVoid();
+}
+
+PetscErrorCode ContactGroup::Free()
+{
+  PetscFunctionBeginUser;
+  if (comm_ == MPI_COMM_NULL) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCommDestroy(&inner_));
+  PetscCallMPI(MPI_Comm_free(&comm_));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ContactGroup::Create(const Grid &grid, const IndexBox &zone)
 {
   MPI_Group all, members;
   PetscFunctionBeginUser;
-  if (comm_ != MPI_COMM_NULL) PetscCallMPI(MPI_Comm_free(&comm_));
+  PetscCall(Free());
+  zone_ = zone;
   blocks_ = grid.BlocksIn(zone);
   if (!grid.Participates() || RankOf(RankIn(grid.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_group(grid.Comm(), &all));
   PetscCallMPI(MPI_Group_incl(all, static_cast<int>(blocks_.size()), blocks_.data(), &members));
   PetscCallMPI(MPI_Comm_create_group(grid.Comm(), members, 0, &comm_));
+  PetscCall(PetscCommDuplicate(comm_, &inner_, nullptr));
   PetscCallMPI(MPI_Group_free(&members));
   PetscCallMPI(MPI_Group_free(&all));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,8 +83,10 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
 {
   GridLayout layout;
+  std::vector<double> counts;
   PetscFunctionBeginUser;
-  FirstLayout(RanksOf(comm_), settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid, &layout);
+  PetscCall(seeding.CountByNode(comm_, &counts));
+  FirstLayout(RanksOf(comm_), settings_.points_per_rank, counts, settings_.levels[l].grid, &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);

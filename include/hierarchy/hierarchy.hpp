@@ -66,7 +66,6 @@ struct FollowState {
 struct SpeedCheck {
   double wave_speed = 0, point_speed = 0; ///< of c + |v| and |v|, m/s
   bool failed = false;
-  std::vector<double> indenter_distance; ///< of each level's nearest surface point, m
 };
 
 class Hierarchy
@@ -78,7 +77,7 @@ public:
   /// One step of level 0, with all steps of the finer levels within it.
   PetscErrorCode Advance(double time, double dt);
 
-  PetscErrorCode CheckSpeeds(double time, SpeedCheck *speeds);
+  PetscErrorCode CheckSpeeds(SpeedCheck *speeds);
   /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][LevelInterface::kState], the same on
   /// every rank; empty before the first step. Collective.
   PetscErrorCode GatherInterfaceState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
@@ -98,7 +97,9 @@ public:
   PetscErrorCode RestoreFollowing(const FollowState &state);
   /// The same with the largest reach of all ranks. Collective.
   PetscErrorCode ShareReach();
-  /// The budgets of all levels and ranks, but what only a run knows. Collective.
+  /// The budgets of all levels on this rank, but what only a run knows.
+  PetscErrorCode SumBudgets(Budgets *budgets);
+  /// Those of all ranks, on every rank. Collective.
   PetscErrorCode ReduceBudgets(Budgets *budgets);
   /// Whether the next steps measure the noise of velocities, a budget that costs.
   void MeasureNoise(bool measures);
@@ -119,7 +120,8 @@ public:
   /// Bytes that the coupling of levels sends between ranks in a step of level 0, with the ranks that METIS chose for the
   /// blocks and with the first ranks in order.
   void BytesBetweenLevels(double *mapped, double *unmapped) const;
-  PetscErrorCode PointsOn(int l, double *total, double *largest);
+  /// Points of each level, in all and on the rank that has most. Collective.
+  PetscErrorCode CountPoints(std::vector<double> *total, std::vector<double> *largest);
 
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
@@ -135,7 +137,9 @@ private:
   PetscErrorCode Reconnect();
   bool CoupledByNodes() const { return Levels() > 1 && settings_.coupling == LevelCoupling::kNodes; }
   void CoupleNodes(int l);
-  PetscErrorCode RebalanceIfNeeded(int l);
+  PetscErrorCode WatchContact(double time, double travel, double drift);
+  IndexBox ZoneOf(int l, const Box &near, double drift) const;
+  bool NeedsBalance(int l, double total, double largest) const;
   PetscErrorCode Rebalance(int l);
   PetscErrorCode FindContact(double time, double next_look, ContactPlace *place);
   PetscErrorCode MoveLevels(const BoxPlan &next);

@@ -52,7 +52,7 @@ public:
 
   // What contact on the finer level asks.
   NodeBlend BlendOf(Index node) const override;
-  PetscMPIInt OwnerOf(Index coarse) const override;
+  int BlockOf(Index coarse) const override;
   double MassOf(Index coarse) const override;
   Vec3 FreePart(Index coarse, Vec3 change) const override;
   void Push(Index coarse, Vec3 change_of_velocity) override;

@@ -135,6 +135,7 @@ struct Budgets {
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
   VectorBudget friction_impulse{"friction_impulse", Adds::kTotal, Shown::kNowhere}; ///< the part of tractions in contact_impulse
   ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere};               ///< along the radius, in the last sweep
+  ScalarBudget failed{"failed", Adds::kLargest, Shown::kNowhere};                   ///< 1 where the run cannot go on
 
   Budget *begin() { return reinterpret_cast<Budget *>(this); }
   Budget *end() { return begin() + sizeof(Budgets) / sizeof(Budget); }
@@ -145,8 +146,6 @@ struct Budgets {
   double Dissipated() const { return Viscous() + plastic_work + damping_work + friction_work; }
   /// Adds another part's.
   void Add(const Budgets &part);
-  /// Those of all ranks together, on every rank. Collective.
-  PetscErrorCode AddRanks(MPI_Comm comm);
   /// Appends what the next run needs to go on.
   void AppendKept(std::vector<double> *numbers) const;
   /// Adds what AppendKept has appended, and returns the place after it; null where a count is none.
@@ -155,5 +154,9 @@ struct Budgets {
 
 static_assert(sizeof(ScalarBudget) == sizeof(Budget) && sizeof(VectorBudget) == sizeof(Budget) &&
               sizeof(Budgets) % sizeof(Budget) == 0); // rows one after the other
+
+/// Makes each of some rows that of all ranks together, on every rank; all ranks must have as many. Collective: two reductions,
+/// however many rows.
+PetscErrorCode AddRanks(MPI_Comm comm, std::vector<Budgets> *rows);
 
 } // namespace mlgimp

@@ -120,6 +120,8 @@ public:
   Index Nearest(Vec3 x) const { return geometry_.Nearest(x); }
   /// The block that holds a node, which is also its owner's rank in Comm(); -1 outside the grid.
   int BlockOfNode(Index node) const;
+  /// The blocks that hold nodes of a box, or lie nearest to it, in their order.
+  std::vector<int> BlocksIn(const IndexBox &box) const;
   /// The owner's rank among all ranks; -1 outside the grid.
   PetscMPIInt OwnerOfNode(Index node) const;
   /// Place of a node in the arrays of the owner of `block`.

@@ -42,9 +42,10 @@ struct LevelClock {
   double drift = 0;          ///< how far points may have moved since they were last sent to their owners, cells
   double drift_per_step = 1; ///< cells
   bool contact_awake = true;
+  IndexBox contact_zone = kAllNodes; ///< nodes that contact may reach while it is awake
 };
 
-/// What contact did to the indenter's tip in a step, and how wide it was; the same on all ranks that hold a part of the grid.
+/// What contact did to the indenter's tip in a step, and how wide it was; the same on all ranks of its group.
 struct TipReport {
   double travel = 0;                ///< of a free tip, downward, m
   bool limited = false;             ///< it would have had to travel farther to carry its load
@@ -103,7 +104,10 @@ public:
   /// Nothing touches the level while it has no points.
   void Rest();
   /// Nothing is known of the points that have come: they migrate, and contact looks for them, until speeds are measured again.
-  void Wake() { clock_.contact_awake = true, clock_.drift_per_step = LevelClock().drift_per_step; }
+  /// Collective on all ranks.
+  PetscErrorCode Wake();
+  /// Whether there may be contact in the steps until it is looked at again; the same on all ranks.
+  bool ContactAwake() const { return contact_ && clock_.contact_awake; }
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.
@@ -111,15 +115,19 @@ public:
   /// Bounds the drift of points in a step by the largest speed now: they migrate before they drift out of the halo.
   void BoundDrift(double largest_speed, double dt);
 
-  /// Least distance of this rank's surface points from the indenter with its tip there, m; infinite where there is none.
-  PetscErrorCode IndenterDistance(Vec3 tip, double *distance);
-  /// While the indenter is out of reach, contact is left out of the steps.
-  void WatchContact(bool within_reach) { clock_.contact_awake = within_reach; }
+  /// Widens a box by the places of this rank's surface points that are nearer than `range` to the indenter with its tip there.
+  PetscErrorCode FindNearIndenter(Vec3 tip, double range, Box *near);
+  /// While the indenter is out of reach, contact is left out of the steps; else it concerns the ranks with nodes in a zone, which
+  /// holds all that the points near the indenter may touch. Collective on all ranks.
+  PetscErrorCode WatchContact(bool within_reach, const IndexBox &zone);
+  /// Number of ranks that contact concerns, and the first of them, among all.
+  int ContactRanks() const { return static_cast<int>(group_.Blocks().size()); }
+  PetscMPIInt ContactRoot() const { return group_.Blocks().empty() ? 0 : grid_->Layout().ranks[group_.Blocks()[0]]; }
   /// Whether the next steps measure the noise of their points' velocities, for Totals.
   void MeasureNoise(bool measures) { measures_noise_ = measures; }
   /// What contact did to the tip in the last step.
   const TipReport &Tip() const { return tip_; }
-  /// Contact pressures that the next step starts from, the same on every rank that holds a part of the grid.
+  /// Contact pressures that the next step starts from, the same on every rank that contact concerns.
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
 
@@ -145,7 +153,8 @@ public:
   Budgets &Totals() { return budgets_; }
   long Steps() const { return clock_.steps; }
   const LevelClock &Clock() const { return clock_; }
-  void SetClock(const LevelClock &clock) { clock_ = clock; }
+  /// Collective on all ranks.
+  PetscErrorCode SetClock(const LevelClock &clock);
   void SetXpicFraction(double fraction) { nodal_.xpic_fraction = fraction; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
@@ -153,6 +162,7 @@ private:
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
   void NoteContact(const ContactReport &report, double area);
+  PetscErrorCode Regroup();
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
@@ -174,6 +184,7 @@ private:
   Points points_, copies_[2];
   std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Contact> contact_;
+  ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;

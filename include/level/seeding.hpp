@@ -29,8 +29,8 @@ public:
   /// Calls work for every seed with its cell in a box, row by row.
   void ForEachSeed(const IndexBox &cells, const std::function<void(const Seed &)> &work) const;
 
-  /// Seeds per node (by nearest node) of the padded grid, the first axis fastest.
-  std::vector<double> CountByNode() const;
+  /// Seeds per node (by nearest node) of the padded grid, the first axis fastest. Each rank counts a slab of cells. Collective.
+  PetscErrorCode CountByNode(MPI_Comm comm, std::vector<double> *counts) const;
 
   /// Adds the points whose nearest node this rank owns.
   PetscErrorCode Fill(const Grid &grid, Points &points) const;

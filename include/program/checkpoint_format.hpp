@@ -10,9 +10,12 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 17;
+inline constexpr int kFormatVersion = 18;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
+
+/// Numbers of a level's clock.
+inline constexpr int kOfClock = 10;
 
 /// Group of the copies of points that the next coarser (0) or finer level (1) owns.
 inline std::string CopiesName(int l, int origin) { return LevelName(l) + "/copies_" + std::to_string(origin); }

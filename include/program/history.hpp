@@ -1,4 +1,4 @@
-// history.csv: one row of totals per interval, flushed as written.
+// history.csv: one row of totals per interval, flushed as written, some rows at a time.
 #pragma once
 
 #include "hierarchy/hierarchy.hpp"
@@ -20,9 +20,12 @@ class History
 {
 public:
   /// slow: with the columns of -quasi_static. Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to
-  /// it. Returns, as Write, nothing, or why the file cannot be written, the same on every rank. Collective.
+  /// it. Returns nothing, or why the file cannot be written, the same on every rank. Collective.
   std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, bool slow, long resume_step);
-  std::string Write(long step, const Budgets &budgets);
+  /// Adds a row to those that Write will write.
+  void Add(long step, const Budgets &budgets);
+  /// Writes the rows that were added, or none of them. Returns as Open. Collective.
+  std::string Write();
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
   /// False where somebody has removed the file. First rank.
@@ -34,7 +37,9 @@ private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::string path_;
   std::vector<HistoryColumn> columns_;
-  Descriptor file_; ///< on the first rank
+  Descriptor file_;  ///< on the first rank
+  std::string text_; ///< of the rows that were added
+  long added_ = -1;  ///< step of the last of them
   long last_ = -1;
 };
 

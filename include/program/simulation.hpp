@@ -40,8 +40,9 @@ private:
   /// When boxes may move again.
   double NextLook() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
   void WriteDue();
-  void WriteHistoryRow();
-  void SetFrictionForce(double passed);
+  void NoteRow();
+  std::string WriteRows();
+  void SetFrictionForce(double time);
   void WriteState();
   std::string WriteSummary(const std::string &status);
   [[noreturn]] void Fail(const std::string &message);
@@ -67,12 +68,22 @@ private:
   void CheckStep(double speed);
   [[noreturn]] void FailOrRefuse(const std::string &message);
 
+  /// A row of the history that waits for the next look: what all ranks know of it.
+  struct Row {
+    long step;
+    double time;
+    Vec3 tip;
+  };
+  void Complete(const Row &row);
+
   const Case &case_;
   MPI_Comm comm_ = MPI_COMM_NULL;
   LogEvents events_{};
   Hierarchy hierarchy_;
   RunState state_;
-  Budgets budgets_{}; ///< of the last history row
+  Budgets budgets_{};             ///< of the last history row
+  std::vector<Row> rows_;         ///< that wait
+  std::vector<Budgets> row_sums_; ///< this rank's part of each
   OutputFolder folder_;
   History history_;
   FrameWriter frames_;

@@ -13,14 +13,43 @@ struct Group {
   int count;
 };
 
+/// The counts for and from all other ranks, each in a message of its own.
+PetscErrorCode SwapCounts(MPI_Comm comm, const std::vector<Group> &targets, std::vector<Group> *sources)
+{
+  const PetscMPIInt ranks = RanksOf(comm), mine = RankIn(comm);
+  PetscMPIInt tag;
+  MPI_Comm inner;
+  std::vector<int> outgoing(ranks, 0), incoming(ranks, 0);
+  std::vector<MPI_Request> requests;
+  PetscFunctionBeginUser;
+  for (const Group &target : targets) outgoing[target.rank] = target.count;
+  incoming[mine] = outgoing[mine];
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank) {
+    if (rank == mine) continue;
+    PetscCallMPI(MPI_Irecv(&incoming[rank], 1, MPI_INT, rank, tag, inner, &requests.emplace_back()));
+    PetscCallMPI(MPI_Isend(&outgoing[rank], 1, MPI_INT, rank, tag, inner, &requests.emplace_back()));
+  }
+  PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  PetscCall(PetscCommDestroy(&inner));
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank)
+    if (incoming[rank] > 0) sources->push_back({rank, incoming[rank]});
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The ranks that send something, in their order.
 PetscErrorCode FindSources(MPI_Comm comm, const std::vector<Group> &targets, std::vector<Group> *sources)
 {
+  constexpr PetscMPIInt kFewRanks = 8; // among so many a message to each takes no longer than a reduction over all
   PetscMPIInt number, *from = nullptr;
   int *incoming = nullptr;
   std::vector<PetscMPIInt> ranks;
   std::vector<int> counts;
   PetscFunctionBeginUser;
+  if (RanksOf(comm) <= kFewRanks) {
+    PetscCall(SwapCounts(comm, targets, sources));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (const auto &[rank, count] : targets) ranks.push_back(rank), counts.push_back(count);
   PetscCall(PetscCommBuildTwoSided(comm, 1, MPI_INT, static_cast<PetscMPIInt>(ranks.size()), ranks.data(), counts.data(), &number,
                                    &from, static_cast<void *>(&incoming)));

@@ -61,7 +61,7 @@ PetscErrorCode LevelInterface::TakeContact()
   PetscFunctionBeginUser;
   for (const SharedNode &node : to_share_) before.push_back(node.impulse);
   for (int k = 0; k < owned_; ++k) contact_[k] = left_[k] = {};
-  if (!coarse_->Clock().contact_awake) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!coarse_->ContactAwake()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFBcastBegin(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
   for (int k = 0; k < owned_; ++k) {

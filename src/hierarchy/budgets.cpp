@@ -20,7 +20,7 @@ void Hierarchy::MeasureNoise(bool measures)
   for (auto &level : levels_) level->MeasureNoise(measures);
 }
 
-PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
+PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
 {
   Budgets &sum = *budgets;
   PetscFunctionBeginUser;
@@ -38,9 +38,19 @@ PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
                            sum.damping_work - sum.external_work;
     for (const auto &transfer : transfers_) sum.exchange_energy -= transfer->Totals().transfer_strain_energy;
   }
-  PetscCall(sum.AddRanks(comm_));
   sum.viscous_work = sum.Viscous();
   sum.dissipated_energy = sum.Dissipated();
+  sum.failed = DescribeFailure().empty() ? 0 : 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
+{
+  std::vector<Budgets> sums(1);
+  PetscFunctionBeginUser;
+  PetscCall(SumBudgets(&sums[0]));
+  PetscCall(AddRanks(comm_, &sums));
+  *budgets = sums[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -83,8 +83,10 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
 {
   GridLayout layout;
+  std::vector<double> counts;
   PetscFunctionBeginUser;
-  FirstLayout(RanksOf(comm_), settings_.points_per_rank, seeding.CountByNode(), settings_.levels[l].grid, &layout);
+  PetscCall(seeding.CountByNode(comm_, &counts));
+  FirstLayout(RanksOf(comm_), settings_.points_per_rank, counts, settings_.levels[l].grid, &layout);
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
@@ -282,59 +284,98 @@ PetscErrorCode Hierarchy::CorrectMomentum()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::CheckSpeeds(double time, SpeedCheck *speeds)
+PetscErrorCode Hierarchy::CheckSpeeds(SpeedCheck *speeds)
 {
-  std::vector<double> values(3 + Levels(), 0.0); // largest of all ranks
+  double values[3] = {}; // largest of all ranks
   PetscFunctionBeginUser;
-  for (int l = 0; l < Levels(); ++l) {
-    double wave = 0, point = 0, distance = 0;
-    PetscCall(levels_[l]->LargestSpeeds(&wave, &point));
-    PetscCall(levels_[l]->IndenterDistance(tip_.At(time), &distance));
+  for (const auto &level : levels_) {
+    double wave = 0, point = 0;
+    PetscCall(level->LargestSpeeds(&wave, &point));
     values[0] = std::max(values[0], wave);
     values[1] = std::max(values[1], point);
-    if (levels_[l]->Failure().kind != LevelFailure::kNone) values[2] = 1;
-    values[3 + l] = -distance;
+    if (level->Failure().kind != LevelFailure::kNone) values[2] = 1;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm_));
-  *speeds = {values[0], values[1], values[2] > 0, {}};
-  for (int l = 0; l < Levels(); ++l) speeds->indenter_distance.push_back(-values[3 + l]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 3, MPI_DOUBLE, MPI_MAX, comm_));
+  *speeds = {values[0], values[1], values[2] > 0};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The nodes of level l that points in a box may touch until they are looked at again, with half their size and as much more, and
+/// those of the next coarser level that these hang on.
+IndexBox Hierarchy::ZoneOf(int l, const Box &near, double drift) const
+{
+  const GridGeometry &grid = settings_.levels[l].grid;
+  const double room = drift + (2 + (l > 0 ? settings_.ratio : 0)) * grid.spacing;
+  IndexBox zone = grid.NodeBox();
+  for (int axis = 0; axis < grid.dim; ++axis) {
+    const double first = zone.lower[axis], end = zone.upper[axis];
+    const double lower = (near.lower[axis] - room - grid.lower[axis]) / grid.spacing,
+                 upper = (near.upper[axis] + room - grid.lower[axis]) / grid.spacing;
+    zone.lower[axis] = static_cast<int>(std::clamp(std::floor(lower), first, end - 1));
+    zone.upper[axis] = static_cast<int>(std::clamp(std::ceil(upper) + 1, first + 1, end));
+  }
+  return zone;
+}
+
+/// Wakes contact on the levels with points that the indenter can reach, and tells each what of it contact may touch. Points of
+/// neighbouring levels may become its own.
+PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
+{
+  constexpr Box kNowhere{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+  constexpr int kOfLevel = 7; // whether its own points are near; minus the lower end and the upper end of all that are
+  std::vector<double> largest;
+  PetscFunctionBeginUser;
+  for (int l = 0; l < Levels(); ++l) {
+    const double range = kPointRange * settings_.levels[l].grid.spacing + travel + drift;
+    Box near = kNowhere;
+    PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), range, &near));
+    largest.push_back(near.lower[0] < HUGE_VAL);
+    for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
+      if (other != l) PetscCall(levels_[other]->FindNearIndenter(tip_.At(time), range, &near));
+    for (const double x : near.lower) largest.push_back(-x);
+    largest.insert(largest.end(), near.upper.begin(), near.upper.end());
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, comm_));
+  for (int l = 0; l < Levels(); ++l) {
+    const double *const n = &largest[static_cast<std::size_t>(kOfLevel) * l];
+    const bool awake = n[0] > 0;
+    const Box near{{-n[1], -n[2], -n[3]}, {n[4], n[5], n[6]}};
+    PetscCall(levels_[l]->WatchContact(awake, awake ? ZoneOf(l, near, drift) : IndexBox{}));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt, int steps)
 {
   constexpr double kSafety = 2, kSurprise = 0.02; // of speeds; cells a step, where a body at rest is set in motion
-  const double travel = tip_.Reach(time, dt, steps);
+  const double drift = steps * std::max(kSafety * speeds.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
+  std::vector<double> total, largest;
   PetscFunctionBeginUser;
+  if (model_->indenter) PetscCall(WatchContact(time, tip_.Reach(time, dt, steps), drift));
+  PetscCall(CountPoints(&total, &largest));
   for (int l = 0; l < Levels(); ++l) {
-    const double h = settings_.levels[l].grid.spacing;
-    const double drift = steps * std::max(kSafety * speeds.point_speed * dt, kSurprise * settings_.levels[0].grid.spacing);
-    levels_[l]->WatchContact(speeds.indenter_distance[l] < kPointRange * h + travel + drift);
-    PetscCall(Logged(events_.balance, [&] { return RebalanceIfNeeded(l); }));
+    if (NeedsBalance(l, total[l], largest[l])) PetscCall(Logged(events_.balance, [&] { return Rebalance(l); }));
     levels_[l]->BoundDrift(speeds.point_speed, dt / std::pow(settings_.ratio, l));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Cuts a level anew where a rank has too many of its points, or its points have become too many or too few for its ranks.
-PetscErrorCode Hierarchy::RebalanceIfNeeded(int l)
+/// Whether a level must be cut anew: a rank has too many of its points, or they have become too many or too few for its ranks.
+bool Hierarchy::NeedsBalance(int l, double total, double largest) const
 {
-  double total = 0, largest = 0;
-  PetscFunctionBeginUser;
-  PetscCall(PointsOn(l, &total, &largest));
   const int blocks = levels_[l]->Mesh().Layout().Blocks();
-  if (largest * blocks > settings_.rebalance_threshold * total ||
-      NeedsOtherRanks(total, blocks, RanksOf(comm_), settings_.points_per_rank))
-    PetscCall(Rebalance(l));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return largest * blocks > settings_.rebalance_threshold * total ||
+         NeedsOtherRanks(total, blocks, RanksOf(comm_), settings_.points_per_rank);
 }
 
-PetscErrorCode Hierarchy::PointsOn(int l, double *total, double *largest)
+PetscErrorCode Hierarchy::CountPoints(std::vector<double> *total, std::vector<double> *largest)
 {
-  const double mine = levels_[l]->PointStore().Count();
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(&mine, total, 1, MPI_DOUBLE, MPI_SUM, comm_));
-  PetscCallMPI(MPI_Allreduce(&mine, largest, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  total->clear();
+  for (const auto &level : levels_) total->push_back(level->PointStore().Count());
+  *largest = *total;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, total->data(), Levels(), MPI_DOUBLE, MPI_SUM, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest->data(), Levels(), MPI_DOUBLE, MPI_MAX, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -96,7 +96,7 @@ bool LevelInterface::IsInterface(Index node) const
 }
 
 /// The block of the fine node at its place, or of the nearest one.
-PetscMPIInt LevelInterface::OwnerOf(Index coarse) const
+int LevelInterface::BlockOf(Index coarse) const
 {
   const IndexBox all = fine_->Geometry().grid.NodeBox();
   const Index offset = Offset();
@@ -121,7 +121,7 @@ void LevelInterface::ListInterface()
   interface_.clear();
   ForEach(Intersection(around, coarse_->Geometry().grid.NodeBox()), [&](Index node) {
     if (!IsInterface(node)) return;
-    const int block = OwnerOf(node);
+    const int block = BlockOf(node);
     interface_.push_back({node, block, places[block]++});
   });
 }
@@ -257,7 +257,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
   has_previous_ = true;
   std::fill(mean_.begin(), mean_.end(), 0.0);
   for (SharedNode &node : to_share_) node = {};
-  if (!coarse_->Clock().contact_awake) std::fill(contact_.begin(), contact_.end(), Vec3{});
+  if (!coarse_->ContactAwake()) std::fill(contact_.begin(), contact_.end(), Vec3{});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -383,7 +383,7 @@ PetscErrorCode LevelInterface::FineToCoarse()
   PetscFunctionBeginUser;
   PetscCall(PetscSFReduceBegin(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
-  if (!coarse_->Clock().contact_awake) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!coarse_->ContactAwake()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int k = 0; k < owned_; ++k) to_share_[k].finer_mass = sums_[k].mass;
   PetscCall(PetscSFReduceBegin(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));

@@ -158,7 +158,7 @@ PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
   for (int l = 0; l < Levels(); ++l) {
     PetscCall(PlaceLevel(l, geometries[l]));
     if (IsActive(l))
-      levels_[l]->Wake();
+      PetscCall(levels_[l]->Wake());
     else
       levels_[l]->Rest();
   }

@@ -38,7 +38,6 @@ TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
 
 PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double time, double dt)
 {
-  const GridLayout &layout = level.Mesh().Layout();
   TipReport tip = level.Tip();
   PetscFunctionBeginUser;
   if (!IsByLoad()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -47,7 +46,7 @@ PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double
     if (level.Clock().contact_awake) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &beside_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (layout.Blocks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, layout.ranks[0], comm));
+  if (level.ContactRanks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.ContactRoot(), comm));
   travel_ += tip.travel;
   speed_ = tip.travel / dt;
   time_ = time + dt;

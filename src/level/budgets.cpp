@@ -15,18 +15,20 @@ void Budgets::Add(const Budgets &part)
   }
 }
 
-PetscErrorCode Budgets::AddRanks(MPI_Comm comm)
+PetscErrorCode AddRanks(MPI_Comm comm, std::vector<Budgets> *rows)
 {
   PetscFunctionBeginUser;
   for (const bool largest : {false, true}) {
     std::vector<double> values;
-    for (const Budget &row : *this)
-      if (row.IsLargest() == largest) values.insert(values.end(), row.value.begin(), row.value.begin() + row.components);
+    for (const Budgets &budgets : *rows)
+      for (const Budget &row : budgets)
+        if (row.IsLargest() == largest) values.insert(values.end(), row.value.begin(), row.value.begin() + row.components);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
                                largest ? MPI_MAX : MPI_SUM, comm));
     const double *next = values.data();
-    for (Budget &row : *this)
-      for (int c = 0; row.IsLargest() == largest && c < row.components; ++c) row.value[c] = *next++;
+    for (Budgets &budgets : *rows)
+      for (Budget &row : budgets)
+        for (int c = 0; row.IsLargest() == largest && c < row.components; ++c) row.value[c] = *next++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -125,6 +125,29 @@ int Grid::BlockOfNode(Index node) const
   return block;
 }
 
+std::vector<int> Grid::BlocksIn(const IndexBox &box) const
+{
+  std::vector<int> blocks;
+  IndexBox corners; // the first and the last node of the box in the grid
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = starts_[axis].front(), last = starts_[axis].back() - 1;
+    corners.lower[axis] = std::clamp(box.lower[axis], first, last);
+    corners.upper[axis] = std::clamp(box.upper[axis] - 1, first, last);
+  }
+  IndexBox layers;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<int> &starts = starts_[axis];
+    const auto layer = [&](int node) {
+      return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), node) - starts.begin()) - 1;
+    };
+    layers.lower[axis] = layer(corners.lower[axis]);
+    layers.upper[axis] = layer(corners.upper[axis]) + 1;
+  }
+  const int rows = static_cast<int>(starts_[1].size()) - 1, columns = static_cast<int>(starts_[0].size()) - 1;
+  ForEach(layers, [&](Index at) { blocks.push_back(at[0] + columns * (at[1] + rows * at[2])); });
+  return blocks;
+}
+
 PetscMPIInt Grid::OwnerOfNode(Index node) const
 {
   const int block = BlockOfNode(node);

@@ -38,6 +38,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
     PetscCall(store->Create(world, model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
   if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
+  if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
   bodies_ = model_.Table();
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
   nodal_ = model_.nodal;
@@ -128,16 +129,16 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
   PetscFunctionBeginUser;
+  const bool touched = clock_.contact_awake && group_.Participates();
   tip_ = {tip.FreeTravel()};
-  if (!grid_->Participates() || !clock_.contact_awake) NoteContact({}, 0);
+  if (!touched) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (contact_ && clock_.contact_awake) {
-    PrepareSharedNodes();
-    PetscCall(ApplyContact(time, dt, tip));
-  }
+  if (ContactAwake()) PrepareSharedNodes();
+  if (touched) PetscCall(ApplyContact(time, dt, tip));
+  if (ContactAwake() && border_) PetscCall(border_->Spread(&pushed_));
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
@@ -275,22 +276,6 @@ PetscErrorCode Level::MigrateCopies()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Brings the contact pressures from the first rank of the grid to all, whichever will hold the grid next.
-PetscErrorCode Level::SharePressures()
-{
-  const PetscMPIInt root = grid_->Layout().ranks[0];
-  std::vector<std::pair<std::int64_t, double>> list;
-  PetscFunctionBeginUser;
-  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
-  for (const auto &pressure : contact_->Pressures()) list.push_back(pressure);
-  int bytes = static_cast<int>(list.size() * sizeof list[0]);
-  PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world_));
-  list.resize(bytes / sizeof list[0]);
-  PetscCallMPI(MPI_Bcast(list.data(), bytes, MPI_BYTE, root, world_));
-  contact_->SetPressures(ContactPressures(list.begin(), list.end()));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Level::Repartition(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
@@ -298,6 +283,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   auto grid = std::make_unique<Grid>();
   PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
   grid_ = std::move(grid);
+  if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
   coupled_nodes_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());

@@ -22,6 +22,59 @@ void Level::Rest()
   budgets_.noise_energy = 0;
 }
 
+PetscErrorCode Level::WatchContact(bool within_reach, const IndexBox &zone)
+{
+  PetscFunctionBeginUser;
+  clock_.contact_awake = within_reach;
+  if (within_reach) clock_.contact_zone = zone;
+  PetscCall(Regroup());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Wake()
+{
+  PetscFunctionBeginUser;
+  clock_.drift_per_step = LevelClock().drift_per_step;
+  PetscCall(WatchContact(true, kAllNodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::SetClock(const LevelClock &clock)
+{
+  PetscFunctionBeginUser;
+  clock_ = clock;
+  PetscCall(Regroup());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Lets the ranks with nodes in the zone of contact be its group. What the next step starts from goes to all ranks.
+PetscErrorCode Level::Regroup()
+{
+  PetscFunctionBeginUser;
+  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  group_.SetZone(clock_.contact_zone);
+  if (grid_->BlocksIn(clock_.contact_zone) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SharePressures());
+  PetscCall(group_.Create(*grid_, clock_.contact_zone));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Brings the contact pressures from the first rank of the group to all, whichever will be in the next.
+PetscErrorCode Level::SharePressures()
+{
+  const PetscMPIInt root = ContactRoot();
+  std::vector<std::pair<std::int64_t, double>> list;
+  PetscFunctionBeginUser;
+  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const auto &pressure : contact_->Pressures()) list.push_back(pressure);
+  int bytes = static_cast<int>(list.size() * sizeof list[0]);
+  PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world_));
+  list.resize(bytes / sizeof list[0]);
+  PetscCallMPI(MPI_Bcast(list.data(), bytes, MPI_BYTE, root, world_));
+  contact_->SetPressures(ContactPressures(list.begin(), list.end()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Nodes that also move those of the next finer level: what contact there has done to them is contact, not coupling of levels;
 /// and in their velocities is the impulse of contact here in the step before, in whose place that of this step comes.
 void Level::PrepareSharedNodes()
@@ -45,17 +98,15 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;
   ContactReport report;
-  PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
-                            time,   dt,      tip,     border_,         shared_};
+  const ContactView view = {*grid_, group_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
+                            time,   dt,     tip,     border_, shared_};
   PetscCall(contact_->Apply(view, &report));
   pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
-  PetscCallMPI(MPI_Comm_rank(grid_->Comm(), &rank));
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
-  NoteContact(report, rank == 0 ? report.area : 0);
+  NoteContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
   budgets_.contact_cells = std::max<double>(budgets_.contact_cells, report.half_width / grid_->Geometry().spacing);
   budgets_.penetration_cells = std::max<double>(budgets_.penetration_cells, report.penetration / grid_->Geometry().spacing);

@@ -116,14 +116,20 @@ PetscErrorCode Level::SumPoints(const std::vector<int> &list, Budgets *sums)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::IndenterDistance(Vec3 tip, double *distance)
+PetscErrorCode Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 {
   PetscFunctionBeginUser;
-  *distance = HUGE_VAL;
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
   const PointArrays points = points_.Arrays();
   const std::vector<int> &surface = points_.SurfacePoints();
-  for (int p : surface) *distance = std::min(*distance, model_.indenter->Gap(points.Position(p), tip).distance);
+  for (int p : surface) {
+    const Vec3 x = points.Position(p);
+    if (!(model_.indenter->Gap(x, tip).distance < range)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      near->lower[axis] = std::min(near->lower[axis], x[axis]);
+      near->upper[axis] = std::max(near->upper[axis], x[axis]);
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -60,20 +60,27 @@ std::int64_t Seeding::EndId() const
   return first_id_ + Cells().Count() * static_cast<std::int64_t>(model_.bodies.size()) * tiles_per_cell_;
 }
 
-std::vector<double> Seeding::CountByNode() const
+PetscErrorCode Seeding::CountByNode(MPI_Comm comm, std::vector<double> *counts) const
 {
-  const IndexBox nodes = geometry_.NodeBox();
-  std::vector<double> counts(static_cast<std::size_t>(nodes.Count()), 0.0);
-  ForEachSeed(Cells(), [&](const Seed &seed) {
+  const IndexBox nodes = geometry_.NodeBox(), all = Cells();
+  const int axis_of_slabs = geometry_.dim - 1;
+  const std::int64_t rank = RankIn(comm), ranks = RanksOf(comm), layers = all.Size(axis_of_slabs);
+  IndexBox slab = all;
+  PetscFunctionBeginUser;
+  slab.lower[axis_of_slabs] = all.lower[axis_of_slabs] + static_cast<int>(layers * rank / ranks);
+  slab.upper[axis_of_slabs] = all.lower[axis_of_slabs] + static_cast<int>(layers * (rank + 1) / ranks);
+  counts->assign(static_cast<std::size_t>(nodes.Count()), 0.0);
+  ForEachSeed(slab, [&](const Seed &seed) {
     std::size_t place = 0;
     for (int axis = 2; axis >= 0; --axis) {
       const double cells = (seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing;
       const int node = axis < geometry_.dim ? static_cast<int>(std::floor(cells + 0.5)) - nodes.lower[axis] : 0;
       place = place * nodes.Size(axis) + node;
     }
-    ++counts[place];
+    ++(*counts)[place];
   });
-  return counts;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts->data(), static_cast<int>(counts->size()), MPI_DOUBLE, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 bool Seeding::Occupied(Vec3 x) const

@@ -82,11 +82,14 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   const PetscMPIInt rank = RankIn(hierarchy.Comm());
   const bool first = rank == 0;
   WritePoints(file, hierarchy.Comm(), group, level.PointStore());
-  file.Attribute(group, "pace", {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_awake)});
+  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_awake)};
+  for (const Index &corner : {clock.contact_zone.lower, clock.contact_zone.upper})
+    pace.insert(pace.end(), corner.begin(), corner.end());
+  file.Attribute(group, "pace", pace);
   for (int axis = 0; axis < 3; ++axis)
     file.List(group + kWidthNames[axis], first ? Numbers(layout.widths[axis]) : std::vector<double>());
   file.List(group + "/ranks", first ? Numbers(layout.ranks) : std::vector<double>());
-  if (rank == layout.ranks[0])
+  if (rank == level.ContactRoot())
     for (const auto &[key, pressure] : level.Pressures()) {
       keys.push_back(static_cast<double>(key));
       pressures.push_back(pressure);

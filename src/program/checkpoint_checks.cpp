@@ -4,6 +4,7 @@
 #include "base/exchange.hpp"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -142,7 +143,9 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
   const bool rests = settings.hierarchy.follow.kind == FollowKind::kContact && l > 0; // at times, without points
   const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
-  return whole && drifts && IsWhole(n[3], 0, 1) ? "" : "the steps of level " + std::to_string(l) + " are not those of a run";
+  const bool places = AllWhole({n.begin() + 4, n.end()}, INT_MIN, INT_MAX); // of nodes
+  return whole && drifts && places && IsWhole(n[3], 0, 1) ? ""
+                                                          : "the steps of level " + std::to_string(l) + " are not those of a run";
 }
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)

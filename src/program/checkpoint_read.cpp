@@ -255,7 +255,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
 {
   Level &level = hierarchy_.At(l);
   const std::string group = LevelName(l);
-  std::vector<double> clock(4), keys, values;
+  std::vector<double> clock(kOfClock), keys, values;
   ContactPressures pressures;
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
     Note(WrongClock(clock, state.step, case_, l));
@@ -268,7 +268,10 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
     ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
   level.SetPressures(pressures);
-  level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0});
+  IndexBox zone;
+  for (int axis = 0; axis < 3; ++axis)
+    zone.lower[axis] = static_cast<int>(clock[4 + axis]), zone.upper[axis] = static_cast<int>(clock[7 + axis]);
+  EndOn(level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0, zone}));
   if (same_ranks_) return;
   EndOn(level.Migrate(true));
   EndOn(level.MigrateCopies());

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
+#include <utility>
 
 namespace mlgimp
 {
@@ -85,18 +86,24 @@ std::string History::Append(const std::string &text) const
   return CannotWrite(path_, error);
 }
 
-std::string History::Write(long step, const Budgets &budgets)
+void History::Add(long step, const Budgets &budgets)
 {
-  std::string problem = OnFirstRank(comm_, "history_row", [&] {
-    std::string text = std::to_string(step);
-    for (const HistoryColumn &column : columns_) {
-      char number[32];
-      const auto end = std::to_chars(number, number + sizeof number, budgets.begin()[column.row].value[column.component]).ptr;
-      text.append(1, ',').append(number, end);
-    }
-    return Append(text + "\n");
-  });
-  if (problem.empty()) last_ = step;
+  text_ += std::to_string(step);
+  for (const HistoryColumn &column : columns_) {
+    char number[32];
+    const auto end = std::to_chars(number, number + sizeof number, budgets.begin()[column.row].value[column.component]).ptr;
+    text_.append(1, ',').append(number, end);
+  }
+  text_ += '\n';
+  added_ = step;
+}
+
+std::string History::Write()
+{
+  const std::string text = std::exchange(text_, "");
+  if (text.empty()) return "";
+  std::string problem = OnFirstRank(comm_, "history_row", [&] { return Append(text); });
+  if (problem.empty()) last_ = added_;
   return problem;
 }
 

@@ -9,11 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <unistd.h>
+#include <utility>
 
 namespace mlgimp
 {
 
-static constexpr int kControlInterval = 10; ///< steps between looks at the wave speed, the balance and failures
+static constexpr int kControlInterval = 10; ///< steps between looks at what all ranks must know: speeds, balance, failures, rows
 
 void Simulation::SetUp(MPI_Comm comm)
 {
@@ -133,7 +134,7 @@ static std::string Describe(const LevelMove &move, int dim)
 void Simulation::ControlStep()
 {
   SpeedCheck speeds;
-  EndOn(hierarchy_.CheckSpeeds(state_.time, &speeds));
+  EndOn(hierarchy_.CheckSpeeds(&speeds));
   if (speeds.failed) return;
   const double speed = FastestSignal(speeds);
   CheckStep(speed);
@@ -167,7 +168,10 @@ void Simulation::Run()
   for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
-  if (state_.step == 0) WriteHistoryRow();
+  if (state_.step == 0) {
+    NoteRow();
+    CheckWritten(WriteRows());
+  }
   if (state_.step == 0 && case_.output.frames > 0) CheckWritten(frames_.Write(hierarchy_, 0, state_.time, 0));
   while (!AtEnd()) {
     const double begin = MPI_Wtime();
@@ -209,12 +213,15 @@ void Simulation::WriteDue()
   const OutputSettings &out = case_.output;
   const bool last = AtEnd();
   const int frame = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
-  const bool row_due = IsRowDue(state_.step, state_.time), frame_due = frame > state_.frames;
+  const bool frame_due = frame > state_.frames;
   const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
-  if (state_.step % kControlInterval == 0 || row_due || frame_due || checkpoint_due) SettleFailure();
-  if (frame_due || checkpoint_due) SettleState();
   EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
-  if (row_due) WriteHistoryRow();
+  if (IsRowDue(state_.step, state_.time)) NoteRow();
+  if (state_.step % kControlInterval == 0 || last || frame_due || checkpoint_due) {
+    CheckWritten(WriteRows());
+    SettleFailure();
+  }
+  if (frame_due || checkpoint_due) SettleState();
   if (frame_due) {
     state_.frames = frame;
     CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
@@ -265,6 +272,7 @@ void Simulation::SettleState()
 /// Ends the run, with what it has written so far.
 void Simulation::Fail(const std::string &message)
 {
+  WriteRows();
   frames_.Finish(comm_);
   WriteSummary("failed: " + message); // where these fail too, it is less than what is told here
   Refuse(message + "; " + FindKept());
@@ -292,35 +300,57 @@ void Simulation::WriteState()
   last_checkpoint_ = state_.step;
 }
 
-/// The mean force of tractions since the last row: on the body along the indenter's sideways motion, along x without one.
-void Simulation::SetFrictionForce(double passed)
+/// The mean force of tractions from the last row to one at a time: on the body along the indenter's sideways motion, along x
+/// without one.
+void Simulation::SetFrictionForce(double time)
 {
   const auto &indenter = case_.model.indenter;
   const Vec3 impulse = budgets_.friction_impulse, last = state_.friction_at_row;
+  const double passed = time - state_.time_at_row;
   if (!indenter) return;
-  const Vec3 way = indenter->Sideways(state_.time) - indenter->Sideways(state_.time_at_row);
+  const Vec3 way = indenter->Sideways(time) - indenter->Sideways(state_.time_at_row);
   const Vec3 along = Norm(way) > 0 ? (1 / Norm(way)) * way : Vec3{1, 0, 0};
   if (passed > 0) friction_force_ = Dot(impulse - last, along) / passed;
   state_.friction_at_row = impulse;
   budgets_.friction_force = friction_force_;
 }
 
-void Simulation::WriteHistoryRow()
+/// Keeps this rank's part of a row until the next look, so that rows cost no agreement of all ranks in their steps.
+void Simulation::NoteRow()
 {
-  const auto &indenter = case_.model.indenter;
-  EndOn(hierarchy_.ReduceBudgets(&budgets_));
-  const double passed = state_.time - state_.time_at_row, impulse = budgets_.contact_impulse[case_.Dim() - 1];
+  EndOn(hierarchy_.SumBudgets(&row_sums_.emplace_back()));
+  rows_.push_back({state_.step, state_.time, hierarchy_.Tip().At(state_.time)});
+}
+
+/// Fills the columns that follow from the sums of all ranks and from the row before.
+void Simulation::Complete(const Row &row)
+{
+  const double passed = row.time - state_.time_at_row, impulse = budgets_.contact_impulse[case_.Dim() - 1];
   if (passed > 0) load_ = -(impulse - state_.impulse_at_row) / passed;
-  SetFrictionForce(passed);
+  SetFrictionForce(row.time);
   state_.impulse_at_row = impulse;
-  state_.time_at_row = state_.time;
-  budgets_.time = state_.time;
-  budgets_.depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
+  state_.time_at_row = row.time;
+  budgets_.time = row.time;
+  budgets_.depth = case_.model.indenter ? case_.model.indenter->Depth(row.tip) : 0;
   budgets_.load = load_;
-  for (int axis = 0; axis < case_.Dim(); ++axis) budgets_.tip[axis] = hierarchy_.Tip().At(state_.time)[axis];
+  for (int axis = 0; axis < case_.Dim(); ++axis) budgets_.tip[axis] = row.tip[axis];
   watch_.Look(budgets_);
-  warnings_.Look(comm_, case_, budgets_, watch_, AtEnd());
-  CheckWritten(history_.Write(state_.step, budgets_));
+  warnings_.Look(comm_, case_, budgets_, watch_, IsEnd(row.step, row.time));
+}
+
+/// Writes the rows that wait, up to the first step in which something has failed. Returns as History::Write.
+std::string Simulation::WriteRows()
+{
+  const std::vector<Row> rows = std::exchange(rows_, {}); // where writing fails, Fail comes here again
+  std::vector<Budgets> sums = std::exchange(row_sums_, {});
+  if (rows.empty()) return "";
+  EndOn(AddRanks(comm_, &sums));
+  for (std::size_t k = 0; k < rows.size() && sums[k].failed == 0; ++k) {
+    budgets_ = sums[k];
+    Complete(rows[k]);
+    history_.Add(rows[k].step, budgets_);
+  }
+  return history_.Write();
 }
 
 void Simulation::ShowProgress(bool last)

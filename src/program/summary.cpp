@@ -155,11 +155,10 @@ std::string Simulation::WriteSummary(const std::string &status)
   hierarchy_.BytesBetweenLevels(&mapped, &unmapped);
   const double created = Case::PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
-  for (int l = 0; l < hierarchy_.Levels(); ++l) {
-    double points = 0, largest = 0;
-    EndOn(hierarchy_.PointsOn(l, &points, &largest));
-    levels.push_back(LevelJson(hierarchy_.At(l), points, largest, state_.time_step / std::pow(case_.hierarchy.ratio, l)));
-  }
+  std::vector<double> points, largest;
+  EndOn(hierarchy_.CountPoints(&points, &largest));
+  for (int l = 0; l < hierarchy_.Levels(); ++l)
+    levels.push_back(LevelJson(hierarchy_.At(l), points[l], largest[l], state_.time_step / std::pow(case_.hierarchy.ratio, l)));
   Json json = {{"status", status},
                {"case", case_.name},
                {"ranks", RanksOf(comm_)},

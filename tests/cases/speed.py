@@ -9,6 +9,7 @@ import tempfile
 import pytest
 
 import harness
+from log_view import LogView
 from ranks import LEVELS
 
 STEPS = 20  # of level 0 in the shorter of two runs; a multiple of the ten steps between looks at balance and speeds
@@ -21,9 +22,26 @@ BLOCK = {
 }
 CASES = {"one level": BLOCK, "three levels with contact": LEVELS}
 
+
+def reductions_log(steps):
+    """What PETSc counts of so many steps of the wedge on three levels, on 2 ranks."""
+    path = tempfile.mktemp(dir=harness.scratch())
+    harness.run({"max_steps": steps, "frames": 0, "log_view": f":{path}:ascii_csv"}, file="wedge_3level.opts", ranks=2)
+    return path
+
+
 def with_steps(case, steps, **other):
     """The case for a number of steps, without frames."""
     return {**{name: value for name, value in case.items() if name != "end_time"}, "max_steps": steps, "frames": 0, **other}
+
+
+@pytest.mark.mpi
+def test_collective_calls(expect):
+    """On three levels with contact and a history row in each step few steps of many ask all ranks for anything; counted in the
+    second half of a run, as the first has the set-up."""
+    half, whole = (LogView(path) for path in (reductions_log(STEPS), reductions_log(2 * STEPS)))
+    calls = (whole.total("reductions", stage="") - half.total("reductions", stage="")) / STEPS / whole.ranks
+    expect("three levels, 2 ranks: collective calls a step", calls, at_most=5)
 
 
 @pytest.mark.mpi

@@ -43,6 +43,7 @@ struct OnePoint {
 /// A grid of 16 x 16 cells on all ranks of a communicator, in columns of blocks, and what contact sees of it.
 struct Body {
   Grid grid;
+  ContactGroup group;
   Points points;
   BodyTable bodies;
   BoundaryConditions sides;
@@ -62,9 +63,10 @@ struct Body {
       layout.ranks.push_back(rank);
     }
     PetscCall(grid.Create(comm, shape, layout));
+    PetscCall(group.Create(grid, kAllNodes));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  ContactView View() { return {grid, points, bodies, sides, indenter, geometry, 0, 0, 1e-3}; }
+  ContactView View() { return {grid, group, points, bodies, sides, indenter, geometry, 0, 0, 1e-3}; }
 };
 
 /// Segments that cover a level surface up to the fifth column along each axis, from the first one or from minus the fifth.

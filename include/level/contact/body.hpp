@@ -30,11 +30,11 @@ inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p);
 
 // What contact asks of a node. The state must be final on owned nodes; of ghosts nothing is known.
-/// The rank in grid.Comm(), or -1 outside the grid.
-inline PetscMPIInt OwnerOf(const Grid &grid, Index node) { return grid.BlockOfNode(node); }
+/// The rank in the group, or -1 outside of it.
+inline PetscMPIInt OwnerOf(const ContactView &view, Index node) { return view.group.RankOf(view.grid.BlockOfNode(node)); }
 /// Mass of the points of this level, and of the next finer one where there are both, kg.
 double MassOf(const ContactView &view, Index node);
-Vec3 VelocityOf(const Grid &grid, Index node);      ///< v, m/s
+Vec3 VelocityOf(const Grid &grid, Index node); ///< v, m/s
 /// Splits a change of velocity in what the node takes and what the sides hold.
 Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
 /// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, and both impulses.

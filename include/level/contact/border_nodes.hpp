@@ -35,7 +35,7 @@ public:
   /// Of any node of the finer grid; it depends on its place alone.
   virtual NodeBlend BlendOf(Index node) const = 0;
   /// The rank of the finer level that advances a coarser node.
-  virtual PetscMPIInt OwnerOf(Index coarse) const = 0;
+  virtual int BlockOf(Index coarse) const = 0;
 
   // Of coarser nodes that this rank advances.
   virtual double MassOf(Index coarse) const = 0;                ///< of the points of both levels, kg

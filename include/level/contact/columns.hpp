@@ -56,7 +56,7 @@ Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int cor
 /// the upward axis to -n. The tangents beside all horizontal axes are normal to each other and change as smoothly as n does.
 Vec3 SurfaceTangent(Vec3 normal, int axis, int up);
 
-/// The columns under all segments within reach of the indenter, the same on all ranks of the grid.
+/// The columns under all segments within reach of the indenter, the same on all ranks of the group.
 class ContactColumns
 {
 public:
@@ -65,7 +65,7 @@ public:
   ContactColumns &operator=(const ContactColumns &) = delete;
   ~ContactColumns();
 
-  /// Sums up the columns of the segments of all ranks. width: alpha. Collective on the grid's ranks.
+  /// Sums up the columns of the segments of all ranks. width: alpha. Collective on the group.
   PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments);
 
   const IndexBox &Box() const { return box_; } ///< of the columns; empty where nothing is near
@@ -77,6 +77,7 @@ public:
 
 private:
   PetscErrorCode FindBox(const ContactView &view, const std::vector<PressedSegment> &segments);
+  void Crop();
   void Add(const ContactView &view, double width, const PressedSegment &segment);
 
   IndexBox box_;

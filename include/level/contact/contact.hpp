@@ -2,6 +2,7 @@
 #pragma once
 
 #include "level/contact/border_nodes.hpp"
+#include "level/contact/group.hpp"
 #include "level/contact/settings.hpp"
 #include "level/kernels.hpp"
 #include "level/nodes.hpp"
@@ -18,6 +19,7 @@ namespace mlgimp
 /// What contact needs to see of a level in a step from `time` to `time + dt`, after sides were applied.
 struct ContactView {
   const Grid &grid;
+  const ContactGroup &group;
   Points &points;
   const BodyTable &bodies;
   const BoundaryConditions &sides;
@@ -31,7 +33,7 @@ struct ContactView {
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
-/// ranks.
+/// ranks of the group.
 struct ContactReport {
   Vec3 impulse{};                 ///< on the body, N s
   Vec3 side_impulse{};            ///< what sides take up of it at once, N s
@@ -40,8 +42,8 @@ struct ContactReport {
   std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
   double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
   int local_points = 0;           ///< points under pressure
-  int set_updates = 0;            ///< of the active set; on the level's first rank alone
-  bool fallback = false;          ///< the active set did not settle: row-sum diagonal used; on the level's first rank alone
+  int set_updates = 0;            ///< of the active set; on the group's first rank alone
+  bool fallback = false;          ///< the active set did not settle: row-sum diagonal used; on the group's first rank alone
   bool solved = true;             ///< false: the linear solver did not converge
   double travel = 0;              ///< of a tip that is free, downward; the same on all ranks, m
   bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
@@ -58,10 +60,10 @@ class Contact
 {
 public:
   virtual ~Contact() = default;
-  /// What a step leaves to the next, the same on every rank of the level.
+  /// What a step leaves to the next, the same on every rank of the group.
   virtual ContactPressures Pressures() const { return {}; }
   virtual void SetPressures(const ContactPressures &) {}
-  /// Corrects the velocities (v, dv) of owned nodes. Collective on the grid's ranks.
+  /// Corrects the velocities (v, dv) of owned nodes. Collective on the group.
   virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
 };
 

@@ -41,7 +41,7 @@ public:
   PetscErrorCode Create(bool symmetric, double diagonal_shift, const ContactSettings &settings);
 
   /// Solves and applies. unknowns: the same on all ranks, by rising keys, columns of UnknownsPerColumn; couplings: this rank's
-  /// part, to any nodes. Adds to the report what it did. Collective on the grid's ranks.
+  /// part, to any nodes. Adds to the report what it did. Collective on the group.
   PetscErrorCode Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                        std::vector<ContactCoupling> couplings, ContactReport *report);
 

@@ -82,17 +82,21 @@ ContactColumns::~ContactColumns()
   if (add_ != MPI_OP_NULL) MPI_Op_free(&add_);
 }
 
+/// The columns to add up: those of the group's zone, or where none is known those under the segments of all ranks.
 PetscErrorCode ContactColumns::FindBox(const ContactView &view, const std::vector<PressedSegment> &segments)
 {
   const int dim = view.geometry.Dim();
   int bounds[4] = {INT_MIN, INT_MIN, INT_MIN, INT_MIN}; // minus the lower, then the upper ones
   PetscFunctionBeginUser;
+  box_ = view.group.Zone();
+  for (int a = dim - 1; a < 3; ++a) box_.lower[a] = 0, box_.upper[a] = 1;
+  if (box_.lower[0] > INT_MIN) PetscFunctionReturn(PETSC_SUCCESS);
   for (const PressedSegment &segment : segments)
     for (int a = 0; a < dim - 1; ++a) {
       bounds[a] = std::max(bounds[a], -segment.place.column[a]);
       bounds[2 + a] = std::max(bounds[2 + a], segment.place.column[a] + 2);
     }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 4, MPI_INT, MPI_MAX, view.grid.Comm()));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 4, MPI_INT, MPI_MAX, view.group.Comm()));
   box_ = {};
   if (bounds[0] > INT_MIN)
     for (int a = 0; a < 3; ++a) {
@@ -124,6 +128,25 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
   }
 }
 
+/// Leaves the columns that have some surface.
+void ContactColumns::Crop()
+{
+  const IndexBox whole = box_;
+  const std::vector<ContactColumn> all = std::move(columns_);
+  const auto in_all = [&](Index at) { return (at[1] - whole.lower[1]) * whole.Size(0) + at[0] - whole.lower[0]; };
+  box_ = {whole.upper, whole.lower};
+  box_.lower[2] = 0, box_.upper[2] = 1;
+  ForEach(whole, [&](Index at) {
+    if (all[in_all(at)].left == HUGE_VAL) return;
+    for (int a = 0; a < 2; ++a) {
+      box_.lower[a] = std::min(box_.lower[a], at[a]);
+      box_.upper[a] = std::max(box_.upper[a], at[a] + 1);
+    }
+  });
+  columns_.clear();
+  ForEach(box_, [&](Index at) { columns_.push_back(all[in_all(at)]); });
+}
+
 PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments)
 {
   PetscFunctionBeginUser;
@@ -137,7 +160,8 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   for (const PressedSegment &segment : segments) Add(view, width, segment);
   if (!columns_.empty())
     PetscCallMPI(
-        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.grid.Comm()));
+        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
+  Crop();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

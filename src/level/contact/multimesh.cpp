@@ -24,7 +24,7 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     ForEach(grid.Owned(), [&](Index node) { ApplyAtNode(view, node, bounds, report); });
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 3, MPI_DOUBLE, MPI_MAX, grid.Comm()));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 3, MPI_DOUBLE, MPI_MAX, view.group.Comm()));
     const double tip = view.tip.start[0];
     if (bounds[0] > -HUGE_VAL) report->half_width = std::max(bounds[1] - tip, tip + bounds[0]);
     PetscCall(CountPoints(view, bounds[2] > 0, report));

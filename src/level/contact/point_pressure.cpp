@@ -47,7 +47,7 @@ public:
       if (!FarFromIndenter(view, points, p)) AddPoint(view, points, p, &pressed, report);
     std::vector<std::int64_t> own;
     for (const PressedPoint &point : pressed) own.push_back(point.unknown.key);
-    PetscCall(GatherByKey(view.grid.Comm(), &pressed));
+    PetscCall(GatherByKey(view.group.Comm(), &pressed));
     for (const PressedPoint &point : pressed) unknowns.push_back(point.unknown), ranges.push_back(point.range);
     for (ContactCoupling &c : couplings_) c.unknown = Find(unknowns, own[c.unknown]);
     PetscCall(system_.Solve(view, unknowns, couplings_, report));

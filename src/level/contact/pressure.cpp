@@ -34,10 +34,13 @@ bool IsAtTip(const ContactView &view, Index column)
   return near;
 }
 
-/// False for cells that this rank has not all corners of: a segment there is of a point that has failed, which ends the run soon.
-bool IsHere(const Grid &grid, Index cell)
+/// False for cells that this rank has not all corners of, or that are not in the group's zone: a segment there is of a point that
+/// has failed, which ends the run soon.
+bool IsHere(const ContactView &view, Index cell)
 {
-  return grid.IsLocal(cell) && grid.IsLocal(Corner(cell, grid.Geometry().dim == 3 ? 7 : 3));
+  const Index last = Corner(cell, view.grid.Geometry().dim == 3 ? 7 : 3);
+  const IndexBox here = Intersection(view.grid.Ghosted(), view.group.Zone());
+  return here.Contains(cell) && here.Contains(last);
 }
 
 constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
@@ -93,7 +96,7 @@ private:
         if (gap.distance > range) continue;
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
-        if (Faces(s, gap.normal) && IsHere(view.grid, place.cell))
+        if (Faces(s, gap.normal) && IsHere(view, place.cell))
           segments_.push_back({place, gap.normal, s.area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
       }
       point_ends_.push_back(segments_.size());

@@ -48,11 +48,11 @@ PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCouplin
 {
   const auto order = [](const ContactCoupling &c) { return std::tie(c.coarser, c.node[2], c.node[1], c.node[0], c.unknown); };
   const auto owner = [&](const ContactCoupling &c) {
-    return c.coarser ? view.border->OwnerOf(c.node) : OwnerOf(view.grid, c.node);
+    return c.coarser ? view.group.RankOf(view.border->BlockOf(c.node)) : OwnerOf(view, c.node);
   };
   PetscFunctionBeginUser;
   if (view.border) AddBeyondBorder(*view.border, couplings);
-  PetscCall(ExchangeRecords(view.grid.Comm(), couplings, owner));
+  PetscCall(ExchangeRecords(view.group.Comm(), couplings, owner));
   std::stable_sort(couplings->begin(), couplings->end(),
                    [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
   auto kept = couplings->begin();
@@ -146,14 +146,14 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
 PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
                                             const std::vector<ContactCoupling> &couplings, const Layout &layout)
 {
-  const PetscMPIInt rank = RankIn(view.grid.Comm());
+  const PetscMPIInt rank = RankIn(view.group.Comm());
   std::vector<Term> terms;
   PetscFunctionBeginUser;
   rows_.resize(unknowns.size());
   for (std::vector<Term> &row : rows_) row.clear();
   AddProducts(view, couplings, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
-  PetscCall(ExchangeRecords(view.grid.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
+  PetscCall(ExchangeRecords(view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
 
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);
@@ -193,7 +193,7 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
 /// Solves on the ranks that hold equations and tells all ranks the pressures.
 PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
 {
-  const MPI_Comm comm = view.grid.Comm();
+  const MPI_Comm comm = view.group.Comm();
   const PetscMPIInt rank = RankIn(comm), size = RanksOf(comm);
   ActiveSetSolver parallel, *const solver = layout.ranks > 1 ? &parallel : &serial_;
   ActiveSetReport solved;
@@ -235,14 +235,13 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   pressures_.clear();
   if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.grid.Comm())};
+  const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.group.Comm())};
   PetscCall(GatherAtNodes(view, &couplings));
   PetscCall(MakeEquations(view, unknowns, couplings, layout));
   PetscCall(FindPressures(view, layout, report));
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
   Push(view, couplings, lambda_, report);
-  if (view.border) PetscCall(view.border->Spread(&report->pushed));
   report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,6 +29,19 @@ static Vec3 VelocityOf(const Grid &grid, std::ptrdiff_t node)
   return velocity;
 }
 
+ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
+{
+  return {*grid_, points_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff, time, dt, tip};
+}
+
+PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)
+{
+  PetscFunctionBeginUser;
+  pressures->assign(points_.Count(), 0.0);
+  if (contact_ && grid_->Participates()) PetscCall(contact_->PressuresOnPoints(ViewOfContact(time_, 0, {tip, tip}), pressures));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;
@@ -36,8 +49,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscMPIInt rank;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
-                            time,   dt,      tip};
+  const ContactView view = ViewOfContact(time, dt, tip);
   std::vector<Vec3> shared;
   for (const CoupledNode &coupled : coupled_nodes_) shared.push_back(VelocityOf(*grid_, coupled.node));
   PetscCall(contact_->Apply(view, &report));

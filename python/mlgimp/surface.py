@@ -33,6 +33,8 @@ def read_surface(directory, number=None):
     number = frame_of_largest_load(directory) if number is None else number
     frame, history = results.read_frame(results.find_frame(directory, number)), results.read_history(directory)
     points = results.all_points(frame.levels)
+    if "faces" not in points:
+        raise ResultError(directory, "its points have no faces")
     points = {name: values[top] for top in [surface_of(points)] for name, values in points.items()}
     lateral = "xy"[:points["position"].shape[1] - 1]
     tip = np.array([np.interp(frame.time, history["time"], history.get(f"tip_{axis}", 0 * history["time"])) for axis in lateral])

@@ -123,6 +123,25 @@ def unit_tests(report):
     return [(f"{suite['name']}.{test['name']}", test) for suite in suites for test in suite["testsuite"]]
 
 
+def load_on_points(points, hoop=False, up=None):
+    """Load in N that the pressures of contact on the points of a frame are, on their upper faces; in the plane for a thickness of 1.
+
+    hoop: faces go around the axis. up: vertical part of the indenter's normal, by default that of each face.
+    """
+    import numpy
+    dim = points["position"].shape[1]
+    F = points["deformation_gradient"].reshape(-1, dim, dim)
+    half = numpy.sqrt(numpy.linalg.solve(F**2, points["half_size"][:, :, None] ** 2)[..., 0])  # undeformed
+    edges = 2 * F * half[:, None, :]
+    if dim == 3:
+        area = numpy.cross(edges[:, :, 0], edges[:, :, 1])
+    else:
+        around = 2 * numpy.pi * (points["position"][:, 0] + edges[:, 0, 1] / 2) if hoop else 1
+        area = edges[:, ::-1, 0] * numpy.reshape(around, (-1, 1))
+    size = area[:, -1] if up is None else up * numpy.linalg.norm(area, axis=1)
+    return points["contact_pressure"] @ size
+
+
 _scratch = None
 
 

@@ -130,6 +130,8 @@ public:
   /// Contact pressures that the next step starts from, the same on every rank that contact concerns.
   ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);
+  /// Pressure of contact in the last step on this rank's points, with the tip as it is now; see Contact::PressuresOnPoints.
+  PetscErrorCode FindContactPressures(Vec3 tip, std::vector<double> *pressures);
 
   /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
   /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.
@@ -159,6 +161,7 @@ public:
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:
+  ContactView ViewOfContact(double time, double dt, const TipStep &tip);
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
   void NoteContact(const ContactReport &report, double area);

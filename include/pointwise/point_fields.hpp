@@ -68,7 +68,7 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(GeometryKind geo
       {"initial_radius", kReal, hoop, "m", MergeRule::kFirst, false, false}, // of the centre, in axisymmetry; F_zz = r/R
       {"initial_position", kReal, dim, "m", MergeRule::kMean, false, false}, // for pictures: no equation knows it
       {"body", kInt32, 1, "", MergeRule::kFirst, false, true},
-      {"faces", kInt32, 1, "", MergeRule::kBits, false, false},            // bits: see below
+      {"faces", kInt32, 1, "", MergeRule::kBits, false, true},             // bits: see below
       {"load_share", kReal, loads, "", MergeRule::kLargest, false, false}, // part of the point's face that each load acts on
       {"history", kReal, history_components, "", MergeRule::kMean, true, false},
   }};

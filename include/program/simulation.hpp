@@ -39,7 +39,8 @@ private:
   void CheckPace();
   /// When boxes may move again.
   double NextLook() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
-  void WriteDue();
+  void WriteFrameDue();
+  void WriteDue(); ///< rows of the history, checkpoint
   void NoteRow();
   std::string WriteRows();
   void SetFrictionForce(double time);

@@ -16,6 +16,7 @@ def gallery(directory, number=None, window=None):
     drawn = {}
     if results.has_indenter(history):
         drawn["load_depth"] = lambda: pictures.load_depth(history, title)
+    if results.has_indenter(history) and "contact_pressure" in panel.points:
         drawn["contact_pressure"] = lambda: surface.contact_pressure(directory, number)
     for component in components_of(panel):
         name = component if component in fields.SCALARS else f"stress_{fields.spelt(component, panel.axes)}"

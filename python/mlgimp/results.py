@@ -88,7 +88,7 @@ def level_boxes(summary, time=None):
 def box_at(summary, level, time, last):
     """Returns the box (lower, upper) of a level at a time, `last` where it never moves, None where it rests or has not moved yet."""
     moves = [move for move in summary.get("regrids", []) if move["level"] == level]
-    before = [move for move in moves if move["time"] <= time]
+    before = [move for move in moves if move["time"] < time]  # boxes move after the frame of a step
     if not before:
         return None if moves else last
     return (before[-1]["lower"], before[-1]["upper"]) if before[-1]["active"] else None

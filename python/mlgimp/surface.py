@@ -3,7 +3,6 @@
 import numpy as np
 from matplotlib import tri
 from matplotlib import pyplot as plt
-from scipy.spatial import cKDTree
 
 from . import fields, load_depth, results
 from .errors import ResultError
@@ -15,27 +14,8 @@ EXAGGERATED = 0.18  # height of the box that the surface is drawn in, of its wid
 
 
 def surface_of(points):
-    """Returns a mask [n] of the points with no other above their middle.
-
-    Only the highest in each column half as wide as the finest points can be one; of these, those under another's face are not.
-    """
-    lateral, top, half = points["position"][:, :-1], points["position"][:, -1], points["half_size"][:, :-1]
-    finest = half[points["level"] == points["level"].max()]
-    columns = np.floor((lateral - lateral.min(axis=0)) / np.median(finest, axis=0)).astype(int)
-    order = np.lexsort([top, *columns.T])
-    last = np.append(np.any(np.diff(columns[order], axis=0) != 0, axis=1), True)
-    highest = order[last]
-    pairs = cKDTree(lateral[highest]).query_pairs(half[highest].max(), p=np.inf, output_type="ndarray")
-    low, high = highest[np.where((top[highest[pairs[:, 0]]] < top[highest[pairs[:, 1]]])[:, None], pairs, pairs[:, ::-1])].T
-    hidden = low[np.all(np.abs(lateral[low] - lateral[high]) < half[high], axis=1)]
-    mask = np.zeros(len(top), bool)
-    mask[np.setdiff1d(highest, hidden)] = True
-    return mask
-
-
-def pressure_on(points):
-    """Returns the pressure [n] in Pa on points of the surface: minus their vertical normal stress, half their height below it."""
-    return -points["stress"][:, points["position"].shape[1] - 1]
+    """Returns a mask [n] of the points whose upper side is the body's surface, by the bit of that side in their faces."""
+    return points["faces"] & 1 << 2 * points["position"].shape[1] - 1 != 0
 
 
 def frame_of_largest_load(directory):
@@ -53,6 +33,8 @@ def read_surface(directory, number=None):
     number = frame_of_largest_load(directory) if number is None else number
     frame, history = results.read_frame(results.find_frame(directory, number)), results.read_history(directory)
     points = results.all_points(frame.levels)
+    if "faces" not in points:
+        raise ResultError(directory, "its points have no faces")
     points = {name: values[top] for top in [surface_of(points)] for name, values in points.items()}
     lateral = "xy"[:points["position"].shape[1] - 1]
     tip = np.array([np.interp(frame.time, history["time"], history.get(f"tip_{axis}", 0 * history["time"])) for axis in lateral])
@@ -71,9 +53,9 @@ def contact_pressure(directory, number=None):
     """Returns the picture of the contact's pressure: over the radius, or x in plane strain, and in space on the surface."""
     time, points, tip, options = read_surface(directory, number)
     title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
-    values = pressure_on(points)
+    values = points["contact_pressure"]
     if len(tip) == 2:
-        return draw_surface(points, tip, options, values, ("pressure on the surface", "Pa"), title)
+        return draw_surface(points, tip, options, values, ("pressure of contact", "Pa"), title)
     history = results.read_history(directory)
     order = np.argsort(points["position"][:, 0])
     place, pressure = points["position"][order, 0] - tip[0], values[order]

@@ -34,6 +34,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   world_ = world;
   grid_ = std::make_unique<Grid>();
   PetscCall(grid_->Create(world, geometry.grid, layout, model_.VolumeAverages()));
+  // Points that change levels lie for a moment on ranks without a part of the grid: all ranks have the stores.
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(world, model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);

@@ -94,14 +94,28 @@ void Level::PrepareSharedNodes()
   }
 }
 
+ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
+{
+  return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff,
+          time,   dt,     tip,     border_, shared_};
+}
+
+PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)
+{
+  PetscFunctionBeginUser;
+  pressures->assign(points_.Count(), 0.0);
+  if (ContactAwake() && group_.Participates())
+    PetscCall(contact_->PressuresOnPoints(ViewOfContact(time_, 0, {tip, tip}), pressures));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;
   ContactReport report;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = {*grid_, group_, points_, bodies_, geometry_.sides, indenter, model_.geometry, nodal_.mass_cutoff,
-                            time,   dt,     tip,     border_, shared_};
+  const ContactView view = ViewOfContact(time, dt, tip);
   PetscCall(contact_->Apply(view, &report));
   pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};

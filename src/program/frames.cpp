@@ -41,9 +41,9 @@ static double VonMisesStress(const Sym3 &stress)
   return std::sqrt(1.5 * Contract(deviator, deviator));
 }
 
-/// Displacement since the start; current volume and half size; measures of the stress; internal variables that any material has,
-/// 0 in the others.
-static std::vector<DerivedField> DerivedFields(const Model &model)
+/// Displacement since the start; current volume and half size; measures of the stress; pressures of contact, [points] Pa;
+/// internal variables that any material has, 0 in the others.
+static std::vector<DerivedField> DerivedFields(const Model &model, const std::vector<double> &pressures)
 {
   using Points = const PointArrays &;
   std::vector<DerivedField> fields = {
@@ -65,6 +65,9 @@ static std::vector<DerivedField> DerivedFields(const Model &model)
       {"pressure", 1, [](Points a, int p, const Material &, double *value) { *value = -Trace(StressOf(a, p)) / 3; }},
       {"von_mises_stress", 1, [](Points a, int p, const Material &, double *value) { *value = VonMisesStress(StressOf(a, p)); }},
   };
+  if (model.indenter && FindsPressures(model.contact))
+    fields.push_back(
+        {"contact_pressure", 1, [&pressures](Points, int p, const Material &, double *value) { *value = pressures[p]; }});
   for (int k = 0; k < kInternalVariables; ++k) {
     const auto variable = static_cast<InternalVariable>(k);
     const auto has = [&](const auto &material) { return material->PlaceOf(variable) >= 0; };
@@ -77,10 +80,11 @@ static std::vector<DerivedField> DerivedFields(const Model &model)
   return fields;
 }
 
-static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model, const Slab &slab)
+static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model,
+                       const std::vector<double> &pressures, const Slab &slab)
 {
   const BodyTable bodies = model.Table();
-  for (const DerivedField &field : DerivedFields(model)) {
+  for (const DerivedField &field : DerivedFields(model, pressures)) {
     std::vector<double> values(static_cast<std::size_t>(field.components) * points.count);
     for (int p = 0; p < points.count; ++p)
       field.evaluate(points, p, bodies.Of(points, p), &values[PointArrays::At(p, field.components)]);
@@ -92,6 +96,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
 {
   H5Writer file;
   Frame frame{number, time, FileName(number), {}};
+  std::vector<double> pressures;
   file.Open(hierarchy.Comm(), PathOf(number), false);
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
@@ -106,7 +111,8 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
       void *const data = hierarchy.At(l).PointStore().Field(static_cast<PointField>(k));
       file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
-    AddDerived(file, group, points, model_, slab);
+    EndOn(hierarchy.At(l).FindContactPressures(hierarchy.Tip().At(time), &pressures));
+    AddDerived(file, group, points, model_, pressures, slab);
     frame.counts.push_back(slab.total);
   }
   std::string problem = file.Finish();
@@ -138,7 +144,7 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
 std::vector<FrameField> FrameWriter::Fields() const
 {
   std::vector<FrameField> fields;
-  for (const DerivedField &field : DerivedFields(model_)) fields.push_back({field.name, H5T_NATIVE_DOUBLE, field.components});
+  for (const DerivedField &field : DerivedFields(model_, {})) fields.push_back({field.name, H5T_NATIVE_DOUBLE, field.components});
   for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
     if (field.in_frames && field.components > 0) fields.push_back({field.name, H5Type(field.type), field.components});
   return fields;

@@ -183,6 +183,7 @@ void Simulation::Run()
     state_.time += state_.time_step;
     ++state_.step;
     if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
+    WriteFrameDue(); // with the levels, and the pressures of contact on them, that the step had
     if (!AtEnd()) FollowBoxes();
     if (state_.step % kControlInterval == 0 && !AtEnd()) ControlStep();
     WriteDue();
@@ -208,24 +209,31 @@ void Simulation::FollowBoxes()
     EndOn(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
 
+void Simulation::WriteFrameDue()
+{
+  const int all = case_.output.frames;
+  const int frame = AtEnd() ? all : static_cast<int>(std::floor(Progress() * all * (1 + 1e-9)));
+  if (frame <= state_.frames) return;
+  CheckWritten(WriteRows());
+  SettleFailure();
+  SettleState();
+  EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
+  state_.frames = frame;
+  CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
+  EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
+}
+
 void Simulation::WriteDue()
 {
   const OutputSettings &out = case_.output;
-  const bool last = AtEnd();
-  const int frame = last ? out.frames : static_cast<int>(std::floor(Progress() * out.frames * (1 + 1e-9)));
-  const bool frame_due = frame > state_.frames;
   const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
   EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
   if (IsRowDue(state_.step, state_.time)) NoteRow();
-  if (state_.step % kControlInterval == 0 || last || frame_due || checkpoint_due) {
+  if (state_.step % kControlInterval == 0 || AtEnd() || checkpoint_due) {
     CheckWritten(WriteRows());
     SettleFailure();
   }
-  if (frame_due || checkpoint_due) SettleState();
-  if (frame_due) {
-    state_.frames = frame;
-    CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
-  }
+  if (checkpoint_due) SettleState();
   if (checkpoint_due) WriteState();
   EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }

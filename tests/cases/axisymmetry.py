@@ -63,7 +63,10 @@ def test_ring_under_inner_pressure(expect):
 
 def test_sphere(expect):
     """Hertz from the load: width, largest pressure; what the block adds to the depth is left out."""
-    history = harness.run(SPHERE).history
+    result = harness.run(SPHERE)
+    history = result.history
+    expect("load of the pressures on the points", harness.load_on_points(result.frame(), hoop=True) / history["load"][-1], near=1,
+           tolerance=1e-3)
     radius = (3 * history["load"][-1] * 100 / 4) ** (1 / 3)
     expect("contact radius of 6.7 cells", history["contact_half_width"][-1] / radius, near=1, tolerance=0.03)
     expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 100), near=1, tolerance=0.04)

@@ -71,6 +71,19 @@ def expect_clean(expect, result, name=""):
     expect.that(f"{name}points in levels that have ended", all(level["points"] == 0 for level, last in zip(result.summary["levels"][1:], last_moves(moves, result)) if not last))
 
 
+def expect_pressures_at_moves(expect, result):
+    """A frame of a step after which boxes moved has the pressures of contact on the points that carried the load."""
+    from mlgimp import results
+    history, steps = result.history, {move["step"] for move in result.summary["regrids"]}
+    frames = {number: results.read_frame(path) for number, path in results.numbered_frames(result.folder).items()}
+    loads = {number: numpy.interp(frame.time, history["time"], history["load"]) for number, frame in frames.items()}
+    at_moves = [number for number, frame in frames.items() if frame.step in steps and loads[number] > 0]
+    expect("frames at moves", len(at_moves), at_least=1)
+    for number in at_moves:
+        carried = harness.load_on_points(result.frame(number), hoop=True, up=numpy.sin(numpy.radians(70.3)))
+        expect(f"load of the pressures on the points, frame {number}", carried / loads[number], near=1, tolerance=0.03)  # a row is the mean over a step
+
+
 def last_moves(moves, result):
     """Whether each level from 1 on has points at the end."""
     active = dict.fromkeys(range(1, len(result.summary["levels"])), True)
@@ -79,8 +92,9 @@ def last_moves(moves, result):
 
 
 def test_cone(expect):
-    result = harness.run(CONE)
+    result = harness.run({**CONE, "frames": 24})
     expect_clean(expect, result)
+    expect_pressures_at_moves(expect, result)
     fixed = harness.run(fixed_boxes(CONE, [("0,256e-9", "144e-9,480e-9"), ("0,320e-9", "64e-9,440e-9")])).history
     history = result.history
     depths = numpy.linspace(8e-9, 12e-9, 41)  # the coarser of the two has more than 6 cells in half the contact's width

@@ -19,7 +19,8 @@ COLUMNS = ("step,time,depth,load,contact_points,contact_half_width,kinetic_energ
 # Dataset: numbers a point has, type. The names of the components are in the manual.
 DATASETS = {"id": (1, "int64"), "position": (2, "float64"), "velocity": (2, "float64"), "stress": (4, "float64"),
             "deformation_gradient": (4, "float64"), "volume": (1, "float64"), "mass": (1, "float64"),
-            "displacement": (2, "float64"), "half_size": (2, "float64"), "body": (1, "int32"), "pressure": (1, "float64"), "von_mises_stress": (1, "float64")}
+            "displacement": (2, "float64"), "half_size": (2, "float64"), "body": (1, "int32"), "faces": (1, "int32"),
+            "contact_pressure": (1, "float64"), "pressure": (1, "float64"), "von_mises_stress": (1, "float64")}
 
 SUMMARY = {"status", "case", "ranks", "levels", "steps", "simulated_time", "wall_seconds", "seconds_per_point_step",
            "contact_share", "transfer_share", "halo_share", "mass_error", "points_created", "points_lost", "options", "versions"}

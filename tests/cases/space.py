@@ -39,6 +39,8 @@ def test_sphere(expect):
     expect("contact radius from the area", math.sqrt(4 * history["contact_area"][-1] / math.pi) / radius, near=1, tolerance=0.12)
     expect("half width, of the whole tip", history["contact_half_width"][-1] / math.sqrt(4 * history["contact_area"][-1] / math.pi), near=1, tolerance=1e-9)
     expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 40), near=1, tolerance=0.05)
+    expect("load of the pressures on the points", harness.load_on_points(result.frame()) / history["load"][-1], near=1,
+           tolerance=1e-3)
     expect_budgets(expect, result, 0.02)
 
 

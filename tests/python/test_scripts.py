@@ -48,7 +48,7 @@ def level_points(boxes, level, cells):
     return {"id": np.arange(count), "position": position, "velocity": np.zeros((count, 2)),
             "stress": line_load_stress(position - (0, MICRON / 2)), "volume": np.full(count, 4 * half.prod()),
             "deformation_gradient": np.tile([1.0, 0, 0, 1], (count, 1)), "mass": np.ones(count),
-            "half_size": np.tile(half, (count, 1)), "body": np.zeros(count, int)}
+            "half_size": np.tile(half, (count, 1)), "body": np.zeros(count, int), "contact_pressure": np.zeros(count), "faces": np.full(count, 8)}
 
 
 def line_load_stress(place):

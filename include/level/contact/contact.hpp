@@ -65,6 +65,13 @@ public:
   virtual void SetPressures(const ContactPressures &) {}
   /// Corrects the velocities (v, dv) of owned nodes. Collective on the group.
   virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
+  /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that looks
+  /// at the indenter at view.tip.end; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
+  virtual PetscErrorCode PressuresOnPoints(const ContactView &, std::vector<double> *pressures)
+  {
+    pressures->clear();
+    return PETSC_SUCCESS;
+  }
 };
 
 /// Reads the options of the solver under the prefix -contact_.

@@ -23,6 +23,12 @@ inline int UnknownsPerColumn(const ContactSettings &settings, const Geometry &ge
   return settings.friction > 0 ? geometry.Dim() : 1;
 }
 
+/// Whether the method finds pressures, which its points then have.
+inline bool FindsPressures(const ContactSettings &settings)
+{
+  return settings.method != "none" && settings.method != "multimesh";
+}
+
 /// Names that -contact accepts besides none: pressure, and in plane strain point_pressure and multimesh for comparison.
 std::vector<std::string> ContactMethods(GeometryKind geometry);
 

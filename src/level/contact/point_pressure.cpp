@@ -58,6 +58,17 @@ public:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
+  PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
+  {
+    PetscFunctionBeginUser;
+    const PointArrays points = view.points.Arrays();
+    pressures->assign(points.count, 0.0);
+    for (int p : view.points.SurfacePoints())
+      if (const auto found = system_.Pressures().find(points.id[p]); found != system_.Pressures().end())
+        (*pressures)[p] = found->second;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
 private:
   /// Couplings get the place of the point among `pressed` for the unknown.
   void AddPoint(const ContactView &view, const PointArrays &points, int p, std::vector<PressedPoint> *pressed,

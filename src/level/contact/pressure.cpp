@@ -70,7 +70,28 @@ public:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
+  PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
+  {
+    ContactReport discarded;
+    std::size_t s = 0;
+    PetscFunctionBeginUser;
+    PetscCall(CollectSegments(view, &discarded));
+    pressures->assign(view.points.Count(), 0.0);
+    for (const PointSegments &of : points_) {
+      double load = 0, area = 0;
+      for (; s < of.end; ++s) load += segments_[s].area * PressureAt(view, segments_[s].place), area += segments_[s].area;
+      if (area > 0) (*pressures)[of.point] = load / area;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
 private:
+  /// A point near the indenter, and where its segments end among all; they begin where those of the point before it end.
+  struct PointSegments {
+    int point;
+    std::size_t end;
+  };
+
   /// The couplings of the columns of a cell with its corners, [columns][corners].
   struct CellCouplings {
     CellPlace place = {kNoCell, {}, {}};
@@ -83,7 +104,7 @@ private:
     std::vector<SurfaceSegment> all;
     PetscFunctionBeginUser;
     segments_.clear();
-    point_ends_.clear();
+    points_.clear();
     const PointArrays points = view.points.Arrays();
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
@@ -99,7 +120,7 @@ private:
         if (Faces(s, gap.normal) && IsHere(view, place.cell))
           segments_.push_back({place, gap.normal, s.area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
       }
-      point_ends_.push_back(segments_.size());
+      points_.push_back({p, segments_.size()});
     }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -116,9 +137,27 @@ private:
       const double gap = column.gap + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
       const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
-      const std::int64_t key = per_column * (at[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * at[1]);
-      for (int u = 0; kept && u < per_column; ++u) unknowns_.push_back({key + u, u == 0 ? gap : 0});
+      for (int u = 0; kept && u < per_column; ++u) unknowns_.push_back({KeyOf(view, at) + u, u == 0 ? gap : 0});
     });
+  }
+
+  /// The key of a column's pressure; those of its tractions follow.
+  std::int64_t KeyOf(const ContactView &view, Index column) const
+  {
+    const int per_column = UnknownsPerColumn(settings_, view.geometry);
+    return per_column * (column[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * column[1]);
+  }
+
+  /// P(x) of the last solve, Pa.
+  double PressureAt(const ContactView &view, const CellPlace &place) const
+  {
+    const int axes = view.geometry.Dim() - 1;
+    double pressure = 0;
+    for (int c = 0; c < 1 << axes; ++c) {
+      const auto lambda = system_.Pressures().find(KeyOf(view, Corner(place.column, c)));
+      if (lambda != system_.Pressures().end()) pressure += CornerHat(place.part, c, axes, settings_.width) * lambda->second;
+    }
+    return pressure;
   }
 
   /// Adds up the couplings cell by cell: most segments lie in the cell of the one before.
@@ -224,9 +263,9 @@ private:
   {
     int count = 0;
     std::size_t s = 0;
-    for (std::size_t end : point_ends_) {
+    for (const PointSegments &of : points_) {
       bool loaded = false;
-      for (; s < end; ++s)
+      for (; s < of.end; ++s)
         for (int c = 0; c < 1 << (dim - 1); ++c)
           loaded = loaded || lambda[columns_.Place(Corner(segments_[s].place.column, c))] > 0;
       count += loaded;
@@ -236,7 +275,7 @@ private:
 
   ContactSettings settings_;
   std::vector<PressedSegment> segments_;
-  std::vector<std::size_t> point_ends_; ///< in segments_, of each point near the indenter
+  std::vector<PointSegments> points_;
   ContactColumns columns_;
   std::vector<int> number_; ///< of each column's pressure among the unknowns, or -1
   std::vector<ContactUnknown> unknowns_;

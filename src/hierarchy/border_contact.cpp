@@ -1,10 +1,44 @@
-// Contact across the border of a level: impulses on nodes of the coarser level, and what hangs on them.
+// What fine nodes near a border hang on, and contact there: impulses on nodes of the coarser level and what hangs on them.
 #include "hierarchy/level_interface.hpp"
 
 #include <algorithm>
 
 namespace mlgimp
 {
+
+static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+NodeBlend LevelInterface::BlendOf(Index node) const
+{
+  NodeBlend blend{Beta(node), 0, {}, {}};
+  if (blend.beta == 1) return blend;
+  const Index offset = Offset();
+  ForEach({{}, {2, 2, dim_ == 3 ? 2 : 1}}, [&](Index corner) {
+    Index coarse{};
+    double weight = 1;
+    for (int axis = 0; axis < dim_; ++axis) {
+      const int below = FloorDivide(node[axis], ratio_);
+      const double x = static_cast<double>(node[axis] - below * ratio_) / ratio_;
+      coarse[axis] = below + corner[axis] + offset[axis];
+      weight *= corner[axis] ? x : 1 - x;
+    }
+    if (weight == 0) return;
+    blend.node[blend.count] = coarse;
+    blend.weight[blend.count++] = weight;
+  });
+  return blend;
+}
+
+/// The block of the fine node at its place, or of the nearest one.
+int LevelInterface::BlockOf(Index coarse) const
+{
+  const IndexBox all = fine_->Geometry().grid.NodeBox();
+  const Index offset = Offset();
+  Index at{};
+  for (int axis = 0; axis < dim_; ++axis)
+    at[axis] = std::clamp((coarse[axis] - offset[axis]) * ratio_, all.lower[axis], all.upper[axis] - 1);
+  return fine_->Mesh().BlockOfNode(at);
+}
 
 double LevelInterface::MassOf(Index coarse) const
 {

@@ -12,8 +12,6 @@ static constexpr double kOuterBeta = 0.3; ///< beta just inside the box
 /// Of a full cell: nodes with less mass may lose it within a step, and get nothing of what acted on them in the step before.
 static constexpr double kLeastExpecting = 1e-3;
 
-static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
 PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width)
 {
   PetscFunctionBeginUser;
@@ -95,17 +93,6 @@ bool LevelInterface::IsInterface(Index node) const
   return depth < blend_width_ * ratio_;
 }
 
-/// The block of the fine node at its place, or of the nearest one.
-int LevelInterface::BlockOf(Index coarse) const
-{
-  const IndexBox all = fine_->Geometry().grid.NodeBox();
-  const Index offset = Offset();
-  Index at{};
-  for (int axis = 0; axis < dim_; ++axis)
-    at[axis] = std::clamp((coarse[axis] - offset[axis]) * ratio_, all.lower[axis], all.upper[axis] - 1);
-  return fine_->Mesh().BlockOfNode(at);
-}
-
 void LevelInterface::ListInterface()
 {
   const GridGeometry &f = fine_->Geometry().grid;
@@ -159,27 +146,6 @@ void LevelInterface::ListBand()
     band_.push_back(Blend(node, number, place));
     fine_nodes_.push_back({band_.back().node, band_.back().beta == 0});
   });
-}
-
-NodeBlend LevelInterface::BlendOf(Index node) const
-{
-  NodeBlend blend{Beta(node), 0, {}, {}};
-  const Index offset = Offset();
-  if (blend.beta == 1) return blend;
-  ForEach({{}, {2, 2, dim_ == 3 ? 2 : 1}}, [&](Index corner) {
-    Index coarse{};
-    double weight = 1;
-    for (int axis = 0; axis < dim_; ++axis) {
-      const int below = FloorDivide(node[axis], ratio_);
-      const double x = static_cast<double>(node[axis] - below * ratio_) / ratio_;
-      coarse[axis] = below + corner[axis] + offset[axis];
-      weight *= corner[axis] ? x : 1 - x;
-    }
-    if (weight == 0) return;
-    blend.node[blend.count] = coarse;
-    blend.weight[blend.count++] = weight;
-  });
-  return blend;
 }
 
 /// The weights of a fine node; interface nodes that other ranks advance become known here.

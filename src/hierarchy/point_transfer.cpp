@@ -47,6 +47,9 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
   std::vector<int> entering = PointsIn(coarse_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.enter * h), true);
+  const PointArrays coarse = coarse_.PointStore().Arrays();
+  entering.erase(std::remove_if(entering.begin(), entering.end(), [&](int p) { return fine_.OwnerOf(coarse, p) < 0; }),
+                 entering.end()); // beyond the finer grid, which ends the run soon: not to be split
   const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.leave * h), false);
   int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));

@@ -142,8 +142,8 @@ def test_the_programs_line(tmp_path, changes, line, ranks):
 
 
 def test_warnings_are_warnings(tmp_path):
-    with pytest.warns(UserWarning, match="mlgimp: warning: -level_1_lower"):
-        mlgimp.run({**PRESS, "output_dir": tmp_path / "w", "level_1_lower": (0, 6), "level_1_upper": (5, 12), "indenter_radius": 200, "frames": 0})
+    with pytest.warns(UserWarning, match="mlgimp: warning: -contact point_pressure"):
+        mlgimp.run({**PRESS, "output_dir": tmp_path / "w", "contact": "point_pressure", "max_steps": 2, "frames": 0})
 
 
 def test_what_is_not_there(tmp_path, monkeypatch):

@@ -42,8 +42,8 @@ int LevelInterface::BlockOf(Index coarse) const
 
 double LevelInterface::MassOf(Index coarse) const
 {
-  const int k = owned_place_.at(coarse);
-  return coarse_sums_[k].mass + sums_[k].mass;
+  const auto place = owned_place_.find(coarse);
+  return place == owned_place_.end() ? 0 : coarse_sums_[place->second].mass + sums_[place->second].mass;
 }
 
 Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const

@@ -3,6 +3,7 @@ import numpy
 import pytest
 
 import harness
+import ranks as on_ranks
 from axisymmetry import momentum_left
 from following import ALUMINIUM, energy_left
 
@@ -40,6 +41,19 @@ def test_contact_outgrows_its_box(expect, case, half_width, mean, largest):
     work = (history["contact_work"] + history["exchange_energy"])[-1] / history["indenter_work"][-1]
     expect("work of contact and exchange over that of the indenter", work, near=1, tolerance=0.005)
     expect("momentum along y less impulses", momentum_left(history, "y"), at_most=1e-9)
+
+
+@pytest.mark.mpi
+def test_ranks_and_restart(expect):
+    """The impulses that one step leaves to the next are in checkpoints, and on any ranks."""
+    case = {**with_box(CYLINDER, 32, 320), "indenter_max_depth": 6e-9, "checkpoint_interval": 120}
+    one, three = (harness.run(case, ranks=ranks) for ranks in (1, 3))
+    expect("half the contact's width, m", one.history["contact_half_width"][-1], at_least=38e-9)
+    difference, column = on_ranks.largest_difference(three.history, one.history)
+    expect(f"history on three ranks (worst column {column})", difference, at_most=1e-9)
+    again = harness.run({**case, "restart": three.folder / "checkpoint_000120.h5"}, ranks=3)
+    rows = [(result.folder / "history.csv").read_text().splitlines() for result in (again, three)]
+    expect.that("last row after a restart, to the last digit", rows[0][-1] == rows[1][-1] and len(rows[1]) > 150, f"{len(rows[1])} rows")
 
 
 def test_metal_under_a_border_above_the_surface(expect):

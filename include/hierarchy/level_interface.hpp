@@ -3,7 +3,7 @@
 // Nested grids give N_I = sum_i N_I(x_i) N_i for a coarse hat N_I and the fine hats N_i. With beta_i in [0, 1], which grows
 // from zero outside the fine level's box to one at depth W h inside, the functions beta_i N_i and
 // sum_i (1 - beta_i) N_I(x_i) N_i add up to one, and each nodal force acts on one momentum. The coarse nodes of the second
-// kind are the interface nodes. They advance with the fine step; fine nodes with beta = 0 are slaves. See docs/levels.md.
+// kind are the interface nodes. They advance with the fine step; fine nodes with beta = 0 are constrained. See docs/levels.md.
 #pragma once
 
 #include "hierarchy/mapping.hpp"
@@ -59,11 +59,11 @@ public:
   PetscErrorCode Spread(std::vector<PushedNode> *pushed) override;
 
   /// Adds to the coarse forces of the step before those of points that have changed levels, which are no change to
-  /// extrapolate: what is in `sums` of the coarse level, or of the fine level's slaves. Collective on all.
+  /// extrapolate: what is in `sums` of the coarse level, or of the fine level's constrained nodes. Collective on all.
   PetscErrorCode ShiftForces(bool from_fine);
 
   /// Owned nodes of this rank that the border acts on: interface nodes on the coarse level, all of them held, and those of
-  /// the band on the fine, of which slaves are.
+  /// the band on the fine, of which constrained ones are.
   const std::vector<CoupledNode> &CoarseNodes() const { return coarse_nodes_; }
   const std::vector<CoupledNode> &FineNodes() const { return fine_nodes_; }
 

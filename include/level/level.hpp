@@ -94,6 +94,9 @@ public:
   PetscErrorCode Migrate(bool everywhere = false);
   /// Sends copies to the ranks that own their nearest nodes, from any rank. Collective on all ranks.
   PetscErrorCode MigrateCopies();
+  /// Puts points that lie more than a cell beyond where they may back among this rank's nodes. Such is the place of a child of a
+  /// point that deforms without bound, which is a failure.
+  void PutBack(const std::vector<int> &points);
   /// The rank, among all, that owns the node nearest to point p of some level's arrays; -1, and a failure, where the point
   /// lies beyond this level's grid.
   PetscMPIInt OwnerOf(const PointArrays &points, int p);

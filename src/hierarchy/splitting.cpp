@@ -128,6 +128,7 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
       if (child) store.Copy(parent, target);
       MakeChild(level.Physics(), a, target, child, split, samples[k]);
     }
+  level.PutBack(*points);
   PetscCall(level.SumPoints(*points, &after));
   AddChange(before, after, budgets);
   budgets->points_split += static_cast<double>(parents.size());

@@ -233,6 +233,20 @@ PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
   return owner;
 }
 
+void Level::PutBack(const std::vector<int> &points)
+{
+  const IndexBox allowed = geometry_.PointNodes();
+  const PointArrays a = points_.Arrays();
+  for (int p : points)
+    for (int axis = 0; axis < a.dim; ++axis) {
+      double &x = a.position[PointArrays::At(p, a.dim) + axis];
+      const double first = grid_->Coordinate(axis, allowed.lower[axis] - 1), last = grid_->Coordinate(axis, allowed.upper[axis]);
+      if (x > first && x < last) continue; // a NaN does not
+      NoteFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
+      x = grid_->Coordinate(axis, grid_->Owned().lower[axis]);
+    }
+}
+
 PetscErrorCode Level::Migrate(bool everywhere)
 {
   const IndexBox allowed = geometry_.PointNodes();

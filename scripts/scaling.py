@@ -9,7 +9,8 @@ and prints messages, kilobytes and collective calls of a rank and level step, an
     T(rank, level step) = imbalance * points * POINT_SECONDS + messages * LATENCY + bytes / BANDWIDTH
                           + collectives * LATENCY * log2(ranks)  +  on the finest level CONTACT_SECONDS
 
-Levels step one after the other, each on the ranks that it uses; with f times fewer points a rank, bytes fall as sqrt(f).
+Levels step one after the other, each on the ranks that it uses; with f times fewer points a rank, bytes fall as sqrt(f), and
+imbalance - 1, which is that of whole layers of nodes, grows as sqrt(f).
 Efficiency is points * POINT_SECONDS / T, summed over levels. Contact is what its root does alone. The prediction is from
 the largest number of ranks counted; with fewer than 16 a rank has too few neighbours.
 """
@@ -20,7 +21,7 @@ from bench import Run, block, case
 
 LATENCY, BANDWIDTH = 2e-6, 10e9  # s, bytes/s
 POINT_SECONDS = 60e-9            # one core, default scheme, from `make bench`
-CONTACT_SECONDS = 0.31e-3        # in a step of the finest of five levels, mean of the whole run on one rank
+CONTACT_SECONDS = 0.26e-3        # in a step of the finest of five levels, mean of the whole run on one rank
 STEPS = 4
 TARGETS = (64, 1024, 16384)
 
@@ -37,9 +38,9 @@ def counts(run):
 
 def seconds(level, ranks, points):
     """A level step on `ranks` ranks with `points` points each."""
-    shrink = sqrt(points * level["ranks"] / level["points"])
-    wire = level["messages"] * LATENCY + level["bytes"] * shrink / BANDWIDTH
-    return level["imbalance"] * points * POINT_SECONDS + wire + level["reductions"] * LATENCY * log2(max(ranks, 2))
+    edge = sqrt(points * level["ranks"] / level["points"])  # of a block, over that in the run counted
+    wire = level["messages"] * LATENCY + level["bytes"] * edge / BANDWIDTH
+    return (1 + (level["imbalance"] - 1) / edge) * points * POINT_SECONDS + wire + level["reductions"] * LATENCY * log2(max(ranks, 2))
 
 
 def efficiency(levels, ranks, used, points):

@@ -16,6 +16,9 @@ namespace mlgimp
 PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, const void *outgoing,
                              std::vector<char> *incoming);
 
+/// Copies numbers from the first rank, which all know how many are, to the others: to few of them directly. Collective.
+PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values);
+
 /// The records of all ranks, ordered by rank, on every rank. Collective.
 template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
 {

@@ -10,9 +10,10 @@ namespace mlgimp
 
 /// Splits the nodes of a level among `ranks` ranks, or fewer: each rank gets at least `least_points` points on average
 /// and kHaloWidth nodes along each axis. Of all splits by planes normal to the axes, which follow the points per layer of nodes,
-/// the one with the least work on the busiest rank, points and halo nodes, is taken. The first ranks get the blocks. points: per
-/// node, padding included, the first axis fastest.
-void FirstLayout(int ranks, double least_points, const std::vector<double> &points, const GridGeometry &grid, GridLayout *layout);
+/// the one with the least work on the busiest rank, points and halo nodes, is taken. The first ranks get the blocks. nodes:
+/// nearest to this rank's points, counted from the first of the padding. Collective on `world`.
+PetscErrorCode FirstLayout(MPI_Comm world, int ranks, double least_points, const std::vector<Index> &nodes,
+                           const GridGeometry &grid, GridLayout *layout);
 
 /// True where a level with so many points should be on another number of ranks: where they have less than half or more
 /// than twice `least_points` each, and there are others to take.

@@ -78,8 +78,8 @@ public:
   PetscErrorCode Advance(double time, double dt);
 
   PetscErrorCode CheckSpeeds(SpeedCheck *speeds);
-  /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][LevelInterface::kState], the same on
-  /// every rank; empty before the first step. Collective.
+  /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][LevelInterface::kState], on the
+  /// first rank; empty before the first step. Collective.
   PetscErrorCode GatherInterfaceState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
   /// Number of interface nodes of border b.
   std::size_t InterfaceNodes(int b) const { return borders_[b]->InterfaceNodes(); }
@@ -118,8 +118,8 @@ public:
   /// Shows each level K to the viewers that the options -level_K_dm_view, _points_view and _nodes_view name. Collective.
   PetscErrorCode View(double time);
   /// Bytes that the coupling of levels sends between ranks in a step of level 0, with the ranks that METIS chose for the
-  /// blocks and with the first ranks in order.
-  void BytesBetweenLevels(double *mapped, double *unmapped) const;
+  /// blocks and with the first ranks in order. Collective.
+  PetscErrorCode BytesBetweenLevels(double *mapped, double *unmapped) const;
   /// Points of each level, in all and on the rank that has most. Collective.
   PetscErrorCode CountPoints(std::vector<double> *total, std::vector<double> *largest);
 
@@ -131,7 +131,7 @@ private:
   PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
   PetscErrorCode MapRanks();
-  std::vector<BlockTraffic> Traffic() const;
+  PetscErrorCode FindTraffic(std::vector<BlockTraffic> *traffic) const;
   RankMap RanksInUse() const;
   PetscErrorCode RenewInterface(int b, bool keeps_state);
   PetscErrorCode Reconnect();

@@ -67,18 +67,21 @@ public:
   const std::vector<CoupledNode> &CoarseNodes() const { return coarse_nodes_; }
   const std::vector<CoupledNode> &FineNodes() const { return fine_nodes_; }
 
-  /// What the last step leaves to the next, [interface nodes][kState], the same on every rank: for a change of layout or a
-  /// restart. Empty where there has been no step. Collective on all.
+  /// Takes what the last step left to the next from the border before a change of layout, with the same nodes. Collective on all.
+  PetscErrorCode TakeState(const LevelInterface &before);
+  /// The same as numbers for a restart, [interface nodes][kState], on the first rank; empty where there has been no step.
+  /// Collective on all.
   PetscErrorCode GatherState(std::vector<double> *state) const;
   void RestoreState(const std::vector<double> &state);
   static constexpr int kState =
       9; ///< of an interface node: the coarse force, the impulse of coarse contact, and what is left of it
-  std::size_t InterfaceNodes() const { return interface_.size(); }
+  std::size_t InterfaceNodes() const;
 
   /// What the border adds up on this rank.
   Budgets &Totals() { return budgets_; }
-  /// What the blocks of the two levels exchange in a coarse step; `level` is that of the coarser one. The same on all ranks.
-  std::vector<BlockTraffic> Traffic(int level) const;
+  /// Adds what the blocks of the two levels exchange in a coarse step, times a factor; `level` is that of the coarser one. The
+  /// same on all ranks. Collective on all.
+  PetscErrorCode AddTraffic(int level, double factor, std::vector<BlockTraffic> *traffic) const;
 
 private:
   /// An interface node by its index on the coarse grid, the fine block that advances it and its place there.
@@ -86,16 +89,31 @@ private:
     Index at;
     int block, place;
   };
+  /// What an interface node keeps from step to step.
+  struct NodeState {
+    Index at;
+    double values[kState];
+  };
 
   Index Offset() const;
   int Depth(Index node) const;
   double Beta(Index node) const;
   IndexBox MassNodes() const;
   bool IsInterface(Index node) const;
-  void ListInterface();
-  void ListKnown(std::map<Index, int> *place);
+  IndexBox Around() const;
+  /// Calls work(index) for the interface nodes in a box, the first axis fastest.
+  template <class Work> void ForEachInterface(const IndexBox &box, Work work) const
+  {
+    ForEach(Intersection(box, Around()), [&](Index node) {
+      if (IsInterface(node)) work(node);
+    });
+  }
+  void ListOwned();
   void ListBand();
-  BlendNode Blend(Index node, const std::map<Index, int> &number, std::map<Index, int> &place);
+  BlendNode Blend(Index node, std::map<Index, int> &place);
+  PetscErrorCode FindPlaces();
+  std::vector<NodeState> States() const;
+  void SetState(const NodeState &state);
   PetscErrorCode BroadcastVelocity(std::vector<double> *array);
   PetscErrorCode CreateExchange();
   PetscErrorCode CreateTransfer();
@@ -114,12 +132,11 @@ private:
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2, dim_ = 2, velocity_size_ = 4;
   double blend_width_ = kBlendWidth;
-  std::vector<InterfaceNode> interface_; ///< all of them, in the same order on every rank
-  std::vector<int> local_;               ///< those known here: owned ones first, in order
-  int owned_ = 0;
-  std::map<Index, int> owned_place_;                   ///< in local_
-  std::vector<BlendNode> band_;                        ///< of owned fine nodes
-  std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
+  std::vector<InterfaceNode> known_;     ///< interface nodes that this rank advances, and then others that its band hangs on
+  int owned_ = 0;                        ///< those that it advances
+  std::map<Index, int> owned_place_;     ///< in known_
+  std::vector<BlendNode> band_;          ///< of owned fine nodes
+  std::vector<unsigned char> held_axes_; ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   SFHandle exchange_, transfer_;
   std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
@@ -128,9 +145,9 @@ private:
   std::vector<SharedNode> shared_;    ///< by place on the coarse level
   std::vector<SharedNode> to_share_;  ///< [owned_]
   UnitHandle shared_unit_;
-  std::vector<NodeSums> sums_;   ///< [local_]: of the fine points, restricted
-  std::vector<double> velocity_; ///< [local_][velocity_size_]: (v, dv) of the substep
-  std::vector<double> pushed_;   ///< [local_][velocity_size_]: what contact on the finer level adds to it
+  std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted
+  std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep
+  std::vector<double> pushed_;   ///< [known_][velocity_size_]: what contact on the finer level adds to it
   std::vector<double> mean_;     ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   Budgets budgets_;

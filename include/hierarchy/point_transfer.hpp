@@ -12,6 +12,9 @@ Box WidenedBox(const LevelGeometry &geometry, double distance);
 
 /// The points inside or outside a box.
 std::vector<int> PointsIn(const PointArrays &points, const Box &box, bool inside);
+/// How far the nearest point outside a box (or the nearest inside one) may move and stay there, m; not above zero where a point
+/// is already inside (outside).
+double LeastWay(const PointArrays &points, const Box &box, bool inside);
 
 /// Distances from the finer level's box where points change levels that are coupled through nodes, its cells; not one, where
 /// points may lie at the start.
@@ -39,8 +42,10 @@ public:
 
   /// Sends every point to the level it belongs to by its place. Points of coarse size that enter are split into ratio^dim,
   /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s; border: the one that couples
-  /// the levels through nodes, or null. Collective on all ranks.
+  /// the levels through nodes, or null. Collective on all ranks; while all are too far away to change levels, none asks another.
   PetscErrorCode Transfer(double dt, LevelInterface *border);
+  /// Points have come or boxes have moved: where points are must be looked at anew. To be called by all ranks.
+  void LookAnew() { room_ = 0; }
   /// Splits the points of coarse size in the ring around the box; they stay where they are.
   PetscErrorCode SplitRing(); // collective on the coarser level's ranks
 
@@ -48,11 +53,15 @@ public:
   Budgets &Totals() { return budgets_; }
 
 private:
+  /// The finer level's box, wider by so many of its cells.
+  Box BoxAt(double cells) const { return WidenedBox(fine_.Geometry(), cells * fine_.Geometry().grid.spacing); }
   /// Those of some points of the coarser level that are of its size.
   std::vector<int> ParentsAmong(const std::vector<int> &points)
   {
     return FindParents(coarse_, points, fine_.Geometry().grid.spacing, ratio_, numbers_, &budgets_);
   }
+  PetscErrorCode FindRoom(double room[2]);
+  PetscErrorCode Enter(std::vector<int> points, double dt, double shift, LevelInterface *border);
   PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
 
@@ -61,6 +70,7 @@ private:
   int ratio_;
   PointNumbers numbers_;
   PointTransferRule rule_;
+  double room_ = 0; ///< that points of all ranks may still move before one changes levels, m; the same on every rank
   Budgets budgets_;
 };
 

@@ -109,6 +109,8 @@ public:
   /// Nothing is known of the points that have come: they migrate, and contact looks for them, until speeds are measured again.
   /// Collective on all ranks.
   PetscErrorCode Wake();
+  /// Points have come, or ranks: whether anything may touch must be looked at in the next step. To be called by all ranks.
+  void LookForContact() { contact_room_ = 0; }
   /// Whether there may be contact in the steps until it is looked at again; the same on all ranks.
   bool ContactAwake() const { return contact_ && clock_.contact_awake; }
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
@@ -203,6 +205,8 @@ private:
   LevelFailure failure_;
   double time_ = 0;
   TipReport tip_;
+  double contact_room_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
+  Vec3 contact_tip_{};      ///< with which it was found, m
   LevelClock clock_;
   int sort_interval_ = 50;
 };

@@ -29,8 +29,8 @@ public:
   /// Calls work for every seed with its cell in a box, row by row.
   void ForEachSeed(const IndexBox &cells, const std::function<void(const Seed &)> &work) const;
 
-  /// Seeds per node (by nearest node) of the padded grid, the first axis fastest. Each rank counts a slab of cells. Collective.
-  PetscErrorCode CountByNode(MPI_Comm comm, std::vector<double> *counts) const;
+  /// The nodes nearest to the seeds of one part of the cells, counted from the first of the padding; each rank has another part.
+  PetscErrorCode ListNodes(MPI_Comm comm, std::vector<Index> *nodes) const;
 
   /// Adds the points whose nearest node this rank owns.
   PetscErrorCode Fill(const Grid &grid, Points &points) const;

@@ -7,6 +7,8 @@ namespace mlgimp
 namespace
 {
 
+constexpr PetscMPIInt kFewRanks = 8; // among so many a message to each takes no longer than a collective call
+
 /// Records for or from a rank.
 struct Group {
   PetscMPIInt rank;
@@ -40,7 +42,6 @@ PetscErrorCode SwapCounts(MPI_Comm comm, const std::vector<Group> &targets, std:
 /// The ranks that send something, in their order.
 PetscErrorCode FindSources(MPI_Comm comm, const std::vector<Group> &targets, std::vector<Group> *sources)
 {
-  constexpr PetscMPIInt kFewRanks = 8; // among so many a message to each takes no longer than a reduction over all
   PetscMPIInt number, *from = nullptr;
   int *incoming = nullptr;
   std::vector<PetscMPIInt> ranks;
@@ -61,6 +62,26 @@ PetscErrorCode FindSources(MPI_Comm comm, const std::vector<Group> &targets, std
 }
 
 } // namespace
+
+PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values)
+{
+  const PetscMPIInt ranks = RanksOf(comm), count = static_cast<PetscMPIInt>(values->size());
+  PetscMPIInt tag;
+  MPI_Comm inner;
+  std::vector<MPI_Request> requests;
+  PetscFunctionBeginUser;
+  if (ranks > kFewRanks) {
+    PetscCallMPI(MPI_Bcast(values->data(), count, MPI_DOUBLE, 0, comm));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
+  if (RankIn(comm) > 0) PetscCallMPI(MPI_Irecv(values->data(), count, MPI_DOUBLE, 0, tag, inner, &requests.emplace_back()));
+  for (PetscMPIInt rank = 1; RankIn(comm) == 0 && rank < ranks; ++rank)
+    PetscCallMPI(MPI_Isend(values->data(), count, MPI_DOUBLE, rank, tag, inner, &requests.emplace_back()));
+  PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  PetscCall(PetscCommDestroy(&inner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, const void *outgoing,
                              std::vector<char> *incoming)

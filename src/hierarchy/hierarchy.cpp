@@ -55,6 +55,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(levels_[l]->Mesh(), levels_[l]->PointStore()));
   for (auto &transfer : transfers_) PetscCall(transfer->Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
+  for (auto &level : levels_) PetscCall(level->Sort());                       // seeds come row by row
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,10 +84,10 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
 {
   GridLayout layout;
-  std::vector<double> counts;
+  std::vector<Index> nodes;
   PetscFunctionBeginUser;
-  PetscCall(seeding.CountByNode(comm_, &counts));
-  FirstLayout(RanksOf(comm_), settings_.points_per_rank, counts, settings_.levels[l].grid, &layout);
+  PetscCall(seeding.ListNodes(comm_, &nodes));
+  PetscCall(FirstLayout(comm_, RanksOf(comm_), settings_.points_per_rank, nodes, settings_.levels[l].grid, &layout));
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
@@ -94,15 +95,12 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::vector<BlockTraffic> Hierarchy::Traffic() const
+/// What the blocks of all levels exchange in a step of level 0.
+PetscErrorCode Hierarchy::FindTraffic(std::vector<BlockTraffic> *traffic) const
 {
-  std::vector<BlockTraffic> all;
-  for (int b = 0; b + 1 < Levels(); ++b)
-    for (BlockTraffic traffic : borders_[b]->Traffic(b)) {
-      traffic.bytes *= std::pow(settings_.ratio, b);
-      all.push_back(traffic);
-    }
-  return all;
+  PetscFunctionBeginUser;
+  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(borders_[b]->AddTraffic(b, std::pow(settings_.ratio, b), traffic));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 RankMap Hierarchy::RanksInUse() const
@@ -115,8 +113,10 @@ RankMap Hierarchy::RanksInUse() const
 /// Gives the blocks of all levels to the ranks that save most messages between levels.
 PetscErrorCode Hierarchy::MapRanks()
 {
-  const RankMap map = RanksInUse(), better = ImproveMap(Traffic(), RanksOf(comm_), map);
+  std::vector<BlockTraffic> traffic;
   PetscFunctionBeginUser;
+  PetscCall(FindTraffic(&traffic));
+  const RankMap map = RanksInUse(), better = ImproveMap(traffic, RanksOf(comm_), map);
   for (int l = 0; l < Levels(); ++l) {
     if (better[l] == map[l]) continue;
     GridLayout layout = levels_[l]->Mesh().Layout();
@@ -134,25 +134,26 @@ PetscErrorCode Hierarchy::View(double time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
+PetscErrorCode Hierarchy::BytesBetweenLevels(double *mapped, double *unmapped) const
 {
-  const std::vector<BlockTraffic> traffic = Traffic();
+  std::vector<BlockTraffic> traffic;
   RankMap map = RanksInUse();
+  PetscFunctionBeginUser;
+  PetscCall(FindTraffic(&traffic));
   *mapped = BytesBetweenRanks(traffic, map);
   for (auto &level : map) std::iota(level.begin(), level.end(), 0);
   *unmapped = BytesBetweenRanks(traffic, map);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Creates a border anew, with the totals and, where its nodes are the same, the state it had.
 PetscErrorCode Hierarchy::RenewInterface(int b, bool keeps_state)
 {
-  std::vector<double> state;
   auto border = std::make_unique<LevelInterface>();
   PetscFunctionBeginUser;
-  if (keeps_state) PetscCall(borders_[b]->GatherState(&state));
   const double width = settings_.rules.blend_widths.empty() ? kBlendWidth : settings_.rules.blend_widths[b];
   PetscCall(border->Create(comm_, *levels_[b], *levels_[b + 1], settings_.ratio, width));
-  border->RestoreState(state);
+  if (keeps_state) PetscCall(border->TakeState(*borders_[b]));
   border->Totals() = borders_[b]->Totals();
   borders_[b] = std::move(border);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -225,8 +226,11 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   follow_.reach = std::max(follow_.reach, level.Tip().reach);
   PetscCall(level.AdvancePoints(dt));
   if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
-  if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0)
+  if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0) {
     PetscCall(Logged(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
+    for (auto &transfer : transfers_) transfer->LookAnew();
+    level.LookForContact();
+  }
   PetscCall(level.EndStep());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

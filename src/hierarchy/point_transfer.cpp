@@ -40,33 +40,45 @@ std::vector<int> PointsIn(const PointArrays &a, const Box &box, bool inside)
   return points;
 }
 
+double LeastWay(const PointArrays &a, const Box &box, bool inside)
+{
+  const double sign = inside ? 1 : -1;
+  double way = HUGE_VAL;
+  for (int p = 0; p < a.count; ++p) {
+    const Vec3 x = a.Position(p);
+    double depth = HUGE_VAL;
+    for (int axis = 0; axis < 3; ++axis) depth = std::min({depth, x[axis] - box.lower[axis], box.upper[axis] - x[axis]});
+    way = std::min(way, sign * depth);
+  }
+  return way;
+}
+
+/// How far the points of all ranks are from entering and from leaving the finer level.
+PetscErrorCode PointTransfer::FindRoom(double room[2])
+{
+  PetscFunctionBeginUser;
+  room[0] = LeastWay(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), false);
+  room[1] = LeastWay(fine_.PointStore().Arrays(), BoxAt(rule_.leave), true);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, room, 2, MPI_DOUBLE, MPI_MIN, world_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
-  const double h = fine_.Geometry().grid.spacing;
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
+  double room[2];
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
-  std::vector<int> entering = PointsIn(coarse_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.enter * h), true);
-  const PointArrays coarse = coarse_.PointStore().Arrays();
-  entering.erase(std::remove_if(entering.begin(), entering.end(), [&](int p) { return fine_.OwnerOf(coarse, p) < 0; }),
-                 entering.end()); // beyond the finer grid, which ends the run soon: not to be split
-  const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), WidenedBox(fine_.Geometry(), rule_.leave * h), false);
-  int counts[2] = {static_cast<int>(entering.size()), static_cast<int>(leaving.size())};
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, world_));
-  budgets_.points_entered += static_cast<double>(entering.size());
-  budgets_.points_left += static_cast<double>(leaving.size());
-  if (counts[0] > 0) {
-    const std::vector<int> parents = ParentsAmong(entering);
-    std::vector<VelocitySample> samples;
-    PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
-    if (border) {
-      PetscCall(coarse_.GatherForcesOf(entering, -1));
-      PetscCall(border->ShiftForces(false));
-    }
-    PetscCall(Split(parents, samples, &entering));
-    PetscCall(Send(coarse_, fine_, entering, dt, shift));
-  }
-  if (counts[1] > 0) {
+  room_ -= coarse_.Clock().drift_per_step * coarse_.Geometry().grid.spacing;
+  if (room_ > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindRoom(room));
+  // Points that reach one of the two levels across another border are more than a cell away from this one.
+  room_ = border ? std::min({room[0], room[1], fine_.Geometry().grid.spacing}) : 0;
+  if (room_ <= 0) coarse_.LookForContact(), fine_.LookForContact();
+  const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), BoxAt(rule_.leave), false);
+  if (room[0] <= 0) PetscCall(Enter(PointsIn(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), true), dt, shift, border));
+  if (room[1] <= 0) {
+    budgets_.points_left += static_cast<double>(leaving.size());
     if (border) {
       PetscCall(fine_.GatherForcesOf(leaving, 1));
       PetscCall(border->ShiftForces(true));
@@ -77,9 +89,29 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Splits those of the points that are of coarse size, and sends all to the finer level.
+PetscErrorCode PointTransfer::Enter(std::vector<int> points, double dt, double shift, LevelInterface *border)
+{
+  const PointArrays coarse = coarse_.PointStore().Arrays();
+  std::vector<VelocitySample> samples;
+  PetscFunctionBeginUser;
+  points.erase(std::remove_if(points.begin(), points.end(), [&](int p) { return fine_.OwnerOf(coarse, p) < 0; }),
+               points.end()); // beyond the finer grid, which ends the run soon: not to be split
+  budgets_.points_entered += static_cast<double>(points.size());
+  const std::vector<int> parents = ParentsAmong(points);
+  PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
+  if (border) {
+    PetscCall(coarse_.GatherForcesOf(points, -1));
+    PetscCall(border->ShiftForces(false));
+  }
+  PetscCall(Split(parents, samples, &points));
+  PetscCall(Send(coarse_, fine_, points, dt, shift));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PointTransfer::SplitRing()
 {
-  const Box box = WidenedBox(fine_.Geometry(), rule_.ring * fine_.Geometry().grid.spacing);
+  const Box box = BoxAt(rule_.ring);
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);

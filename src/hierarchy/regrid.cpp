@@ -163,6 +163,7 @@ PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
       levels_[l]->Rest();
   }
   PetscCall(MergeLeft());
+  for (auto &transfer : transfers_) transfer->LookAnew();
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, false));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   PetscCall(MapRanks());

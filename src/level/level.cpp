@@ -130,7 +130,8 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
   PetscFunctionBeginUser;
-  const bool touched = clock_.contact_awake && group_.Participates();
+  contact_room_ -= clock_.drift_per_step * geometry_.grid.spacing;
+  const bool touched = clock_.contact_awake && group_.Participates() && contact_room_ <= Norm(tip.end - contact_tip_);
   tip_ = {tip.FreeTravel()};
   if (!touched) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,6 +25,7 @@ void Level::Rest()
 PetscErrorCode Level::WatchContact(bool within_reach, const IndexBox &zone)
 {
   PetscFunctionBeginUser;
+  LookForContact();
   clock_.contact_awake = within_reach;
   if (within_reach) clock_.contact_zone = zone;
   PetscCall(Regroup());
@@ -66,6 +67,7 @@ PetscErrorCode Level::SharePressures()
   std::vector<std::pair<std::int64_t, double>> list;
   PetscFunctionBeginUser;
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  LookForContact();
   for (const auto &pressure : contact_->Pressures()) list.push_back(pressure);
   int bytes = static_cast<int>(list.size() * sizeof list[0]);
   PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world_));
@@ -120,6 +122,8 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
+  contact_room_ = report.room;
+  contact_tip_ = tip.end;
   NoteContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
   budgets_.contact_cells = std::max<double>(budgets_.contact_cells, report.half_width / grid_->Geometry().spacing);

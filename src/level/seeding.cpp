@@ -60,26 +60,22 @@ std::int64_t Seeding::EndId() const
   return first_id_ + Cells().Count() * static_cast<std::int64_t>(model_.bodies.size()) * tiles_per_cell_;
 }
 
-PetscErrorCode Seeding::CountByNode(MPI_Comm comm, std::vector<double> *counts) const
+PetscErrorCode Seeding::ListNodes(MPI_Comm comm, std::vector<Index> *nodes) const
 {
-  const IndexBox nodes = geometry_.NodeBox(), all = Cells();
-  const int axis_of_slabs = geometry_.dim - 1;
-  const std::int64_t rank = RankIn(comm), ranks = RanksOf(comm), layers = all.Size(axis_of_slabs);
-  IndexBox slab = all;
+  const IndexBox all = Cells();
+  std::int64_t rank = RankIn(comm);
+  int parts[3] = {};
+  IndexBox cells = all;
   PetscFunctionBeginUser;
-  slab.lower[axis_of_slabs] = all.lower[axis_of_slabs] + static_cast<int>(layers * rank / ranks);
-  slab.upper[axis_of_slabs] = all.lower[axis_of_slabs] + static_cast<int>(layers * (rank + 1) / ranks);
-  counts->assign(static_cast<std::size_t>(nodes.Count()), 0.0);
-  ForEachSeed(slab, [&](const Seed &seed) {
-    std::size_t place = 0;
-    for (int axis = 2; axis >= 0; --axis) {
-      const double cells = (seed.tile.center[axis] - geometry_.lower[axis]) / geometry_.spacing;
-      const int node = axis < geometry_.dim ? static_cast<int>(std::floor(cells + 0.5)) - nodes.lower[axis] : 0;
-      place = place * nodes.Size(axis) + node;
-    }
-    ++(*counts)[place];
-  });
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts->data(), static_cast<int>(counts->size()), MPI_DOUBLE, MPI_SUM, comm));
+  PetscCallMPI(MPI_Dims_create(RanksOf(comm), geometry_.dim, parts));
+  for (int axis = 0; axis < geometry_.dim; rank /= parts[axis++]) {
+    const std::int64_t part = rank % parts[axis];
+    cells.lower[axis] = all.lower[axis] + static_cast<int>(all.Size(axis) * part / parts[axis]);
+    cells.upper[axis] = all.lower[axis] + static_cast<int>(all.Size(axis) * (part + 1) / parts[axis]);
+  }
+  nodes->clear();
+  ForEachSeed(cells,
+              [&](const Seed &seed) { nodes->push_back(geometry_.Nearest(seed.tile.center) - geometry_.NodeBox().lower); });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -105,7 +105,7 @@ static void WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
 {
   std::vector<double> state;
   EndOn(hierarchy.GatherInterfaceState(b, &state));
-  file.List(BorderName(b), RankIn(hierarchy.Comm()) == 0 ? state : std::vector<double>());
+  file.List(BorderName(b), state);
 }
 
 std::string WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,

@@ -57,12 +57,11 @@ void CheckMemory(MPI_Comm comm, const Case &c)
 {
   const double kPoint = c.Dim() == 3 ? 400 : 220,
                kNode = c.Dim() == 3 ? 300 : 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
-  constexpr double kNodeOnEveryRank = 24;        // bytes: counts of points, for the layout
   constexpr double kGigabyte = 1e9;
   double nodes, points, bytes = BytesForRank(comm);
   CountAll(c, &nodes, &points);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
-  const double needed = (kPoint * points + kNode * nodes) / RanksOf(comm) + kNodeOnEveryRank * nodes;
+  const double needed = (kPoint * points + kNode * nodes) / RanksOf(comm);
   if (!(needed <= bytes))
     Refuse("-cell_size " + FormatNumber(c.cell_size) + ": must leave room in memory; " + FormatRounded(points) + " points and " +
            FormatRounded(nodes) + " nodes need about " + FormatRounded(needed / kGigabyte) + " GB for each rank, which has " +

@@ -152,7 +152,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   double mapped = 0, unmapped = 0;
   Budgets budgets;
   EndOn(hierarchy_.ReduceBudgets(&budgets));
-  hierarchy_.BytesBetweenLevels(&mapped, &unmapped);
+  EndOn(hierarchy_.BytesBetweenLevels(&mapped, &unmapped));
   const double created = Case::PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
   std::vector<double> points, largest;

@@ -2,6 +2,7 @@
 import re
 
 import numpy
+import pytest
 
 import harness
 from ranks import WEDGE
@@ -48,6 +49,21 @@ def test_solved_on_all_ranks(expect):
         expect(f"contact_serial_unknowns {unknowns}: load", numpy.max(numpy.abs(first["load"] - alone["load"])) / numpy.max(alone["load"]),
                at_most=1e-9)
         expect.that(f"contact_serial_unknowns {unknowns}: twice the same", all(numpy.array_equal(first[c], second[c]) for c in first))
+
+
+@pytest.mark.mpi
+def test_wide_contact(expect):
+    """A flat punch as wide as the body: eight ranks have about as many equations each, and find the load of one."""
+    case = {"domain_lower": "0,0", "domain_upper": "96,14", "cell_size": 1, "boundary_y_lower": "symmetry", "bodies": "block",
+            "block_lower": "4,0", "block_upper": "92,12", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3,
+            "m_density": 1, "indenter": "flat_punch", "indenter_width": 84, "indenter_tip": "48,12", "indenter_times": 0,
+            "indenter_velocities": 0.01, "max_steps": 30, "frames": 0, "points_per_rank": 1, "contact_serial_unknowns": 1}
+    alone, result = harness.run(case), harness.run({**case, "contact_monitor": None}, ranks=8)
+    rows = [int(most) / int(unknowns) for unknowns, most in re.findall(r"unknowns (\d+), at most (\d+) on a rank", result.stdout)]
+    expect("solves seen", len(rows), at_least=20)
+    expect("largest share of the equations on one of 8 ranks", max(rows, default=1), at_most=0.3)
+    load = result.history["load"] - alone.history["load"]
+    expect("load on 8 ranks against one", numpy.max(numpy.abs(load)) / numpy.max(alone.history["load"]), at_most=1e-9)
 
 
 def test_narrow_kernels(expect):

@@ -41,7 +41,7 @@ def test_collective_calls(expect):
     second half of a run, as the first has the set-up."""
     half, whole = (LogView(path) for path in (reductions_log(STEPS), reductions_log(2 * STEPS)))
     calls = (whole.total("reductions", stage="") - half.total("reductions", stage="")) / STEPS / whole.ranks
-    expect("three levels, 2 ranks: collective calls a step", calls, at_most=5)
+    expect("three levels, 2 ranks: collective calls a step", calls, at_most=1.5)
 
 
 @pytest.mark.mpi

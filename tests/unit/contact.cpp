@@ -154,7 +154,8 @@ TEST(ContactColumns, PartitionOfUnity)
         area -= segments.back().area * normal[dim - 1];
       }
       ContactColumns columns;
-      ASSERT_EQ(columns.Sum(body.View(), width, segments), PETSC_SUCCESS);
+      double least_gap = HUGE_VAL;
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
       ForEach(columns.Box(), [&](Index at) {
         const ContactColumn &column = columns.At(at);
         sum += column.area;
@@ -180,8 +181,9 @@ TEST(ContactColumns, MeanOfALinearGap)
       const Vec3 slope = {0.3, dim == 3 ? -0.2 : 0.0, 0};
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
+      double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 2 * kH, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0.1, slope);
-      ASSERT_EQ(columns.Sum(body.View(), width, segments), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
       for (int i = 3; i < 5; ++i)
         for (int j = dim == 3 ? 3 : 0; j < (dim == 3 ? 5 : 1); ++j) {
           const ContactColumn &column = columns.At({i, j, 0});
@@ -202,8 +204,9 @@ TEST(ContactColumns, FullArea)
       const int dim = body.geometry.Dim();
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
+      double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 0, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0, {});
-      ASSERT_EQ(columns.Sum(body.View(), width, segments), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
       for (int i = 0; i < 5; ++i) {
         const Index at = {i, dim == 3 ? 2 : 0, 0};
         const ContactColumn &column = columns.At(at);

@@ -28,6 +28,15 @@ std::vector<double> Cloud(int width, int height)
   return points;
 }
 
+/// The node of each point.
+std::vector<Index> NodesOf(const std::vector<double> &points, int width)
+{
+  std::vector<Index> nodes;
+  for (int k = 0; k < static_cast<int>(points.size()); ++k)
+    nodes.insert(nodes.end(), static_cast<int>(points[k]), {k % width, k / width, 0});
+  return nodes;
+}
+
 /// Points of nodes [i, i + columns) x [j, j + rows), and a point for each halo node.
 double Work(const std::vector<double> &points, int width, int i, int j, int columns, int rows)
 {
@@ -97,7 +106,7 @@ TEST(Layouts, BestCutsAlongAnAxis)
   for (int n = 0; n < 50; ++n) {
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout, other;
-    FirstLayout(3, 1, points, Plane(kWidth, kHeight), &layout);
+    ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, 3, 1, NodesOf(points, kWidth), Plane(kWidth, kHeight), &layout), PETSC_SUCCESS);
     ExpectWhole(layout, kWidth, kHeight);
     ASSERT_EQ(layout.widths[0].size(), 3U);
     double least = HUGE_VAL;
@@ -117,7 +126,7 @@ TEST(Layouts, CutsOfThePlane)
     const int ranks = 2 + n % 7;
     const std::vector<double> points = Cloud(kWidth, kHeight);
     GridLayout layout;
-    FirstLayout(ranks, 1, points, Plane(kWidth, kHeight), &layout);
+    ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, ranks, 1, NodesOf(points, kWidth), Plane(kWidth, kHeight), &layout), PETSC_SUCCESS);
     ExpectWhole(layout, kWidth, kHeight);
     EXPECT_EQ(layout.Blocks(), ranks);
     for (int columns = 1; columns <= ranks; ++columns) { // no worse than any division by the sums of columns and rows
@@ -131,16 +140,37 @@ TEST(Layouts, CutsOfThePlane)
   }
 }
 
+/// Each rank knows some of the points, and all find the layout that one finds who knows all.
+TEST(LayoutsOnRanks, SameAsOnOne)
+{
+  constexpr int kWidth = 40, kHeight = 28;
+  PetscMPIInt rank, ranks;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  generator.seed(5);
+  for (int n = 0; n < 20; ++n) {
+    const std::vector<Index> all = NodesOf(Cloud(kWidth, kHeight), kWidth);
+    std::vector<Index> own;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (static_cast<int>(k * k % ranks) == rank) own.push_back(all[k]);
+    GridLayout alone, together;
+    ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, 6, 1, all, Plane(kWidth, kHeight), &alone), PETSC_SUCCESS);
+    ASSERT_EQ(FirstLayout(PETSC_COMM_WORLD, 6, 1, own, Plane(kWidth, kHeight), &together), PETSC_SUCCESS);
+    EXPECT_EQ(alone.widths, together.widths);
+  }
+}
+
 TEST(Layouts, FewPointsTakeFewRanks)
 {
   const std::vector<double> points(20 * 20, 1.0);
   GridLayout layout;
-  FirstLayout(8, 100, points, Plane(20, 20), &layout);
+  ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, 8, 100, NodesOf(points, 20), Plane(20, 20), &layout), PETSC_SUCCESS);
   EXPECT_EQ(layout.Blocks(), 4);
   EXPECT_EQ(layout.ranks, (std::vector<PetscMPIInt>{0, 1, 2, 3}));
-  FirstLayout(8, 1000, points, Plane(20, 20), &layout);
+  ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, 8, 1000, NodesOf(points, 20), Plane(20, 20), &layout), PETSC_SUCCESS);
   EXPECT_EQ(layout.Blocks(), 1);
-  FirstLayout(64, 1, std::vector<double>(7 * 7, 1.0), Plane(7, 7), &layout); // room for two blocks along each axis
+  ASSERT_EQ(FirstLayout(PETSC_COMM_SELF, 64, 1, NodesOf(std::vector<double>(7 * 7, 1.0), 7), Plane(7, 7), &layout),
+            PETSC_SUCCESS); // room for two blocks along each axis
   EXPECT_EQ(layout.Blocks(), 4);
 }
 

@@ -65,8 +65,9 @@ public:
   ContactColumns &operator=(const ContactColumns &) = delete;
   ~ContactColumns();
 
-  /// Sums up the columns of the segments of all ranks. width: alpha. Collective on the group.
-  PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments);
+  /// Sums up the columns of the segments of all ranks. width: alpha; least_gap: of this rank's segments, then of all, m.
+  /// Collective on the group.
+  PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments, double *least_gap);
 
   const IndexBox &Box() const { return box_; } ///< of the columns; empty where nothing is near
   int Place(Index column) const { return (column[1] - box_.lower[1]) * box_.Size(0) + column[0] - box_.lower[0]; }

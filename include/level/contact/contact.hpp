@@ -49,6 +49,8 @@ struct ContactReport {
   bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
   double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
   double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
+  double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
+                            ///< each other until something can; the same on all ranks, m
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
 };

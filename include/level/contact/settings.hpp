@@ -13,7 +13,7 @@ struct ContactSettings {
   std::string method = "pressure"; ///< one of ContactMethods, or none
   double width = 1;                ///< alpha: half width of the kernels of `pressure` in cells, (0, 1]
   double friction = 0;             ///< Coulomb's coefficient, of `pressure`; infinite where surfaces stick
-  int serial_unknowns = 2000;      ///< with fewer unknowns one rank solves
+  int serial_unknowns = 500;       ///< with fewer unknowns one rank solves
   bool monitor = false;            ///< a line per solve
 };
 

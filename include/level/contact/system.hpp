@@ -14,6 +14,7 @@
 #include "level/contact/body.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace mlgimp
@@ -49,7 +50,8 @@ public:
   /// their keys. The next solve starts from them.
   const std::vector<double> &Lambda() const { return lambda_; }
   const ContactPressures &Pressures() const { return pressures_; }
-  void SetPressures(const ContactPressures &pressures) { pressures_ = pressures; }
+  /// To be called by all ranks before their group changes. Collective on the group.
+  void SetPressures(const ContactPressures &pressures) { pressures_ = pressures, parallel_.reset(); }
 
 private:
   /// A number of the system at (row, column), or of r or c where column is kRightSide or kLoad.
@@ -66,6 +68,7 @@ private:
     {
       return per_column * static_cast<int>(static_cast<std::int64_t>(columns) * std::min(rank, ranks) / ranks);
     }
+    int Most() const { return per_column * ((columns + ranks - 1) / ranks); }
     int Owner(int row) const { return static_cast<int>(((row / per_column + std::int64_t(1)) * ranks - 1) / columns); }
   };
 
@@ -77,7 +80,8 @@ private:
   bool symmetric_ = true;
   double diagonal_shift_ = 0;
   ContactSettings settings_;
-  ActiveSetSolver serial_; ///< on this rank alone
+  ActiveSetSolver serial_;                    ///< on this rank alone
+  std::unique_ptr<ActiveSetSolver> parallel_; ///< on all ranks of the group, until it changes
   std::vector<std::vector<Term>> rows_;
   ComplementarityProblem problem_;
   std::vector<double> lambda_;

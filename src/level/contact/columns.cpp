@@ -147,7 +147,8 @@ void ContactColumns::Crop()
   ForEach(box_, [&](Index at) { columns_.push_back(all[in_all(at)]); });
 }
 
-PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments)
+PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments,
+                                   double *least_gap)
 {
   PetscFunctionBeginUser;
   if (add_ == MPI_OP_NULL) {
@@ -158,9 +159,11 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   PetscCall(FindBox(view, segments));
   columns_.assign(box_.Count(), {});
   for (const PressedSegment &segment : segments) Add(view, width, segment);
-  if (!columns_.empty())
-    PetscCallMPI(
-        MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
+  columns_.emplace_back().left = *least_gap; // goes along, as its least is found too
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
+  *least_gap = columns_.back().left;
+  columns_.pop_back();
   Crop();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -62,11 +62,12 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     PetscCall(CollectSegments(view, report));
-    PetscCall(columns_.Sum(view, settings_.width, segments_));
+    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_));
     NumberUnknowns(view);
     MakeCouplings(view);
     PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), report));
     MeasureShape(view, report);
+    if (unknowns_.empty()) report->room = least_gap_ - kCandidateGap * view.grid.Geometry().spacing;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -105,6 +106,7 @@ private:
     PetscFunctionBeginUser;
     segments_.clear();
     points_.clear();
+    least_gap_ = range;
     const PointArrays points = view.points.Arrays();
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
@@ -115,6 +117,7 @@ private:
       for (const SurfaceSegment &s : all) {
         const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
         if (gap.distance > range) continue;
+        least_gap_ = std::min(least_gap_, gap.distance);
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
         if (Faces(s, gap.normal) && IsHere(view, place.cell))
@@ -275,6 +278,7 @@ private:
 
   ContactSettings settings_;
   std::vector<PressedSegment> segments_;
+  double least_gap_ = 0; ///< of segments within reach, m
   std::vector<PointSegments> points_;
   ContactColumns columns_;
   std::vector<int> number_; ///< of each column's pressure among the unknowns, or -1

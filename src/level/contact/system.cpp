@@ -190,35 +190,44 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Solves on the ranks that hold equations and tells all ranks the pressures.
+/// Solves on the ranks that hold equations and tells all ranks the pressures, and how far a free tip travels.
 PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
 {
   const MPI_Comm comm = view.group.Comm();
   const PetscMPIInt rank = RankIn(comm), size = RanksOf(comm);
-  ActiveSetSolver parallel, *const solver = layout.ranks > 1 ? &parallel : &serial_;
   ActiveSetReport solved;
   PetscFunctionBeginUser;
-  if (layout.ranks > 1) PetscCall(parallel.Create(comm, symmetric_));
-  std::vector<double> own(lambda_.begin() + layout.First(rank), lambda_.begin() + layout.First(rank + 1));
-  std::vector<int> counts, starts;
-  if (rank < layout.ranks) PetscCall(solver->Solve(problem_, &own, &solved));
-  for (int k = 0; k < size; ++k) starts.push_back(layout.First(k)), counts.push_back(layout.First(k + 1) - starts.back());
-  PetscCallMPI(
-      MPI_Allgatherv(own.data(), counts[rank], MPI_DOUBLE, lambda_.data(), counts.data(), starts.data(), MPI_DOUBLE, comm));
-  if (problem_.by_load) {
-    double found[2] = {solved.travel, double(solved.limited && solved.active > 0)};
-    PetscCallMPI(MPI_Bcast(found, 2, MPI_DOUBLE, 0, comm));
-    report->travel = found[0];
-    report->limited = found[1] != 0;
+  if (layout.ranks > 1 && !parallel_) {
+    parallel_ = std::make_unique<ActiveSetSolver>();
+    PetscCall(parallel_->Create(comm, symmetric_));
   }
+  ActiveSetSolver *const solver = layout.ranks > 1 ? parallel_.get() : &serial_;
+  std::vector<double> own(lambda_.begin() + layout.First(rank), lambda_.begin() + layout.First(rank + 1));
+  if (rank < layout.ranks) PetscCall(solver->Solve(problem_, &own, &solved));
+  double found[2] = {solved.travel, double(solved.limited && solved.active > 0)};
+  if (layout.ranks > 1) {
+    std::vector<int> counts, starts;
+    for (int k = 0; k < size; ++k) starts.push_back(layout.First(k)), counts.push_back(layout.First(k + 1) - starts.back());
+    PetscCallMPI(
+        MPI_Allgatherv(own.data(), counts[rank], MPI_DOUBLE, lambda_.data(), counts.data(), starts.data(), MPI_DOUBLE, comm));
+  } else {
+    own.resize(lambda_.size());
+    own.insert(own.end(), found, found + 2);
+    PetscCall(ShareFromFirst(comm, &own));
+    std::copy(own.end() - 2, own.end(), found);
+    own.resize(lambda_.size());
+    lambda_ = own;
+  }
+  if (problem_.by_load) report->travel = found[0], report->limited = found[1] != 0;
   report->solved = solved.solved;
   report->friction_work = solved.heat;
   if (rank > 0) PetscFunctionReturn(PETSC_SUCCESS);
   report->set_updates = solved.set_updates;
   report->fallback = solved.fallback;
   if (settings_.monitor && solved.active)
-    PetscCall(PetscPrintf(PETSC_COMM_SELF, "contact: time %.6e unknowns %d active %d set updates %d iterations %d\n", view.time,
-                          layout.columns * layout.per_column, solved.active, solved.set_updates, solved.linear_iterations));
+    PetscCall(PetscPrintf(
+        PETSC_COMM_SELF, "contact: time %.6e unknowns %d, at most %d on a rank, active %d set updates %d iterations %d\n",
+        view.time, layout.First(size), layout.Most(), solved.active, solved.set_updates, solved.linear_iterations));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,13 +1,21 @@
-// Vectors of four and eight doubles that load, multiply, add and store as registers where the machine has them.
+// Vectors of four doubles, which load, multiply, add and store as registers where the machine has them.
 #pragma once
+
+#include <cmath>
+
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 namespace mlgimp
 {
 
 typedef double Pack __attribute__((vector_size(32)));
+typedef double HalfPack __attribute__((vector_size(16)));
+inline constexpr int kLanes = 4;
 
 /// The doubles at x, which need not be aligned.
-template <class Vector> inline Vector LoadVector(const double *x)
+template <class Vector = Pack> inline Vector LoadVector(const double *x)
 {
   typedef Vector Unaligned __attribute__((aligned(8)));
   return *reinterpret_cast<const Unaligned *>(x);
@@ -18,41 +26,68 @@ template <class Vector> inline void StoreVector(double *x, Vector value)
   *reinterpret_cast<Unaligned *>(x) = value;
 }
 
-inline double Lane(Pack x, int k) { return x[k]; }
+/// One number in all lanes.
+inline Pack Spread(double x) { return Pack{x, x, x, x}; }
 
-#ifdef __AVX512F__
+/// The first `count` lanes of x; zero in the others, also where they hold no number.
+inline Pack FirstLanes(Pack x, int count)
+{
+  typedef long long Bits __attribute__((vector_size(32)));
+  const Bits lane = {0, 1, 2, 3}, last = {count, count, count, count};
+  return reinterpret_cast<Pack>(reinterpret_cast<Bits>(x) & (lane < last));
+}
 
-typedef double WidePack __attribute__((vector_size(64)));
-typedef WidePack HighPack; ///< a WidePack that begins with four zeros
-
-inline WidePack Join(Pack low, Pack high) { return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7); }
-inline HighPack MakeHigh(Pack high) { return Join(Pack{}, high); }
-inline Pack Low(WidePack x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
-inline Pack High(WidePack x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
-inline double Lane(WidePack x, int k) { return x[k]; }
-
-#else // pairs: compilers split a vector that is wider than any register into single doubles
-
-struct WidePack {
-  Pack low, high;
-};
-struct HighPack {
-  Pack high;
-};
-
-template <> inline WidePack LoadVector<WidePack>(const double *x) { return {LoadVector<Pack>(x), LoadVector<Pack>(x + 4)}; }
-inline void StoreVector(double *x, WidePack value) { StoreVector(x, value.low), StoreVector(x + 4, value.high); }
-inline WidePack Join(Pack low, Pack high) { return {low, high}; }
-inline HighPack MakeHigh(Pack high) { return {high}; }
-inline Pack Low(WidePack x) { return x.low; }
-inline Pack High(WidePack x) { return x.high; }
-inline double Lane(WidePack x, int k) { return k < 4 ? x.low[k] : x.high[k - 4]; }
-inline WidePack operator+(WidePack a, WidePack b) { return {a.low + b.low, a.high + b.high}; }
-inline WidePack operator*(double a, WidePack x) { return {a * x.low, a * x.high}; }
-inline HighPack operator*(double a, HighPack x) { return {a * x.high}; }
-inline WidePack &operator+=(WidePack &a, WidePack b) { return a = a + b; }
-inline WidePack &operator+=(WidePack &a, HighPack b) { return a = {a.low, a.high + b.high}; }
-
+// Of one number or of all lanes; named apart from the functions of std, which compilers turn into branches.
+inline double Least(double a, double b) { return a < b ? a : b; }
+inline double Most(double a, double b) { return a > b ? a : b; }
+#ifdef __AVX__
+inline Pack Least(Pack a, Pack b) { return _mm256_min_pd(a, b); }
+inline Pack Most(Pack a, Pack b) { return _mm256_max_pd(a, b); }
+#else
+inline Pack Least(Pack a, Pack b) { return a < b ? a : b; }
+inline Pack Most(Pack a, Pack b) { return a > b ? a : b; }
 #endif
+inline Pack Root(Pack x) { return Pack{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])}; }
+inline Pack Floor(Pack x) { return Pack{std::floor(x[0]), std::floor(x[1]), std::floor(x[2]), std::floor(x[3])}; }
+
+/// How many lanes from the first one on are equal to x, at least one.
+inline int CountEqual(Pack lanes, double x)
+{
+#ifdef __AVX__
+  const int differ = ~_mm256_movemask_pd(reinterpret_cast<__m256d>(lanes == Spread(x)));
+#else
+  const int differ = ~((lanes[0] == x) | (lanes[1] == x) << 1 | (lanes[2] == x) << 2 | (lanes[3] == x) << 3);
+#endif
+  return __builtin_ctz(static_cast<unsigned>(differ & ~1));
+}
+
+inline HalfPack Low(Pack x) { return __builtin_shufflevector(x, x, 0, 1); }
+inline HalfPack High(Pack x) { return __builtin_shufflevector(x, x, 2, 3); }
+
+inline Pack Join(HalfPack low, HalfPack high) { return __builtin_shufflevector(low, high, 0, 1, 2, 3); }
+
+/// (a0, b0, a2, b2) and (a1, b1, a3, b3); and their sum.
+inline Pack EvenLanes(Pack a, Pack b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
+inline Pack OddLanes(Pack a, Pack b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
+inline Pack AddNeighbours(Pack a, Pack b)
+{
+#ifdef __AVX__
+  return _mm256_hadd_pd(a, b);
+#else
+  return EvenLanes(a, b) + OddLanes(a, b);
+#endif
+}
+
+/// The sums over the lanes of two vectors, and of four.
+inline HalfPack SumLanes(Pack a, Pack b)
+{
+  const Pack pairs = AddNeighbours(a, b);
+  return Low(pairs) + High(pairs);
+}
+inline Pack SumLanes(Pack a, Pack b, Pack c, Pack d)
+{
+  const Pack ab = AddNeighbours(a, b), cd = AddNeighbours(c, d);
+  return __builtin_shufflevector(ab, cd, 2, 3, 4, 5) + __builtin_shufflevector(ab, cd, 0, 1, 6, 7);
+}
 
 } // namespace mlgimp

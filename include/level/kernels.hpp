@@ -58,7 +58,8 @@ struct GridToPointsPlan {
   double dt;
   bool strain;      ///< advance F and stress here, with the new nodal velocity (USL without rates)
   bool strain_rate; ///< keep the strain rate of the points for the short-wave viscosity
-  bool scatter;     ///< add momentum, projected momentum and strain rate to `rates`, growths of volume to the cells
+  bool scatter;     ///< add momentum, and strain rate where kept, to `rates`, growths of volume to the cells
+  bool project;     ///< and momentum with the grid's velocity, for XPIC
   bool move;        ///< move the points: nothing of the step comes after
 };
 
@@ -75,7 +76,7 @@ struct RatesPlan {
 struct SweepView {
   const Grid &grid;
   PointArrays points;
-  double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s
+  double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s, by blocks
   double *gradient;      ///< [count][dim*dim] its gradient, likewise, of points whose material averages its volume, 1/s
   const BodyTable &bodies;
   bool owned = true; ///< false for copies of another level's points: they act, but do not count

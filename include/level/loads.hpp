@@ -24,7 +24,7 @@ struct Load {
 /// The force of a load on a point's face, and the weights of the 3 nodes along each axis around the face's centre.
 struct FaceForce {
   Index nearest;
-  AxisWeights at[3];
+  AxisWeights<double> at[3];
   Vec3 force; ///< N
 };
 

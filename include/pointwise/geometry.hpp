@@ -19,12 +19,13 @@ inline constexpr const char *kGeometryNames[] = {"plane_strain", "axisymmetric",
 inline int UpAxis(GeometryKind kind) { return kind == GeometryKind::kSpatial ? 2 : 1; }
 
 /// Components that a point stores: F by rows; stress as xx, yy, zz, xy and in space yz, xz; the strain rate and the
-/// short-wave stress of which the kernels keep what is not zero, in the order of the stress.
+/// short-wave stress of which the kernels keep what is not zero, in the order of the stress: kRateAxes are the axes of each
+/// component, kInStress its place in the stress.
 struct PlaneStrain {
   static constexpr GeometryKind kKind = GeometryKind::kPlaneStrain;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< rate: xx, yy, xy
   static constexpr bool kHoop = false;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}}, kInStress[kRate] = {0, 1, 3};
 };
 
 /// x is the radius, y the axis; zz is the hoop direction, with F_zz = r/R.
@@ -32,14 +33,15 @@ struct Axisymmetric {
   static constexpr GeometryKind kKind = GeometryKind::kAxisymmetric;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< rate: xx, yy, zz, xy
   static constexpr bool kHoop = true;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}}, kInStress[kRate] = {0, 1, 2, 3};
 };
 
 struct Spatial {
   static constexpr GeometryKind kKind = GeometryKind::kSpatial;
   static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< rate: as the stress
   static constexpr bool kHoop = false;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}},
+                       kInStress[kRate] = {0, 1, 2, 3, 4, 5};
 };
 
 /// The same at run time.
@@ -65,13 +67,15 @@ template <class Work> auto WithGeometry(GeometryKind kind, Work work)
   return work(PlaneStrain{});
 }
 
-/// The tensor that a point stores as `a` [kGradient]; zz where the geometry does not store it.
-template <class Geometry> inline Mat3 LoadGradient(const double *a, double zz)
+/// The tensor that a point stores as `a` [kGradient], its components so many doubles apart; zz where the geometry does not
+/// store it.
+template <class Geometry, int stride = 1> inline Mat3 LoadGradient(const double *a, double zz)
 {
+  constexpr int s = stride;
   if constexpr (Geometry::kDim == 3)
-    return {a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]};
+    return {a[0], a[s], a[2 * s], a[3 * s], a[4 * s], a[5 * s], a[6 * s], a[7 * s], a[8 * s]};
   else
-    return {a[0], a[1], 0, a[2], a[3], 0, 0, 0, zz};
+    return {a[0], a[s], 0, a[2 * s], a[3 * s], 0, 0, 0, zz};
 }
 
 /// The symmetric tensor that a point stores as `a` [kStress].

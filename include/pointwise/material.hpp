@@ -16,13 +16,12 @@
 namespace mlgimp
 {
 
-/// The points of one material in a block, after F was advanced by `increment`.
+/// The points of one material in a block, after F was advanced by I + dt L.
 struct MaterialBatch {
   int count;                ///< number of points, at most kBlock
   double dt;                ///< s
-  const double *L;          ///< [count][kGradient] velocity gradient, 1/s
-  const double *increment;  ///< [count][kGradient] I + dt L
-  const double *F;          ///< [count][kGradient] new deformation gradient
+  const Row *L;             ///< [kGradient] velocity gradient, 1/s
+  const Row *F;             ///< [kGradient] new deformation gradient
   const double *hoop;       ///< [count] new F_zz = r/R; null but in axisymmetry
   const double *hoop_ratio; ///< [count] r over that of before the step; likewise
   double *stress;           ///< [count][kStress] overwritten with the new Cauchy stress, Pa
@@ -104,25 +103,43 @@ const std::vector<HardeningLaw> &HardeningLaws();
 /// The law j2: von Mises plasticity with the hardening that the constants name.
 std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry);
 
-/// The deformation gradient of a point in an array [count][kGradient], with F_zz = hoop[p] in axisymmetry.
+/// The tensor of a point in rows [kGradient], as by the other LoadGradient.
+template <class Geometry> inline Mat3 LoadGradient(const Row *a, int p, double zz)
+{
+  return LoadGradient<Geometry, sizeof(Row) / sizeof(double)>(a[0] + p, zz);
+}
+
+/// The deformation gradient of a point in an array [count][kGradient], or in rows, with F_zz = hoop[p] in axisymmetry.
 template <class Geometry> inline Mat3 GradientOf(const double *F, const double *hoop, int p)
 {
   return LoadGradient<Geometry>(F + Geometry::kGradient * p, Geometry::kHoop ? hoop[p] : 1);
 }
+template <class Geometry> inline Mat3 GradientOf(const Row *F, const double *hoop, int p)
+{
+  return LoadGradient<Geometry>(F, p, Geometry::kHoop ? hoop[p] : 1);
+}
 
-/// Advances F <- (I + dt L) F and leaves I + dt L in increment; returns the largest |dt L| met (row sums).
-/// L, increment, F [count][kGradient]. As L is taken where the points are before they move, this is the exact gradient of
-/// the step's motion x + dt v(x); exp(dt L) would be off by a first-order error. det F stays positive while |dt L| < 1/2.
-template <class Geometry> double AdvanceDeformation(int count, double dt, const double *L, double *increment, double *F)
+/// The determinant of a point's tensor in rows, but for a zz that the geometry does not store.
+template <class Geometry> inline double Determinant(const Row *F, int p)
+{
+  if constexpr (Geometry::kDim == 2)
+    return F[0][p] * F[3][p] - F[1][p] * F[2][p];
+  else
+    return Determinant(LoadGradient<Geometry>(F, p, 1));
+}
+
+/// Advances F <- (I + dt L) F; returns the largest |dt L| met (row sums). L, F: rows of `count` points.
+/// As L is taken where the points are before they move, this is the exact gradient of the step's motion x + dt v(x);
+/// exp(dt L) would be off by a first-order error. det F stays positive while |dt L| < 1/2.
+template <class Geometry> double AdvanceDeformation(int count, double dt, const Row *L, Row *F)
 {
   constexpr int n = Geometry::kDim;
   double largest = 0;
 #pragma omp simd reduction(max : largest)
   for (int p = 0; p < count; ++p) {
-    const double *l = L + n * n * p;
-    double *f = F + n * n * p, *g = increment + n * n * p, old[n * n], G[n * n];
+    double old[n * n];
 #pragma GCC unroll 9
-    for (int k = 0; k < n * n; ++k) old[k] = f[k], G[k] = g[k] = (k % (n + 1) == 0 ? 1 : 0) + dt * l[k];
+    for (int k = 0; k < n * n; ++k) old[k] = F[k][p];
 #pragma GCC unroll 3
     for (int i = 0; i < n; ++i) {
       double row = 0;
@@ -130,14 +147,14 @@ template <class Geometry> double AdvanceDeformation(int count, double dt, const 
       for (int j = 0; j < n; ++j) {
         double sum = 0;
 #pragma GCC unroll 3
-        for (int k = 0; k < n; ++k) sum += G[n * i + k] * old[n * k + j];
-        f[n * i + j] = sum;
-        row += std::abs(dt * l[n * i + j]);
+        for (int k = 0; k < n; ++k) sum += L[n * i + k][p] * old[n * k + j];
+        F[n * i + j][p] = old[n * i + j] + dt * sum;
+        row += std::abs(L[n * i + j][p]);
       }
       largest = std::max(largest, row);
     }
   }
-  return largest;
+  return dt * largest;
 }
 
 } // namespace mlgimp

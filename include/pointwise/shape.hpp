@@ -4,7 +4,7 @@
 // and scatter its share to them by the functions below, in two dimensions and in three.
 #pragma once
 
-#include "base/pack.hpp"
+#include "pointwise/rows.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,6 @@
 
 namespace mlgimp
 {
-
-/// Points are worked on in blocks of this many, small enough for the first-level cache.
-inline constexpr int kBlock = 64;
 
 /// The index space of one rank's ghosted piece of a grid, as far as weights need it.
 struct Lattice {
@@ -27,52 +24,73 @@ struct Lattice {
 
 /// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
 /// derivative of that along an axis has the slope g in the place of that axis' weight. Index k is the node below, at
-/// and above the nearest one.
+/// and above the nearest one. Weights of no point are zero.
 template <int dim> struct AxisStencils {
-  int node[kBlock];                                        ///< nearest node, place in the ghosted array
-  alignas(64) double w[dim][3][kBlock], g[dim][3][kBlock]; ///< -, 1/m
+  alignas(64) Row w[dim][3] = {};
+  Row node = {};                  ///< nearest node, place in the ghosted array: a whole number
+  alignas(64) Row g[dim][3] = {}; ///< 1/m
 };
 
-/// Weights and slopes (per cell) of the nodes below, at and above the nearest one, along one axis.
-struct AxisWeights {
-  double w[3], g[3];
+/// Where the points of a block are, their initial half sizes and their deformation gradients by rows.
+template <int dim> struct Extents {
+  alignas(64) Row x[dim], half_size[dim], F[dim * dim]; ///< m, m, -
+
+  /// x, half_size [count][dim]; F [count][dim*dim]; count <= kBlock.
+  Extents(int count, const double *x_of, const double *half_size_of, const double *F_of)
+  {
+    constexpr int n = dim * dim;
+    int p = 0;
+    for (; p + kLanes <= count; p += kLanes) {
+      LoadLanes<dim>(x_of + dim * p, p, x), LoadLanes<dim>(half_size_of + dim * p, p, half_size);
+      LoadLanes<n>(F_of + n * p, p, F);
+    }
+    LoadLast<dim>(x_of, p, count, x), LoadLast<dim>(half_size_of, p, count, half_size), LoadLast<n>(F_of, p, count, F);
+  }
+};
+
+/// Weights and slopes (per cell) of the nodes below, at and above the nearest one, along one axis: of a point, or of the points
+/// in the lanes of a Pack.
+template <class Real> struct AxisWeights {
+  Real w[3], g[3];
 };
 
 /// Completes a pair of outer weights and slopes: weights add up to one, slopes to zero.
-inline AxisWeights Complete(double w_below, double w_above, double g_below, double g_above)
+template <class Real> inline AxisWeights<Real> Complete(Real w_below, Real w_above, Real g_below, Real g_above)
 {
   return {{w_below, 1 - w_below - w_above, w_above}, {g_below, -g_below - g_above, g_above}};
 }
 
 /// Centres of the parts of a point below and above its nearest node, in cells from the node.
-struct HalfCentres {
-  double below, above;
+template <class Real> struct HalfCentres {
+  Real below, above;
 };
 
 /// The hat function at the point's centre: the original material point method.
 struct Linear {
   static constexpr bool kUsesDeformation = false;
   /// d: centre less nearest node, in cells, |d| <= 1/2.
-  static inline AxisWeights Evaluate(double d, double)
+  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real)
   {
-    return Complete(std::max(-d, 0.0), std::max(d, 0.0), d < 0 ? -1.0 : 0.0, d < 0 ? 0.0 : 1.0);
+    const Real zero{}, g_above = d < zero ? zero : zero + 1;
+    return Complete(Most(-d, zero), Most(d, zero), g_above - 1, g_above);
   }
-  static inline HalfCentres Centres(double d, double) { return {d, d}; }
+  template <class Real> static inline HalfCentres<Real> Centres(Real d, Real) { return {d, d}; }
 };
 
 /// The mean of the hat function over [d - l, d + l], from its antiderivative; l is the half size in cells, l <= 1/2.
 struct UniformGimp {
   static constexpr bool kUsesDeformation = false;
-  static inline AxisWeights Evaluate(double d, double l)
+  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real l)
   {
-    const double a0 = std::min(d - l, 0.0), b0 = std::min(d + l, 0.0); // the part below the nearest node
-    const double a1 = (d - l) - a0, b1 = (d + l) - b0;                 // the part above it
-    const double q = 0.5 / l;
-    return Complete(0.5 * q * (a0 - b0) * (a0 + b0), 0.5 * q * (b1 - a1) * (b1 + a1), q * (a0 - b0), q * (b1 - a1));
+    const Real zero{}, a0 = Least(d - l, zero), b0 = Least(d + l, zero); // the part below the nearest node
+    const Real a1 = Most(d - l, zero), b1 = Most(d + l, zero);           // the part above it
+    const Real q = 0.5 / l, g0 = q * (a0 - b0), g1 = q * (b1 - a1);
+    return Complete(0.5 * g0 * (a0 + b0), 0.5 * g1 * (a1 + b1), g0, g1);
   }
-  static inline HalfCentres Centres(double d, double l)
+  template <class Real> static inline HalfCentres<Real> Centres(Real d, Real l)
   {
-    return {0.5 * (std::min(d - l, 0.0) + std::min(d + l, 0.0)), 0.5 * (std::max(d - l, 0.0) + std::max(d + l, 0.0))};
+    const Real zero{};
+    return {0.5 * (Least(d - l, zero) + Least(d + l, zero)), 0.5 * (Most(d - l, zero) + Most(d + l, zero))};
   }
 };
 
@@ -84,58 +102,58 @@ struct ContiguousGimp : UniformGimp {
 /// Half sizes outside this range, in cells, are clamped: Evaluate divides by l, and three nodes reach no further.
 inline constexpr double kMinHalfSize = 1e-3, kMaxHalfSize = 0.5;
 
-/// Half size of one point along an axis, m.
-template <class Shape, int dim> inline double HalfSize(int axis, const double *half_size, const double *F)
+/// Half sizes of the points in a Pack along an axis, m.
+template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<dim> &points, int p)
 {
-  if constexpr (!Shape::kUsesDeformation) return half_size[axis];
-  double square = 0;
+  if constexpr (!Shape::kUsesDeformation) return LoadVector(points.half_size[axis] + p);
+  Pack square{};
 #pragma GCC unroll 3
   for (int b = 0; b < dim; ++b) {
-    const double edge = F[dim * axis + b] * half_size[b];
-    square += edge * edge;
+    const Pack edge = LoadVector(points.F[dim * axis + b] + p) * LoadVector(points.half_size[b] + p);
+    square = b == 0 ? edge * edge : square + edge * edge;
   }
-  return std::sqrt(square);
+  return Root(square);
 }
 
 /// Weights of `count` <= kBlock points of a geometry.
-/// x [count][dim] positions, m; half_size [count][dim] initial half sizes, m; F [count][dim*dim] deformation gradient.
 /// In axisymmetry the slopes along the radius hold the mean radius of the part of the point on their side over the point's
 /// radius, so that a uniform stress leaves no force; the point ends at the axis.
 /// Returns the number of half sizes that had to be clamped.
 template <class Geometry, class Shape>
-int ComputeAxisStencils(const Lattice &grid, int count, const double *x, const double *half_size, const double *F,
+int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
                         AxisStencils<Geometry::kDim> &stencils)
 {
   constexpr int dim = Geometry::kDim;
   const double inverse_h = grid.inverse_spacing;
-  double origin[dim], first[dim], stride[dim], node[kBlock], clamped = 0; // no integers: they would halve the vectors
-  for (int axis = 0; axis < dim; ++axis)
-    origin[axis] = grid.origin[axis], first[axis] = grid.first[axis], stride[axis] = grid.stride[axis];
-#pragma omp simd reduction(+ : clamped)
-  for (int p = 0; p < count; ++p) {
-    node[p] = 0;
+  Pack clamped{};
+  for (int p = 0; p < count; p += kLanes) {
+    Pack place{}, off{};
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
-      const double a = (x[dim * p + axis] - origin[axis]) * inverse_h, nearest = std::floor(a + 0.5);
-      double size = HalfSize<Shape, dim>(axis, half_size + dim * p, F + dim * dim * p) * inverse_h;
-      if (Geometry::kHoop && axis == 0) size = std::min(size, x[dim * p] * inverse_h);
-      const double l = std::min(std::max(size, kMinHalfSize), kMaxHalfSize);
-      clamped += std::abs(size - l) > 1e-9 ? 1.0 : 0.0;
-      AxisWeights at = Shape::Evaluate(a - nearest, l);
-      node[p] += (nearest - first[axis]) * stride[axis];
+      const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
+      Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
+      if (Geometry::kHoop && axis == 0) size = Least(size, x * inverse_h);
+      const Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize)), excess = size - l;
+      off += excess * excess > 1e-18 ? Spread(1) : Pack{};
+      AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l);
+      place += (nearest - grid.first[axis]) * grid.stride[axis];
       if (Geometry::kHoop && axis == 0) {
-        const HalfCentres centres = Shape::Centres(a - nearest, l);
-        const double radius = origin[0] * inverse_h + nearest, inverse_radius = 1 / (origin[0] * inverse_h + a);
+        const HalfCentres<Pack> centres = Shape::Centres(a - nearest, l);
+        const Pack radius = grid.origin[0] * inverse_h + nearest, inverse_radius = 1 / (grid.origin[0] * inverse_h + a);
         at.g[0] *= (radius + centres.below) * inverse_radius;
         at.g[2] *= (radius + centres.above) * inverse_radius;
         at.g[1] = -at.g[0] - at.g[2];
       }
 #pragma GCC unroll 3
-      for (int k = 0; k < 3; ++k) stencils.w[axis][k][p] = at.w[k], stencils.g[axis][k][p] = at.g[k] * inverse_h;
+      for (int k = 0; k < 3; ++k) {
+        StoreVector(stencils.w[axis][k] + p, at.w[k]);
+        StoreVector(stencils.g[axis][k] + p, at.g[k] * inverse_h);
+      }
     }
+    StoreVector(stencils.node + p, place);
+    clamped += FirstLanes(off, count - p);
   }
-  std::copy_n(node, count, stencils.node);
-  return static_cast<int>(clamped);
+  return static_cast<int>(clamped[0] + clamped[1] + clamped[2] + clamped[3]);
 }
 
 /// Calls work(node, weight, slopes) for the nodes of point p of a block: place in the ghosted array, S, and the derivatives
@@ -145,7 +163,7 @@ template <int dim, class Work> void ForEachNodeOf(const AxisStencils<dim> &block
   constexpr int kNodes = dim == 2 ? 9 : 27;
   for (int k = 0; k < kNodes; ++k) {
     const int at[3] = {k % 3, k / 3 % 3, k / 9};
-    std::ptrdiff_t node = block.node[p];
+    auto node = static_cast<std::ptrdiff_t>(block.node[p]);
     double weight = 1;
     std::array<double, dim> slope;
     slope.fill(1);
@@ -158,76 +176,105 @@ template <int dim, class Work> void ForEachNodeOf(const AxisStencils<dim> &block
   }
 }
 
-/// One point's stencil in registers, for a nodal array with so many components.
-template <int dim> struct PointStencil {
-  double w[dim][3], g[dim][3];
+/// Calls work(first, count) for the groups of a block: at most kLanes points in a row with the same nodes.
+template <int dim, class Work> [[gnu::flatten]] void ForEachGroup(const AxisStencils<dim> &block, int points, Work work)
+{
+  for (int first = 0, count; first < points; first += count) {
+    count = std::min(CountEqual(LoadVector(block.node + first), block.node[first]), points - first);
+    work(first, count);
+  }
+}
+
+/// The stencils of a group of points as lanes of vectors, for a nodal array with so many components. Lanes beyond the group
+/// hold the weights of other points, or zero.
+template <int dim> struct GroupStencil {
+  Pack w[dim][3], g[dim][3];
   std::ptrdiff_t nearest;     ///< place of the nearest node in the array, doubles
   std::ptrdiff_t stride[dim]; ///< of neighbouring nodes, doubles
 
-  PointStencil(const AxisStencils<dim> &block, int p, const Lattice &grid, int components)
+  GroupStencil(const AxisStencils<dim> &block, int first, const Lattice &grid, int components)
   {
-    nearest = static_cast<std::ptrdiff_t>(block.node[p]) * components;
+    nearest = static_cast<std::ptrdiff_t>(block.node[first]) * components;
+#pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
       stride[axis] = static_cast<std::ptrdiff_t>(grid.stride[axis]) * components;
-      for (int k = 0; k < 3; ++k) w[axis][k] = block.w[axis][k][p], g[axis][k] = block.g[axis][k][p];
+#pragma GCC unroll 3
+      for (int k = 0; k < 3; ++k)
+        w[axis][k] = LoadVector(block.w[axis][k] + first), g[axis][k] = LoadVector(block.g[axis][k] + first);
     }
   }
 };
 
 /// Sums of nodal values times weights, and times the slopes along each axis.
-template <class Vector, int axes> struct Gathered {
-  Vector value{}, slope[axes]{};
+template <int axes> struct Gathered {
+  Pack value{}, slope[axes]{};
 };
 
-/// Sums the doubles of a Vector at the nodes around `node`: rows along x first, then over the rows, so that products of
+/// Sums one component of the nodes around `node` for a group: rows along x first, then over the rows, so that products of
 /// weights are never formed. Without `with_slope`, slopes stay zero.
-template <class Vector, int axes, bool with_slope = true, int dim>
-inline Gathered<Vector, axes> Gather(const PointStencil<dim> &at, const double *node)
+template <int axes, bool with_slope = true, int dim> inline Gathered<axes> Gather(const GroupStencil<dim> &at, const double *node)
 {
   constexpr int axis = axes - 1;
-  Gathered<Vector, axes> sum;
+  Gathered<axes> sum;
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
     const double *row = node + (k - 1) * at.stride[axis];
-    Vector value;
+    Pack value;
     if constexpr (axis == 0) {
-      value = LoadVector<Vector>(row);
+      value = Spread(*row);
     } else {
-      const Gathered<Vector, axis> inner = Gather<Vector, axis, with_slope>(at, row);
+      const Gathered<axis> inner = Gather<axis, with_slope>(at, row);
       value = inner.value;
 #pragma GCC unroll 3
-      for (int a = 0; with_slope && a < axis; ++a) sum.slope[a] += at.w[axis][k] * inner.slope[a];
+      for (int a = 0; with_slope && a < axis; ++a)
+        sum.slope[a] = k == 0 ? at.w[axis][k] * inner.slope[a] : sum.slope[a] + at.w[axis][k] * inner.slope[a];
     }
-    sum.value += at.w[axis][k] * value;
-    if constexpr (with_slope) sum.slope[axis] += at.g[axis][k] * value;
+    sum.value = k == 0 ? at.w[axis][k] * value : sum.value + at.w[axis][k] * value; // zero would be one more addition
+    if constexpr (with_slope) sum.slope[axis] = k == 0 ? at.g[axis][k] * value : sum.slope[axis] + at.g[axis][k] * value;
   }
   return sum;
 }
 
-/// What a point adds to the eight doubles of each of its nodes: S value + grad S . flux, the latter to the last four.
-template <int axes> struct Share {
-  WidePack value;
-  HighPack flux[axes];
+/// What a group of points adds to its nodes: S value in each of `values` components, and S value + grad S . flux in each of
+/// `fluxes` others. Lanes beyond the group are zero.
+template <int axes, int values, int fluxes> struct Share {
+  Pack value[values + fluxes], flux[fluxes + 1][axes]; // one more: there are no arrays of nothing
 };
 
-/// Adds a point's share to the nodes around `node`, products by rows as in Gather. Without `with_flux`, flux is zero.
-template <int axes, bool with_flux, int dim>
-inline void Scatter(const PointStencil<dim> &at, const Share<axes> &share, double *node)
+/// Calls add(node, sums [values + fluxes]) for the nodes around `node`, with what each lane of a group adds to it; products by
+/// rows as in Gather.
+template <int axes, int values, int fluxes, int dim, class Add>
+inline void Scatter(const GroupStencil<dim> &at, const Share<axes, values, fluxes> &share, double *node, Add add)
 {
   constexpr int axis = axes - 1;
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
-    double *row = node + (k - 1) * at.stride[axis];
-    WidePack value = at.w[axis][k] * share.value;
-    if constexpr (with_flux) value += at.g[axis][k] * share.flux[axis];
-    if constexpr (axis == 0) {
-      StoreVector(row, LoadVector<WidePack>(row) + value);
-    } else {
-      Share<axis> inner = {value, {}};
+    Share<axis == 0 ? 1 : axis, values, fluxes> inner;
+#pragma GCC unroll 9
+    for (int c = 0; c < values + fluxes; ++c) inner.value[c] = at.w[axis][k] * share.value[c];
 #pragma GCC unroll 3
-      for (int a = 0; with_flux && a < axis; ++a) inner.flux[a] = at.w[axis][k] * share.flux[a];
-      Scatter<axis, with_flux>(at, inner, row);
+    for (int c = 0; c < fluxes; ++c) inner.value[values + c] += at.g[axis][k] * share.flux[c][axis];
+    double *const row = node + (k - 1) * at.stride[axis];
+    if constexpr (axis == 0) {
+      add(row, inner.value);
+    } else {
+#pragma GCC unroll 3
+      for (int c = 0; c < fluxes; ++c)
+#pragma GCC unroll 3
+        for (int a = 0; a < axis; ++a) inner.flux[c][a] = at.w[axis][k] * share.flux[c][a];
+      Scatter<axis>(at, inner, row, add);
     }
+  }
+}
+
+/// Adds the sums over the lanes of n vectors to the doubles at `node`; where n is odd, zero to the next one.
+template <int n> inline void AddSums(double *node, const Pack *x)
+{
+  if constexpr (n == 1 || n == 2) {
+    StoreVector(node, LoadVector<HalfPack>(node) + SumLanes(x[0], n == 2 ? x[1] : Pack{}));
+  } else {
+    StoreVector(node, LoadVector(node) + SumLanes(x[0], x[1], x[2], n == 3 ? Pack{} : x[3]));
+    if constexpr (n > 4) AddSums<n - 4>(node + 4, x + 4);
   }
 }
 

@@ -88,7 +88,7 @@ void Grid::ClearSums() const { std::fill_n(sums_, GhostedNodes(), NodeSums{}); }
 
 void Grid::ClearRates() const
 {
-  std::fill_n(rates_, rates_size_ * GhostedNodes(), 0.0);
+  std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{});
   std::fill_n(cells_, cell_memory_.size(), CellSums{});
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/pack.hpp"
 #include "level/point_blocks.hpp"
+#include "level/short_wave.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,116 +15,68 @@ namespace mlgimp
 namespace
 {
 
-/// The vectors of doubles that the nodes of a geometry hold, and the places in them.
-template <class Geometry> struct Lanes;
-
-template <> struct Lanes<PlaneStrain> {
-  using Velocity = Pack; ///< (v, dv) of a node
-  static constexpr int kChange = 2;
-  /// Stress and short-wave stress: xx, yy, zz, xy.
-  static Pack Stress(const double *stress, const double *s) { return LoadVector<Pack>(stress) + Pack{s[0], s[1], 0, s[2]}; }
-  static Pack Rate(const double *s) { return Pack{s[0], s[1], s[2], 0}; }
-};
-
-template <> struct Lanes<Axisymmetric> {
-  using Velocity = Pack;
-  static constexpr int kChange = 2;
-  static Pack Stress(const double *stress, const double *s) { return LoadVector<Pack>(stress) + LoadVector<Pack>(s); }
-  static Pack Rate(const double *s) { return LoadVector<Pack>(s); }
-};
-
-template <> struct Lanes<Spatial> {
-  using Velocity = WidePack;
-  static constexpr int kChange = 4;
-};
-
-/// Radial force of the hoop stress of a block, -sum V (sigma_zz + s_zz)/r, N.
-double HoopForce(const Block &b, const double *volume)
+/// Place of the component (i, j) among those of the strain rate.
+template <class Geometry> constexpr int PlaceInRate(int i, int j)
 {
-  double force = 0;
-  for (int p = 0; p < b.count; ++p)
-    force -= volume[p] * (b.stress[4 * p + 2] + b.short_wave_stress[4 * p + 2]) / b.position[2 * p];
-  return force;
+  int place = 0;
+  while (Geometry::kRateAxes[place][0] != std::min(i, j) || Geometry::kRateAxes[place][1] != std::max(i, j)) ++place;
+  return place;
 }
 
-/// What a point adds to the NodeSums of its nodes: S times mass, momentum, body force and owned mass, and grad S times the
-/// stress, as a force. a: acceleration; counts: 1 for a point that the level owns, else 0; inverse_radius: 1/r in axisymmetry.
-template <class Geometry>
-inline Share<Geometry::kDim> NodeShare(const Block &b, int p, double volume, const double *a, double counts)
-{
-  constexpr int dim = Geometry::kDim;
-  const double m = b.mass[p], *v = b.velocity + dim * p, *stress = b.stress + Geometry::kStress * p,
-               *s = b.short_wave_stress + Geometry::kRate * p;
-  static_assert(offsetof(NodeSums, momentum) == 8 && offsetof(NodeSums, force) == 32 && offsetof(NodeSums, owned_mass) == 56);
-  if constexpr (dim == 2) {
-    const Pack force = -volume * Lanes<Geometry>::Stress(stress, s); // xx, yy, zz, xy
-    Pack body = m * Pack{a[0], a[1], 0, counts};
-    if constexpr (Geometry::kHoop) body[0] += force[2] / b.position[dim * p];
-    return {Join(m * Pack{1, v[0], v[1], 0}, body),
-            {MakeHigh(Pack{force[0], force[3], 0, 0}), MakeHigh(Pack{force[3], force[1], 0, 0})}};
-  } else {
-    const Pack normal = -volume * (LoadVector<Pack>(stress) + LoadVector<Pack>(s)); // xx, yy, zz, xy
-    const double yz = -volume * (stress[4] + s[4]), xz = -volume * (stress[5] + s[5]);
-    return {Join(m * Pack{1, v[0], v[1], v[2]}, m * Pack{a[0], a[1], a[2], counts}),
-            {MakeHigh(Pack{normal[0], normal[3], xz, 0}), MakeHigh(Pack{normal[3], normal[1], yz, 0}),
-             MakeHigh(Pack{xz, yz, normal[2], 0})}};
-  }
-}
+/// What the points of a block add to the NodeSums of their nodes: S times mass and momentum, S body + grad S . force.
+template <class Geometry> struct NodeShares {
+  alignas(64) Row mass, momentum[Geometry::kDim], force[Geometry::kRate], body[Geometry::kDim] = {};
+};
 
 /// The sweeps in a geometry with a shape function.
 template <class Geometry, class Shape> class SweepKernels : public Kernels
 {
   static constexpr int dim = Geometry::kDim, kGradient = Geometry::kGradient, kRate = Geometry::kRate;
   using Weights = AxisStencils<dim>;
-  using At = PointStencil<dim>;
-  using Velocity = typename Lanes<Geometry>::Velocity;
-  using Gradient = double[kGradient];
+  using At = GroupStencil<dim>;
+  using Shares = NodeShares<Geometry>;
 
 public:
   void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const override
   {
     Weights w;
-    alignas(64) double volume[kBlock], body_force[dim * kBlock] = {};
+    Shares shares;
     const double counts = view.owned ? 1 : 0;
     budgets.hoop_force = 0;
     ForEachBlock(view, [&](const Block &b) {
-      budgets.clamped_sizes += SetWeights(view, b, w);
-      Volumes<Geometry>(b, volume);
-      if (acceleration) acceleration(time, b.count, b.id, b.position, body_force);
-      if constexpr (Geometry::kHoop) budgets.hoop_force += HoopForce(b, volume);
-      for (int p = 0; p < b.count; ++p) {
-        const Share<dim> share = NodeShare<Geometry>(b, p, volume[p], body_force + dim * p, counts);
+      const Extents<dim> points = ExtentsOf<dim>(b);
+      budgets.clamped_sizes += SetWeights(view, b, points, w);
+      SetBodyForces(b, acceleration, time, shares);
+      budgets.hoop_force += SetShares(b, points, shares);
+      ForEachGroup(w, b.count, [&](int p, int count) {
         const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);
-        Scatter<dim, true>(at, share, &view.grid.Sums()->mass + at.nearest);
-      }
+        Scatter(at, ShareOf(shares, p, count), &view.grid.Sums()->mass + at.nearest, [&](double *node, const Pack *sum) {
+          const Pack *const force = sum + 1 + dim;
+          AddSums<1 + dim>(node, sum);
+          const Pack owned[4] = {force[0], force[1], dim == 3 ? force[2] : Pack{}, counts * sum[0]};
+          AddSums<4>(node + offsetof(NodeSums, force) / sizeof(double), owned);
+        });
+      });
     });
   }
 
   void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
-    alignas(64) double L[kBlock][kGradient], volume[kBlock];
+    Motion<dim> motion, change; // with the new velocity, and by how much that is new
     ForEachBlock(view, [&](const Block &b) {
-      double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
-      Gradient *const gradient = b.average >= 0 ? GradientsOf(view, b) : plan.strain ? L : nullptr;
-      SetWeights(view, b, w);
-      double power = 0; // of the short-wave stress, W
-      if (plan.strain_rate) Volumes<Geometry>(b, volume);
-      for (int p = 0; p < b.count; ++p) {
-        const At at(w, p, view.grid.IndexSpace(), NodeLayout::Velocity(dim));
-        const auto sum = Gather<Velocity, dim>(at, view.grid.VelocityArray() + at.nearest);
-        for (int d = 0; d < dim; ++d) {
-          grid_velocity[dim * p + d] = Lane(sum.value, d);
-          b.velocity[dim * p + d] += Lane(sum.value, Lanes<Geometry>::kChange + d);
-        }
-        if (gradient) StoreGradient(gradient[p], sum.slope);
-        if (plan.strain_rate) power += volume[p] * KeepStrainRate(sum, b.position + dim * p, b.short_wave_stress + kRate * p);
-        if (plan.scatter) ScatterRates(view.grid, w, b, p, grid_velocity + dim * p);
-      }
-      budgets.short_wave_dissipation += plan.dt * power;
-      if (b.average >= 0) AddGrowth<Geometry>(b, view.grid, plan.dt, gradient, grid_velocity);
-      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
-      if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
+      Extents<dim> points = ExtentsOf<dim>(b);
+      SetWeights(view, b, points, w);
+      GatherVelocities(view.grid, w, b.count, plan.strain_rate, motion, change);
+      AddVelocity(b, change.u);
+      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
+      if (plan.scatter) ScatterRates(view.grid, w, b, plan, motion.u);
+      if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
+      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
+      if (plan.move)
+        Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
+      else
+        KeepMotion(view, b, motion);
     });
   }
 
@@ -134,7 +87,7 @@ public:
     Vec3 mean{};
     double sum = 0;
     VelocitySample sample{};
-    SetWeights(view, Slice(view.points, point, point + 1), w);
+    SetWeights(view, point, w);
     const auto for_each_node = [&](auto work) {
       ForEachNodeOf(w, 0, view.grid.IndexSpace(), [&](std::ptrdiff_t node, double weight, const auto &slope) {
         if (view.grid.Sums()[node].mass > mass_cutoff) work(view.grid.Velocity(node), weight, slope);
@@ -157,13 +110,12 @@ public:
   {
     if constexpr (dim == 2) {
       Weights w;
+      Row F[4], stress[4];
       ForEachBlock(view, [&](const Block &b) {
-        SetWeights(view, b, w);
-        for (int p = 0; p < b.count; ++p) {
-          const Pack F = LoadVector<Pack>(b.F + 4 * p), stress = LoadVector<Pack>(b.stress + 4 * p);
-          const At at(w, p, view.grid.IndexSpace(), NodeLayout::Rates(dim));
-          Scatter<dim, false>(at, {Join(b.mass[p] * F, b.mass[p] * stress), {}}, view.grid.RatesArray() + at.nearest);
-        }
+        SetWeights(view, b, ExtentsOf<dim>(b), w);
+        LoadRows<4>(b.F, b.count, F), LoadRows<4>(b.stress, b.count, stress);
+        ScatterTimesMass<4, 0>(view.grid, w, b, F, 0, 0);
+        ScatterTimesMass<4, 0>(view.grid, w, b, stress, 4, 0);
       });
     }
   }
@@ -172,173 +124,241 @@ public:
   {
     if constexpr (dim == 2) {
       Weights w;
-      SetWeights(view, Slice(view.points, point, point + 1), w);
+      SetWeights(view, point, w);
       const At at(w, 0, view.grid.IndexSpace(), NodeLayout::Rates(dim));
-      StoreVector(tensors, Gather<WidePack, dim>(at, view.grid.RatesArray() + at.nearest).value);
+      for (int k = 0; k < 8; ++k) tensors[k] = Gather<dim, false>(at, view.grid.RatesArray() + at.nearest + k).value[0];
     }
   }
 
   void ApplyRates(const SweepView &view, const RatesPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
-    alignas(64) double L[kBlock][kGradient], projected[kBlock][dim], smooth[kBlock][kRate];
+    Motion<dim> motion;
+    alignas(64) Row projected[dim], smooth[kRate];
     ForEachBlock(view, [&](const Block &b) {
-      double *const grid_velocity = view.grid_velocity + PointArrays::At(b.start, dim);
-      SetWeights(view, b, w);
-      GatherRates(view.grid, w, b, plan, grid_velocity, L, projected, smooth);
-      if (b.average >= 0) AverageGrowth<Geometry>(b, view.grid, plan.dt, grid_velocity, GradientsOf(view, b), L, budgets);
-      if (plan.strain) AdvanceStress<Geometry>(b, plan.dt, L, grid_velocity, budgets, failure);
-      if (plan.short_wave.On()) ShortWaveStress(b, view.grid, plan.short_wave, smooth);
+      Extents<dim> points = ExtentsOf<dim>(b);
+      SetWeights(view, b, points, w);
+      if (plan.move) TakeMotion(view, b, motion);
+      GatherRates(view.grid, w, b, plan, motion, projected, smooth);
+      if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
+      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
+      if (plan.short_wave.On()) ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);
-      if (plan.move) Move<Geometry>(b, view.grid, plan.dt, grid_velocity, failure);
+      if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });
   }
 
 private:
-  static int SetWeights(const SweepView &view, const PointArrays &b, Weights &w)
+  static int SetWeights(const SweepView &view, const PointArrays &b, const Extents<dim> &points, Weights &w)
   {
-    return ComputeAxisStencils<Geometry, Shape>(view.grid.IndexSpace(), b.count, b.position, b.half_size, b.F, w);
+    return ComputeAxisStencils<Geometry, Shape>(view.grid.IndexSpace(), b.count, points, w);
+  }
+  /// Of one point, as the first of a block.
+  static void SetWeights(const SweepView &view, int point, Weights &w)
+  {
+    const PointArrays one = Slice(view.points, point, point + 1);
+    SetWeights(view, one, ExtentsOf<dim>(one), w);
   }
 
-  /// Where the velocity gradients of a block that averages its volume stay between the sweeps.
-  static Gradient *GradientsOf(const SweepView &view, const Block &b)
+  static void SetBodyForces(const Block &b, const BodyAcceleration &acceleration, double time, Shares &shares)
   {
-    return reinterpret_cast<Gradient *>(view.gradient + PointArrays::At(b.start, kGradient));
+    if (!acceleration && !Geometry::kHoop) return; // they stay zero
+    double a[dim * kBlock] = {};
+    if (acceleration) acceleration(time, b.count, b.id, b.position, a);
+    for (int d = 0; d < dim; ++d)
+      for (int p = 0; p < b.count; ++p) shares.body[d][p] = b.mass[p] * a[dim * p + d];
   }
 
-  /// L_ab = d v_a/d x_b, by rows, from the slopes of the velocity.
-  template <class Vector> static void StoreGradient(double *L, const Vector (&slope)[dim])
+  /// The shares of a block but for its body forces. In axisymmetry returns the radial force of the hoop stress,
+  /// -sum V (sigma_zz + s_zz)/r, N.
+  static double SetShares(const Block &b, const Extents<dim> &points, Shares &shares)
   {
+    alignas(64) double volume[kBlock];
+    Row *const force = shares.force, *const momentum = shares.momentum;
+    const double *const stress = b.stress, *const s = b.short_wave_stress, *const mass = b.mass, *const v = b.velocity;
+    double hoop_force = 0;
+    Volumes<Geometry>(b, points, volume);
+    LoadRows<1>(mass, b.count, &shares.mass);
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) {
+#pragma GCC unroll 6
+      for (int k = 0; k < kRate; ++k)
+        force[k][p] = -volume[p] * (stress[Geometry::kStress * p + Geometry::kInStress[k]] + s[kRate * p + k]);
 #pragma GCC unroll 3
-    for (int i = 0; i < dim; ++i)
+      for (int d = 0; d < dim; ++d) momentum[d][p] = mass[p] * v[dim * p + d];
+    }
+    if constexpr (Geometry::kHoop) {
+      double *const body = shares.body[0];
+      const double *const x = points.x[0];
+#pragma omp simd reduction(+ : hoop_force)
+      for (int p = 0; p < b.count; ++p) {
+        const double hoop = force[2][p] / x[p];
+        body[p] += hoop, hoop_force += hoop;
+      }
+    }
+    return hoop_force;
+  }
+
+  /// The shares of a group.
+  static Share<dim, 1 + dim, dim> ShareOf(const Shares &shares, int p, int count)
+  {
+    Share<dim, 1 + dim, dim> share;
+    const auto lanes = [&](const double *row) { return FirstLanes(LoadVector(row + p), count); };
+    share.value[0] = lanes(shares.mass);
 #pragma GCC unroll 3
-      for (int j = 0; j < dim; ++j) L[dim * i + j] = Lane(slope[j], i);
+    for (int d = 0; d < dim; ++d) {
+      share.value[1 + d] = lanes(shares.momentum[d]);
+      share.value[1 + dim + d] = lanes(shares.body[d]);
+#pragma GCC unroll 3
+      for (int a = 0; a < dim; ++a) share.flux[d][a] = lanes(shares.force[PlaceInRate<Geometry>(d, a)]);
+    }
+    return share;
+  }
+
+  /// Velocity of the grid at the points of a block, and its change in the step, with the gradients of both; that of the change
+  /// only where asked for.
+  static void GatherVelocities(const Grid &grid, const Weights &w, int points, bool change_gradient, Motion<dim> &motion,
+                               Motion<dim> &change)
+  {
+    ForEachGroup(w, points, [&](int p, int) {
+      const At at(w, p, grid.IndexSpace(), NodeLayout::Velocity(dim));
+      const double *const nearest = grid.VelocityArray() + at.nearest, *const changes = nearest + NodeLayout::Velocity(dim) / 2;
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) {
+        KeepGathered(Gather<dim>(at, nearest + d), d, p, motion);
+        if (change_gradient)
+          KeepGathered(Gather<dim>(at, changes + d), d, p, change);
+        else
+          StoreVector(change.u[d] + p, Gather<dim, false>(at, changes + d).value);
+      }
+    });
+  }
+  static void KeepGathered(const Gathered<dim> &sum, int d, int p, Motion<dim> &motion)
+  {
+    StoreVector(motion.u[d] + p, sum.value);
+#pragma GCC unroll 3
+    for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
+  }
+
+  static void AddVelocity(const PointArrays &b, const Row *change)
+  {
+    double *const v = b.velocity;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p)
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) v[dim * p + d] += change[d][p];
+  }
+
+  /// What a block moves with, from GridToPoints to the sweep that moves it; gradients where it averages its volume.
+  static void KeepMotion(const SweepView &view, const Block &b, const Motion<dim> &motion)
+  {
+    for (int d = 0; d < dim; ++d)
+      std::copy_n(motion.u[d], b.count, view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count);
+    for (int k = 0; b.average >= 0 && k < kGradient; ++k)
+      std::copy_n(motion.L[k], b.count, view.gradient + PointArrays::At(b.start, kGradient) + k * b.count);
+  }
+  static void TakeMotion(const SweepView &view, const Block &b, Motion<dim> &motion)
+  {
+    for (int d = 0; d < dim; ++d)
+      std::copy_n(view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count, b.count, motion.u[d]);
+    for (int k = 0; b.average >= 0 && k < kGradient; ++k)
+      std::copy_n(view.gradient + PointArrays::At(b.start, kGradient) + k * b.count, b.count, motion.L[k]);
   }
 
   /// Gradient of the second velocity; projected velocity; strain rate of the nodes. Before the points' own velocity is known
-  /// the second one is what they move with.
-  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, double *grid_velocity,
-                          Gradient *L, double (*projected)[dim], double (*smooth)[kRate])
+  /// the second one is what they move with; points that average their volume have the gradient of the new one.
+  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
+                          Row *projected, Row *smooth)
   {
-    const bool own_gradient = b.average >= 0; // that of the new velocity
-    for (int p = 0; p < b.count; ++p) {
+    ForEachGroup(w, b.count, [&](int p, int) {
       const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
       const double *const nearest = grid.RatesArray() + at.nearest;
-      const auto sum = own_gradient ? Gather<WidePack, dim, false>(at, nearest) : Gather<WidePack, dim>(at, nearest);
-      WidePack rate = sum.value;
-      if constexpr (dim == 3) rate = plan.short_wave.On() ? Gather<WidePack, dim>(at, nearest + 8).value : WidePack{};
-      if (plan.strain && !own_gradient) StoreGradient(L[p], sum.slope);
-      for (int d = 0; d < dim && !plan.move; ++d) grid_velocity[dim * p + d] = Lane(sum.value, d);
-      for (int d = 0; d < dim; ++d) projected[p][d] = Lane(sum.value, NodeLayout::Projected(dim) + d);
-      for (int k = 0; k < kRate; ++k) smooth[p][k] = Lane(rate, NodeLayout::StrainRate(dim) % 8 + k);
-    }
+      const auto value = [&](int k) { return Gather<dim, false>(at, nearest + k).value; };
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) {
+        if (plan.strain && b.average < 0) {
+          const Gathered<dim> sum = Gather<dim>(at, nearest + d);
+#pragma GCC unroll 3
+          for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
+        }
+        if (!plan.move) StoreVector(motion.u[d] + p, value(d));
+        if (plan.xpic_fraction > 0) StoreVector(projected[d] + p, value(NodeLayout::Projected(dim) + d));
+      }
+      if (!plan.short_wave.On()) return;
+#pragma GCC unroll 6
+      for (int k = 0; k < kRate; ++k) StoreVector(smooth[k] + p, value(NodeLayout::StrainRate(dim) + k));
+    });
   }
 
-  /// Component of the strain rate from lanes that begin at `first`: of the new velocity, or of its change.
-  static double StrainRate(const Gathered<Velocity, dim> &sum, int first, int component, double radius)
+  /// Component of the strain rate of point p.
+  static double StrainRate(const Row *u, const Row *L, const Row *x, int component, int p)
   {
     const int a = Geometry::kRateAxes[component][0], b = Geometry::kRateAxes[component][1];
-    if (Geometry::kHoop && a == 2) return Lane(sum.value, first) / radius;
-    return a == b ? Lane(sum.slope[a], first + a) : 0.5 * (Lane(sum.slope[a], first + b) + Lane(sum.slope[b], first + a));
+    if (Geometry::kHoop && a == 2) return u[0][p] / x[0][p];
+    return a == b ? L[dim * a + a][p] : 0.5 * (L[dim * a + b][p] + L[dim * b + a][p]);
   }
 
-  /// Puts the strain rate of a point in the place of its short-wave stress s; returns the power of that stress, W/m3, with
-  /// the mean velocity of the step.
-  static double KeepStrainRate(const Gathered<Velocity, dim> &sum, const double *x, double *s)
+  /// Puts the strain rates of a block in the place of its short-wave stress; returns the power of that stress, W, with the mean
+  /// velocity of the step.
+  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change)
   {
-    double power = 0;
-#pragma GCC unroll 6
-    for (int k = 0; k < kRate; ++k) {
-      const double rate = StrainRate(sum, 0, k, x[0]), change = StrainRate(sum, Lanes<Geometry>::kChange, k, x[0]);
-      power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * s[k] * (rate - 0.5 * change);
-      s[k] = rate;
-    }
-    return power;
-  }
-
-  /// Adds momentum, momentum of the grid's velocity u, and mass times strain rate of a point to `rates`.
-  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, int p, const double *u)
-  {
-    const double m = b.mass[p], *v = b.velocity + dim * p, *rate = b.short_wave_stress + kRate * p;
-    const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
-    double *const nearest = grid.RatesArray() + at.nearest;
-    if constexpr (dim == 2) {
-      Scatter<dim, false>(at, {Join(m * Pack{v[0], v[1], u[0], u[1]}, m * Lanes<Geometry>::Rate(rate)), {}}, nearest);
-    } else {
-      Scatter<dim, false>(at, {Join(m * Pack{v[0], v[1], v[2], 0}, m * Pack{u[0], u[1], u[2], 0}), {}}, nearest);
-      Scatter<dim, false>(at, {Join(m * LoadVector<Pack>(rate), m * Pack{rate[4], rate[5], 0, 0}), {}}, nearest + 8);
-    }
-  }
-
-  /// |E|^2 of the Green strain E = (F^T F - I)/2.
-  static double GreenStrainSquared(const double *F, double hoop)
-  {
-    double square = 0;
-#pragma GCC unroll 6
-    for (int k = 0; k < kRate; ++k) {
-      const int a = Geometry::kRateAxes[k][0], b = Geometry::kRateAxes[k][1];
-      double C = 0;
-      if (Geometry::kHoop && a == 2)
-        C = hoop * hoop;
-      else
-#pragma GCC unroll 3
-        for (int c = 0; c < dim; ++c) C += F[dim * c + a] * F[dim * c + b];
-      const double E = 0.5 * (a == b ? C - 1 : C);
-      square += (a == b ? 1 : 2) * E * E;
-    }
-    return square;
-  }
-
-  /// h_p = min(0.3, a + b |E|^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would make it a rate effect.
-  static void ShortWaveStrength(const Block &b, const ShortWaveViscosity &viscosity, double *strength)
-  {
-    const double *const F = b.F, *const x = b.position, *const radius = b.initial_radius;
-    if (b.material.IsMetal()) {
-      const double *const history = b.history;
-      const int stride = b.history_components;
-#pragma omp simd
-      for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared(history + stride * p);
-    } else {
-#pragma omp simd
-      for (int p = 0; p < b.count; ++p)
-        strength[p] = GreenStrainSquared(F + dim * dim * p, Geometry::kHoop ? x[dim * p] / radius[p] : 1);
-    }
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p) strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p]);
-  }
-  static double ElasticStrainSquared(const double *elastic)
-  {
-    const Sym3 strain = 0.5 * (LoadStress<Geometry>(elastic) - Sphere(1));
-    return Contract(strain, strain);
-  }
-
-  /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth.
-  static void ShortWaveStress(const Block &b, const Grid &grid, const ShortWaveViscosity &viscosity,
-                              const double (*smooth)[kRate])
-  {
-    const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
-    const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
-    double *const stress = b.short_wave_stress, strength[kBlock];
-    ShortWaveStrength(b, viscosity, strength);
-#pragma omp simd
+    alignas(64) double volume[kBlock], sum = 0;
+    double *const stress = b.short_wave_stress;
+    const Row *const x = points.x, *const u = motion.u, *const L = motion.L, *const du = change.u, *const dL = change.L;
+    Volumes<Geometry>(b, points, volume);
+#pragma omp simd reduction(+ : sum)
     for (int p = 0; p < b.count; ++p) {
-      double *const s = stress + kRate * p;
-      double trace = 0, difference[kRate];
+      double *const s = stress + kRate * p, power = 0;
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) {
-        difference[k] = s[k] - smooth[p][k];
-        if (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1]) trace += difference[k];
+        const double rate = StrainRate(u, L, x, k, p);
+        power +=
+            (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * s[k] * (rate - 0.5 * StrainRate(du, dL, x, k, p));
+        s[k] = rate;
       }
-#pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k) {
-        const double sphere = Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? lambda * trace : 0;
-        s[k] = strength[p] * (sphere + mu2 * difference[k]);
-      }
+      sum += volume[p] * power;
     }
+    return sum;
+  }
+
+  /// Adds momentum, and what the plan asks for of momentum with the grid's velocity u and mass times strain rate, to `rates`.
+  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const GridToPointsPlan &plan, const Row *u)
+  {
+    alignas(64) Row values[dim + kRate];
+    LoadRows<dim>(b.velocity, b.count, values);
+    if (plan.strain_rate) {
+      LoadRows<kRate>(b.short_wave_stress, b.count, values + dim);
+      ScatterTimesMass<dim, kRate>(grid, w, b, values, 0, NodeLayout::StrainRate(dim));
+    } else {
+      ScatterTimesMass<dim, 0>(grid, w, b, values, 0, 0);
+    }
+    if (plan.project) ScatterTimesMass<dim, 0>(grid, w, b, u, NodeLayout::Projected(dim), 0);
+  }
+
+  /// Adds n values of a block, times mass, to the components of `rates` from `first` on, and m more from `second` on.
+  template <int n, int m>
+  static void ScatterTimesMass(const Grid &grid, const Weights &w, const PointArrays &b, const Row *x, int first, int second)
+  {
+    alignas(64) Row share[n + m];
+    const double *const mass = b.mass;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p)
+#pragma GCC unroll 9
+      for (int k = 0; k < n + m; ++k) share[k][p] = mass[p] * x[k][p];
+    ForEachGroup(w, b.count, [&](int p, int count) {
+      const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
+      Share<dim, n + m, 0> group;
+#pragma GCC unroll 9
+      for (int k = 0; k < n + m; ++k) group.value[k] = FirstLanes(LoadVector(share[k] + p), count);
+      Scatter(at, group, grid.RatesArray() + at.nearest, [=](double *node, const Pack *sum) {
+        AddSums<n>(node + first, sum);
+        if constexpr (m > 0) AddSums<m>(node + second, sum + n);
+      });
+    });
   }
 
   /// v_p <- (1 - alpha) v_p + alpha sum S v2 (XPIC, or PIC at order 1), adding up the kinetic energy lost and the momentum.
-  static void MixVelocity(const PointArrays &b, double fraction, const double (*projected)[dim], Budgets &budgets)
+  static void MixVelocity(const PointArrays &b, double fraction, const Row *projected, Budgets &budgets)
   {
     double lost = 0;
     for (int axis = 0; axis < dim; ++axis) {
@@ -346,7 +366,7 @@ private:
 #pragma omp simd reduction(+ : lost, impulse)
       for (int p = 0; p < b.count; ++p) {
         double &v = b.velocity[dim * p + axis];
-        const double mixed = v + fraction * (projected[p][axis] - v);
+        const double mixed = v + fraction * (projected[axis][p] - v);
         lost += 0.5 * b.mass[p] * (v - mixed) * (v + mixed);
         impulse += b.mass[p] * (mixed - v);
         v = mixed;

@@ -182,7 +182,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
 {
   // The weights must not change within a step, so F advances in its last sweep.
   const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
-  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, !rates};
+  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, nodal_.xpic_fraction > 0, !rates};
   const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
   const double first_flops = kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops;
   const double second_flops = kGatherRatesFlops + second.strain * kStressFlops + second.short_wave.On() * kShortWaveFlops;

@@ -7,7 +7,7 @@ namespace mlgimp
 {
 
 /// Weights of a face on the three nodes around its centre along one axis.
-static AxisWeights FaceWeights(double d, double l)
+static AxisWeights<double> FaceWeights(double d, double l)
 {
   return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }

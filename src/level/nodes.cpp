@@ -2,6 +2,7 @@
 #include "level/nodes.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace mlgimp
 {
@@ -9,15 +10,23 @@ namespace mlgimp
 namespace
 {
 
-/// Calls work(place) with the place in the arrays of every owned node.
-template <class Work> void ForEachOwned(const Grid &grid, Work work)
+template <class Dimension, class Work> void ForEachOwned(const Grid &grid, Dimension dim, Work work)
 {
   const IndexBox &owned = grid.Owned();
   for (int k = owned.lower[2]; k < owned.upper[2]; ++k)
     for (int j = owned.lower[1]; j < owned.upper[1]; ++j) {
       const std::ptrdiff_t first = grid.Place({owned.lower[0], j, k}), end = first + owned.Size(0);
-      for (std::ptrdiff_t place = first; place < end; ++place) work(place);
+      for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim);
     }
+}
+
+/// Calls work(place, dim) with the place in the arrays of every owned node, and the dimension as a constant.
+template <class Work> void ForEachOwned(const Grid &grid, Work work)
+{
+  if (grid.Geometry().dim == 2)
+    ForEachOwned(grid, std::integral_constant<int, 2>(), work);
+  else
+    ForEachOwned(grid, std::integral_constant<int, 3>(), work);
 }
 
 /// Calls work(place, side) for every owned node at or beyond each side that is not free.
@@ -36,18 +45,15 @@ template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryCo
   }
 }
 
-/// Share of a node's mass that points of this level have; the rest are copies, whose budgets their owners keep.
-double OwnedShare(const NodeSums &node) { return node.mass > 0 ? node.owned_mass / node.mass : 0; }
-
 } // namespace
 
 void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
-  const int dim = grid.Geometry().dim;
   Vec3 gravity_impulse{}, damping_impulse{};
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     NodeSums &node = grid.Sums()[place];
-    const double owned = dt * OwnedShare(node);
+    if (node.mass == 0) return;
+    const double owned = dt * node.owned_mass / node.mass;
     for (int axis = 0; axis < dim; ++axis) {
       const double gravity = node.mass * settings.gravity[axis], damping = -settings.damping * node.momentum[axis];
       node.force[axis] += gravity + damping;
@@ -61,9 +67,8 @@ void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, B
 
 double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 {
-  const int dim = grid.Geometry().dim;
   double energy = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     if (node.mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < dim; ++axis)
@@ -74,8 +79,7 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
-  const int dim = grid.Geometry().dim;
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
@@ -104,11 +108,11 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
-  const int dim = grid.Geometry().dim;
   double work = 0, damped = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
+    if (node.mass == 0) return;
     for (int axis = 0; axis < dim; ++axis) {
       const double mean = velocity[axis] - 0.5 * change[axis], old = velocity[axis] - change[axis];
       work += mean * node.owned_mass * settings.gravity[axis];
@@ -150,7 +154,7 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const double *const after = grid.Rates(place);
     if (node.mass <= settings.mass_cutoff) return;
@@ -182,8 +186,7 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
-  const int dim = grid.Geometry().dim;
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     double *const rates = grid.Rates(place);
     std::fill_n(rates, NodeLayout::Rates(dim), 0.0);
@@ -195,8 +198,8 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                  const std::vector<CoupledNode> &coupled, Budgets &budgets)
 {
-  const int dim = grid.Geometry().dim, components = NodeLayout::Rates(dim);
-  ForEachOwned(grid, [&](std::ptrdiff_t place) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+    constexpr int components = NodeLayout::Rates(dim);
     const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     if (mass <= settings.mass_cutoff) {
@@ -214,7 +217,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
   });
   for (const CoupledNode &node : coupled)
-    if (node.held) std::copy_n(grid.Velocity(node.node).velocity, dim, grid.Rates(node.node));
+    if (node.held) std::copy_n(grid.Velocity(node.node).velocity, grid.Geometry().dim, grid.Rates(node.node));
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -16,7 +16,7 @@ namespace
 /// Loops that call a law for points stored in the way of a geometry.
 template <class Law, class Geometry> class BatchMaterial : public Material
 {
-  static constexpr int kF = Geometry::kGradient, kS = Geometry::kStress;
+  static constexpr int kS = Geometry::kStress;
 
 public:
   explicit BatchMaterial(const MaterialConstants &c) : Material(Law(c)), law_(c) {}
@@ -53,7 +53,7 @@ private:
   {
     LawPoint point;
     point.F = GradientOf<Geometry>(b.F, b.hoop, p);
-    point.strain = Strain(b.dt, LoadGradient<Geometry>(b.L + kF * p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
+    point.strain = Strain(b.dt, LoadGradient<Geometry>(b.L, p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
     point.stress = LoadStress<Geometry>(b.stress + kS * p);
     StoreStress<Geometry>(law.Stress(point), b.stress + kS * p);
   }

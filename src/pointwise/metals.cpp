@@ -108,11 +108,19 @@ private:
     flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(d, d)), flow.kept[p] = 1;
   }
 
+  /// I + dt L, with the growth along z where the geometry has no L_zz.
+  [[gnu::always_inline]] static Mat3 Increment(double dt, const Mat3 &L, double growth)
+  {
+    return {1 + dt * L.xx, dt * L.xy,     dt * L.xz,
+            dt * L.yx,     1 + dt * L.yy, dt * L.yz,
+            dt * L.zx,     dt * L.zy,     Geometry::kDim == 3 ? 1 + dt * L.zz : growth};
+  }
+
   /// b_e := (I + dt L) b_e (I + dt L)^T, and its logarithm.
   [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Flow &flow)
   {
     double *const history = b.history + b.history_stride * p;
-    const Mat3 increment = LoadGradient<Geometry>(b.increment + Geometry::kGradient * p, Geometry::kHoop ? b.hoop_ratio[p] : 1);
+    const Mat3 increment = Increment(b.dt, LoadGradient<Geometry>(b.L, p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
     const Sym3 elastic = Push(increment, LoadStress<Geometry>(history));
     StoreStress<Geometry>(elastic, history);
     Set(LogarithmicStrain(elastic), p, mu2, flow);

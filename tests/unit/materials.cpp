@@ -70,9 +70,11 @@ struct Sample {
   /// Advances by I + `dt` L.
   void Advance(const Matrix &L, double dt = 1)
   {
-    Matrix increment;
-    AdvanceDeformation<Spatial>(1, dt, L.data(), increment.data(), F.data());
-    material.UpdateStress({1, dt, L.data(), increment.data(), F.data(), nullptr, nullptr, stress, history, 7}, &dissipated);
+    Row L_rows[9], F_rows[9];
+    LoadRows<9>(L.data(), 1, L_rows), LoadRows<9>(F.data(), 1, F_rows);
+    AdvanceDeformation<Spatial>(1, dt, L_rows, F_rows);
+    material.UpdateStress({1, dt, L_rows, F_rows, nullptr, nullptr, stress, history, 7}, &dissipated);
+    StoreRows<9>(F_rows, 1, F.data());
   }
   /// Advances to principal stretches along the axes, from such stretches.
   void StretchTo(double x, double y, double z) { Advance(Diagonal(x / F[0] - 1, y / F[4] - 1, z / F[8] - 1)); }
@@ -278,7 +280,8 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
 {
   const auto material = Create(law, kYield, G::kKind);
   constexpr int n = G::kDim;
-  double F[9], L[9], increment[9], stress[6] = {}, history[7];
+  double F[9], L[9], stress[6] = {}, history[7];
+  Row F_rows[9], L_rows[9];
   Matrix now = kUnit;
   Outcome outcome;
   material->InitialHistory(history);
@@ -286,12 +289,13 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
     now = growth * now;
     for (int k = 0; k < n * n; ++k) {
       const int from = 3 * (k / n) + k % n;
-      F[k] = now[from], increment[k] = growth[from], L[k] = growth[from] - kUnit[from];
+      F[k] = now[from], L[k] = growth[from] - kUnit[from];
     }
-    if (n == 3) L[8] = std::log(growth[8]); // as the hoop's rate
+    if (n == 3 && law != "j2") L[8] = std::log(growth[8]); // as the hoop's rate
+    LoadRows<n * n>(F, 1, F_rows), LoadRows<n * n>(L, 1, L_rows);
     const double hoop = now[8], ratio = growth[8];
     const double *const hoops = G::kHoop ? &hoop : nullptr, *const ratios = G::kHoop ? &ratio : nullptr;
-    material->UpdateStress({1, 1, L, increment, F, hoops, ratios, stress, history, 7}, &outcome.dissipated);
+    material->UpdateStress({1, 1, L_rows, F_rows, hoops, ratios, stress, history, 7}, &outcome.dissipated);
     material->StoredEnergy(1, F, hoops, stress, history, 7, &outcome.energy);
     material->WaveSpeedSquared(1, F, hoops, &outcome.speed2);
   }
@@ -330,23 +334,24 @@ TEST(Materials, SameInAllGeometries)
   }
 }
 
-/// L, increment and F of a block against the product component by component.
+/// F of a block against the product component by component.
 template <class G> void Deformation()
 {
   constexpr int n = G::kDim, kPoints = 64;
   constexpr double kDt = 0.02;
-  double L[kPoints * 9], increment[kPoints * 9], F[kPoints * 9], before[kPoints * 9], largest = 0, row = 0;
-  for (int k = 0; k < kPoints * n * n; ++k) L[k] = Random(-3, 3), before[k] = F[k] = Random(-2, 2);
-  const double returned = AdvanceDeformation<G>(kPoints, kDt, L, increment, F);
-  for (int p = 0; p < kPoints * n * n; p += n * n)
+  Row L[9], F[9], before[9];
+  double largest = 0, row = 0;
+  for (int k = 0; k < n * n; ++k)
+    for (int p = 0; p < kPoints; ++p) L[k][p] = Random(-3, 3), before[k][p] = F[k][p] = Random(-2, 2);
+  const double returned = AdvanceDeformation<G>(kPoints, kDt, L, F);
+  for (int p = 0; p < kPoints; ++p)
     for (int i = 0; i < n; ++i) {
       double sum = 0;
       for (int j = 0; j < n; ++j) {
-        double product = before[p + n * i + j];
-        for (int k = 0; k < n; ++k) product += kDt * L[p + n * i + k] * before[p + n * k + j];
-        largest = std::max({largest, std::abs(F[p + n * i + j] - product),
-                            std::abs(increment[p + n * i + j] - (i == j) - kDt * L[p + n * i + j])});
-        sum += kDt * std::abs(L[p + n * i + j]);
+        double product = before[n * i + j][p];
+        for (int k = 0; k < n; ++k) product += kDt * L[n * i + k][p] * before[n * k + j][p];
+        largest = std::max(largest, std::abs(F[n * i + j][p] - product));
+        sum += kDt * std::abs(L[n * i + j][p]);
       }
       row = std::max(row, sum);
     }

@@ -99,12 +99,13 @@ TEST(Metals, LogarithmAndExponentialBySeries)
 /// Points of a metal in simple shear in small steps; returns stress xx, yy, zz, xy.
 std::array<double, 4> Shear(const Material &metal, double strain, int steps, double *plastic_strain)
 {
-  double F[4] = {1, 0, 0, 1}, L[4] = {}, increment[4], stress[4] = {}, history[6], dissipated = 0;
+  Row F[4] = {{1}, {0}, {0}, {1}}, L[4] = {};
+  double stress[4] = {}, history[6], dissipated = 0;
   metal.InitialHistory(history);
-  L[1] = strain / steps;
+  L[1][0] = strain / steps;
   for (int k = 0; k < steps; ++k) {
-    AdvanceDeformation<PlaneStrain>(1, 1, L, increment, F);
-    metal.UpdateStress({1, 1, L, increment, F, nullptr, nullptr, stress, history, 6}, &dissipated);
+    AdvanceDeformation<PlaneStrain>(1, 1, L, F);
+    metal.UpdateStress({1, 1, L, F, nullptr, nullptr, stress, history, 6}, &dissipated);
   }
   *plastic_strain = history[metal.PlaceOf(kPlasticStrain)];
   return {stress[0], stress[1], stress[2], stress[3]};

@@ -78,7 +78,7 @@ template <class Shape> void CheckStencil(const std::string &name)
     }
     for (int c = 0; c < 4; ++c) F[4 * p + c] = (c % 3 == 0) + (p % 8 < 6 ? 0 : Random(-0.3, 0.3));
   }
-  const int counted = ComputeAxisStencils<PlaneStrain, Shape>(lattice, kBlock, x, half, F, stencil);
+  const int counted = ComputeAxisStencils<PlaneStrain, Shape>(lattice, kBlock, Extents<2>(kBlock, x, half, F), stencil);
   for (int p = 0; p < kBlock; ++p) {
     double l[2], sum = 0;
     for (int a = 0; a < 2; ++a) {

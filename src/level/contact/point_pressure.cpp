@@ -86,8 +86,8 @@ private:
     const int unknown = static_cast<int>(pressed->size());
     pressed->push_back({{points.id[p], gap.distance}, {x[0], x[0] - 0.5 * length, x[0] + 0.5 * length}});
     AxisStencils<2> w;
-    ComputeAxisStencils<PlaneStrain, ContiguousGimp>(view.grid.IndexSpace(), 1, points.position + 2 * p, points.half_size + 2 * p,
-                                                     points.F + 4 * p, w);
+    ComputeAxisStencils<PlaneStrain, ContiguousGimp>(
+        view.grid.IndexSpace(), 1, Extents<2>(1, points.position + 2 * p, points.half_size + 2 * p, points.F + 4 * p), w);
     const Index nearest = view.grid.Nearest(x);
     ForEach({{-1, -1, 0}, {2, 2, 1}}, [&](Index k) {
       const double S = w.w[0][k[0] + 1][0] * w.w[1][k[1] + 1][0];

@@ -1,0 +1,86 @@
+// The short-wave viscosity of a block of points: its strength and its stress.
+#pragma once
+
+#include "level/point_blocks.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+/// |E|^2 of the Green strain E = (F^T F - I)/2 of point p.
+template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, int p)
+{
+  constexpr int dim = Geometry::kDim;
+  double square = 0;
+#pragma GCC unroll 6
+  for (int k = 0; k < Geometry::kRate; ++k) {
+    const int a = Geometry::kRateAxes[k][0], b = Geometry::kRateAxes[k][1];
+    double C = 0;
+    if (Geometry::kHoop && a == 2)
+      C = hoop * hoop;
+    else
+#pragma GCC unroll 3
+      for (int c = 0; c < dim; ++c) C += F[dim * c + a][p] * F[dim * c + b][p];
+    const double E = 0.5 * (a == b ? C - 1 : C);
+    square += (a == b ? 1 : 2) * E * E;
+  }
+  return square;
+}
+
+/// |E|^2 of (b_e - I)/2.
+template <class Geometry> double ElasticStrainSquared(const double *elastic)
+{
+  const Sym3 strain = 0.5 * (LoadStress<Geometry>(elastic) - Sphere(1));
+  return Contract(strain, strain);
+}
+
+/// h_p = min(0.3, a + b |E|^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would make it a rate effect.
+template <class Geometry>
+void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, const ShortWaveViscosity &viscosity,
+                       double *strength)
+{
+  const Row *const F = points.F, *const x = points.x;
+  const double *const radius = b.initial_radius;
+  if (b.material.IsMetal()) {
+    const double *const history = b.history;
+    const int stride = b.history_components;
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(history + stride * p);
+  } else {
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) strength[p] = GreenStrainSquared<Geometry>(F, Geometry::kHoop ? x[0][p] / radius[p] : 1, p);
+  }
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p) strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p]);
+}
+
+/// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth.
+template <class Geometry>
+void ShortWaveStress(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, const ShortWaveViscosity &viscosity,
+                     const Row *smooth)
+{
+  constexpr int kRate = Geometry::kRate;
+  const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
+  const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
+  alignas(64) double strength[kBlock];
+  double *const stress = b.short_wave_stress;
+  ShortWaveStrength<Geometry>(b, points, viscosity, strength);
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p) {
+    double *const s = stress + kRate * p;
+    double trace = 0, difference[kRate];
+#pragma GCC unroll 6
+    for (int k = 0; k < Geometry::kRate; ++k) {
+      difference[k] = s[k] - smooth[k][p];
+      if (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1]) trace += difference[k];
+    }
+#pragma GCC unroll 6
+    for (int k = 0; k < Geometry::kRate; ++k) {
+      const double sphere = Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? lambda * trace : 0;
+      s[k] = strength[p] * (sphere + mu2 * difference[k]);
+    }
+  }
+}
+
+} // namespace mlgimp

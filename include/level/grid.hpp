@@ -59,9 +59,11 @@ struct NodeVelocity {
   double *velocity, *change; ///< [dim] each
 };
 
-/// What a cell holds of the points of a material in it.
+/// What a cell holds of the points of a material in it. Growth and volume are first summed up times mass, kg, then the means.
 struct CellSums {
-  double mass, growth; ///< kg; growth of volume in the step: summed up times mass, kg, then the mean
+  double mass;            ///< kg
+  double growth;          ///< of volume, in the step
+  double relative_volume; ///< J, at the step's start
 };
 
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or

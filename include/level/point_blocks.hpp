@@ -11,6 +11,9 @@ namespace mlgimp
 {
 
 inline constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays positive below it
+/// Share of the difference between a point's relative volume and the mean of its cell that goes while sound crosses the cell.
+/// With 0.01 points shift against each other in slow flow; with 0.0002 cones show what they brought from other cells.
+inline constexpr double kSettling = 0.003;
 
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
@@ -104,43 +107,49 @@ template <int dim> std::ptrdiff_t CellOf(const Lattice &grid, const Row *x, int 
   return cell;
 }
 
-/// Adds mass and growth of volume of a block to its cells.
+/// Adds mass, growth of volume and relative volume of a block to its cells.
 template <class Geometry>
 void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                const Motion<Geometry::kDim> &motion)
 {
-  double growth[kBlock];
+  double growth[kBlock], volume[kBlock];
   VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
+  Volumes<Geometry>(b, points, volume);
   for (int p = 0; p < b.count; ++p) {
     CellSums &cell = grid.Cell(CellOf<Geometry::kDim>(grid.IndexSpace(), points.x, p), b.average);
     cell.mass += b.mass[p];
     cell.growth += b.mass[p] * growth[p];
+    cell.relative_volume += b.material.Density() * volume[p];
   }
 }
 
 /// Against locking: the gradients of L become those with the mean growth of volume over the points of the cell,
-/// j = (1 + g_cell)^(1 - w) (1 + g)^w with the share w of the own growth g; I + dt L keeps its form in the plane, or
-/// in space. Adds up the work of the stress on the difference.
+/// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g; I + dt L keeps its form in the
+/// plane, or in space. The last factor is of points that come from other cells: without it they keep what those had, and
+/// neighbours differ more with every border that they cross; not of points with faces, where contact would feel it. Adds up the
+/// work of the stress on the difference.
 template <class Geometry>
 void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                    Motion<Geometry::kDim> &motion, Budgets &budgets)
 {
   constexpr int dim = Geometry::kDim;
   constexpr double kLeast = 0.1; // below it the strain is refused, by a message that a logarithm of less would spoil
-  double growth[kBlock], mean[kBlock], volume[kBlock], work = 0;
+  double growth[kBlock], mean[kBlock], difference[kBlock], volume[kBlock], work = 0;
   const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
+  const double settling = kSettling * dt * b.material.SpeedOfSound() / (dim * grid.Geometry().spacing);
   VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
   Volumes<Geometry>(b, points, volume);
   for (int p = 0; p < b.count; ++p) {
     const CellSums &cell = grid.Cell(CellOf<dim>(grid.IndexSpace(), points.x, p), b.average);
     mean[p] = cell.growth;
+    difference[p] = b.faces[p] ? 0 : cell.relative_volume * b.mass[p] / (b.material.Density() * volume[p]) - 1;
   }
   const double *const stress = b.stress;
   Row *const L = motion.L;
 #pragma omp simd reduction(+ : work)
   for (int p = 0; p < b.count; ++p) {
     const double ratio = std::max(1 + mean[p], kLeast) / std::max(1 + growth[p], kLeast);
-    const double stretch = exponent * Log(ratio); // of a step: small
+    const double stretch = exponent * Log(ratio) + settling * difference[p]; // of a step: small
     const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));

@@ -184,7 +184,7 @@ PetscErrorCode Grid::AverageCells()
   PetscCall(Reduce(cells_unit_, cells_));
   PetscCall(Broadcast(cells_unit_, cells_));
   for (CellSums &cell : cell_memory_)
-    if (cell.mass > 0) cell.growth /= cell.mass;
+    if (cell.mass > 0) cell.growth /= cell.mass, cell.relative_volume /= cell.mass;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

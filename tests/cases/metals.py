@@ -93,6 +93,9 @@ def test_cone(expect):
         return numpy.sum(load[rows] * depth[rows]**2) / numpy.sum(depth[rows]**4)
     expect("P/h^2, of that of finite elements", curvature(90e-9) / 52.198e9, near=1, tolerance=0.04)
     expect("the same in the last fifth over the last half", curvature(120e-9) / curvature(75e-9), near=1, tolerance=0.02)
+    frame = result.frame()
+    below = (frame["position"][:, 0] < 0.3e-6) & (frame["position"][:, 1] > 25.2e-6)
+    expect("noise of the pressure under it, rms, k", pressure_noise(frame, below, 50e-9)[0] / (1e9 / math.sqrt(3)), at_most=0.25)
     expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
     expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1,
            near=0, tolerance=0.03)

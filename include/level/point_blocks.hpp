@@ -11,9 +11,9 @@ namespace mlgimp
 {
 
 inline constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays positive below it
-/// Share of the difference between a point's relative volume and the mean of its cell that goes while sound crosses the cell.
-/// With 0.01 points shift against each other in slow flow; with 0.0002 cones show what they brought from other cells.
-inline constexpr double kSettling = 0.003;
+/// Of the difference between a point's relative volume and the mean of its cell a share goes with strain: all but 1/e of it while
+/// a point is strained by a fourth. With 3 cones show what points brought from other cells, with 10 cutting wedges gain energy.
+inline constexpr double kSettling = 4;
 
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
@@ -124,10 +124,10 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
 }
 
 /// Against locking: the gradients of L become those with the mean growth of volume over the points of the cell,
-/// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g; I + dt L keeps its form in the
-/// plane, or in space. The last factor is of points that come from other cells: without it they keep what those had, and
-/// neighbours differ more with every border that they cross; not of points with faces, where contact would feel it. Adds up the
-/// work of the stress on the difference.
+/// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g, q = kSettling dt |D|; I + dt L
+/// keeps its form in the plane, or in space. The last factor is of points that come from other cells: without it they keep what
+/// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact would feel
+/// it. Adds up the work of the stress on the difference.
 template <class Geometry>
 void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                    Motion<Geometry::kDim> &motion, Budgets &budgets)
@@ -136,7 +136,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   constexpr double kLeast = 0.1; // below it the strain is refused, by a message that a logarithm of less would spoil
   double growth[kBlock], mean[kBlock], difference[kBlock], volume[kBlock], work = 0;
   const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
-  const double settling = kSettling * dt * b.material.SpeedOfSound() / (dim * grid.Geometry().spacing);
+  const double settling = kSettling * dt / dim;
   VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
   Volumes<Geometry>(b, points, volume);
   for (int p = 0; p < b.count; ++p) {
@@ -149,7 +149,13 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
 #pragma omp simd reduction(+ : work)
   for (int p = 0; p < b.count; ++p) {
     const double ratio = std::max(1 + mean[p], kLeast) / std::max(1 + growth[p], kLeast);
-    const double stretch = exponent * Log(ratio) + settling * difference[p]; // of a step: small
+    double square = 0; // |D|^2
+#pragma GCC unroll 9
+    for (int k = 0; k < dim * dim; ++k) {
+      const double D = 0.5 * (L[k][p] + L[k % dim * dim + k / dim][p]);
+      square += D * D;
+    }
+    const double stretch = exponent * Log(ratio) + settling * std::sqrt(square) * difference[p]; // of a step: small
     const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));

@@ -39,6 +39,8 @@ public:
 
   /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.
   const std::vector<int> &SurfacePoints();
+  /// To be told where bits of `faces` have changed.
+  void NoteSurface() { surface_known_ = false; }
 
   /// A whole point as a record of so many bytes.
   std::size_t RecordBytes() const

@@ -172,6 +172,7 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
     const Vec3 edge = a.Deform(p, along); // half of it
     const double most = grid.spacing * std::max(0.5, 1.0 / model.bodies[a.body[p]].points_per_cell);
     if (Norm(edge) <= most || !numbers.CanSplit(a.id[p])) continue;
+    if (a.initial_radius && a.Position(p)[0] < 0.75 * std::abs(edge[0])) continue; // a child on the axis would have no mass
     if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);
   }
   return found;

@@ -34,6 +34,7 @@ bool AllWhole(const std::vector<double> &values, double least, double most)
 const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
 {
   constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // see PointNumbers
+  constexpr double kLeastVolume = 1e-12;                     // of that at the start; below it are zeros with rounding
   const auto finite = [&](const double *field, int components) {
     return !field || AllFinite(field + p * components, static_cast<std::size_t>(components));
   };
@@ -44,7 +45,7 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
       !finite(a.stress, a.stress_components) || !finite(a.short_wave_stress, a.rate_components) ||
       !finite(a.history, a.history_components) || !finite(a.initial_position, a.dim))
     return "a value that is not finite";
-  if (!(det > 0 && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
+  if (!(det > kLeastVolume && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
   if (a.initial_radius && !(a.initial_radius[p] > 0 && std::isfinite(a.initial_radius[p]) && a.position[2 * p] > 0))
     return "a radius that is not above zero";

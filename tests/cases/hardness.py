@@ -11,26 +11,33 @@ from mlgimp import load_depth, oliver_pharr
 POISSON, DEPTH, CELLS = 0.3, 200e-9, 16  # CELLS: finest ones in the contact's radius without pile-up, at full depth
 TRANSITS = 24  # of waves through the block, in the slow part of the unloading
 WINDOW = oliver_pharr.Constants(window=(0.2, 0.97))  # columns that let go one by one are treads of the unloading: several must lie in it
-REFERENCE = harness.ROOT / "tests" / "reference" / "cone_70deg.csv"
 CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2)}  # exponent, E and yield stress, GPa
+ANGLED = {(0, 10, 0.1), (0, 50, 1), (0, 210, 1.8), (0.3, 10, 0.3), (0.3, 130, 1), (0.5, 50, 0.2)}
+PYRAMIDS = {(0.1, 10, 0.1), (0.3, 50, 2), (0, 210, 0.3)}
+
+
+def metal(E, sy, exponent, size):
+    """(options of the material and the damping of a block of a size, wave speed)."""
+    density = E / 1e7
+    law = {"m_hardening": "power", "m_hardening_exponent": exponent} if exponent else {"m_hardening_modulus": 0}
+    speed = math.sqrt(E * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / density)
+    return {"materials": "m", "m_model": "j2", "m_youngs_modulus": E, "m_poissons_ratio": POISSON, "m_density": density,
+            "m_yield_stress": sy, **law, "damping": 0.1 * math.pi * speed / size, "bodies": "b"}, speed
 
 
 def block(E, sy, exponent, angle):
     """(case, wave speed, height): a block of 32 coarse cells on three levels, with a sixteenth of their size at the tip."""
     fine = DEPTH * math.tan(math.radians(angle)) / CELLS
-    size, density = 32 * 16 * fine, E / 1e7
+    size = 32 * 16 * fine
     outer, inner = 10 * 16 * fine, math.ceil(2.2 * CELLS / 4) * 4 * fine
     top = size + 32 * fine
-    law = {"m_hardening": "power", "m_hardening_exponent": exponent} if exponent else {"m_hardening_modulus": 0}
-    speed = math.sqrt(E * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / density)
+    material, speed = metal(E, sy, exponent, size)
     return {
-        "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": [size, top], "cell_size": 16 * fine,
+        **material, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": [size, top], "cell_size": 16 * fine,
         "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry", "levels": 3, "refinement_ratio": 4,
         "level_1_lower": [0.0, size - outer], "level_1_upper": [outer, top], "level_2_lower": [0.0, size - inner],
-        "level_2_upper": [inner, top], "materials": "m", "m_model": "j2", "m_youngs_modulus": E, "m_poissons_ratio": POISSON,
-        "m_density": density, "m_yield_stress": sy, **law, "bodies": "b", "b_lower": "0,0", "b_upper": [size, size], "indenter": "cone",
-        "indenter_half_angle": angle, "indenter_tip": [0.0, size], "damping": 0.1 * math.pi * speed / size, "frames": 0,
-        "history_interval": 2}, speed, size
+        "level_2_upper": [inner, top], "b_lower": "0,0", "b_upper": [size, size], "indenter": "cone", "indenter_half_angle": angle,
+        "indenter_tip": [0.0, size], "frames": 0, "history_interval": 2}, speed, size
 
 
 def schedule(speed, size, elastic):
@@ -68,7 +75,7 @@ def verify_cones(study):
     Load over depth squared, stiffness where the unloading begins and the plastic share of the work, on three levels, sixteen of the
     finest cells in the contact's radius, against finite elements (PNAS 117:7052, 2020).
     """
-    for exponent, modulus, sy, C, stiffness, plastic in numpy.genfromtxt(REFERENCE, delimiter=",", skip_header=4):
+    for exponent, modulus, sy, C, stiffness, plastic in table("cone_70deg.csv"):
         if (exponent, modulus, sy) not in CHOSEN:
             continue
         result = press(modulus * 1e9, sy * 1e9, exponent, elastic=1 - plastic)
@@ -77,6 +84,65 @@ def verify_cones(study):
         study.expect(name + "P/h^2, of that of finite elements", curvature(result.history) / (C * 1e9), near=1, tolerance=0.04)
         study.expect(name + "dP/dh, of that of finite elements", 1e3 * test["stiffness_mN_per_um"] / stiffness, near=1, tolerance=0.08)
         study.expect(name + "plastic share of the work, less that of finite elements", test["plastic_share"] - plastic, near=0, tolerance=0.025)
+
+
+def test_steep_cone(expect):
+    """Along the flank of a cone of 60 degrees metal is sheared by several times itself: its surface must hold."""
+    case, speed, size = block(50e9, 1e9, 0, 60)
+    down, depth = 8e-4 * speed, 0.8 * DEPTH
+    history = harness.run({**case, "indenter_times": [0, 0.1 * DEPTH / down], "indenter_velocities": [0, down], "indenter_max_depth": depth},
+                          ranks=2).history
+    expect("P/h^2, of that of finite elements", curvature(history, 0.5) / 24.248e9, near=1, tolerance=0.05)
+    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1, near=0,
+           tolerance=0.05)
+    expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.05)
+
+
+def table(name):
+    """Rows of a file of published finite elements."""
+    return numpy.genfromtxt(harness.ROOT / "tests" / "reference" / name, delimiter=",", skip_header=4)
+
+
+def verify_angles(study):
+    """Cones of other angles in metals
+
+    Load over depth squared of cones of 50, 60 and 80 degrees, as with 70.3.
+    """
+    for angle, exponent, modulus, sy, C in table("cone_angles.csv"):
+        if (exponent, modulus, sy) in ANGLED:
+            history = press(modulus * 1e9, sy * 1e9, exponent, angle).history
+            study.expect(f"{angle:g} degrees, E {modulus:g} GPa, sy {sy:g} GPa, n {exponent:g}: P/h^2, of that of finite elements",
+                         curvature(history) / (C * 1e9), near=1, tolerance=0.05)
+
+
+def press_pyramid(E, sy, exponent, cells):
+    """Half of a block, mirrored at y = 0, of 16 coarse cells on three levels; a Berkovich pyramid presses as many of the finest
+    cells deep. Without unloading."""
+    fine = DEPTH / cells
+    size = 256 * fine
+    material, speed = metal(E, sy, exponent, size)
+    down = 1e-3 * speed
+    loading = DEPTH / down
+    return harness.run({
+        **material, "geometry": "3d", "domain_lower": [-size, 0.0, 0.0], "domain_upper": [size, size, size + 32 * fine], "cell_size": 16 * fine,
+        **{f"boundary_{side}": "symmetry" for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower")}, "levels": 3, "refinement_ratio": 4,
+        "level_1_lower": [-80 * fine, 0.0, size - 80 * fine], "level_1_upper": [80 * fine, 80 * fine, size + 32 * fine],
+        "level_2_lower": [-16 * fine, 0.0, size - 16 * fine], "level_2_upper": [24 * fine, 24 * fine, size + 32 * fine],
+        "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich", "indenter_tip": [0.0, 0.0, size],
+        "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down], "end_time": 1.075 * loading, "frames": 0,
+        "history_interval": 2})
+
+
+def verify_berkovich(study):
+    """A Berkovich pyramid in metals, in space
+
+    Load over depth squared, four of the finest cells deep, of half the block.
+    """
+    for exponent, modulus, sy, C, *_ in table("berkovich.csv"):
+        if (exponent, modulus, sy) in PYRAMIDS:
+            history = press_pyramid(modulus * 1e9, sy * 1e9, exponent, 4).history
+            study.expect(f"E {modulus:g} GPa, sy {sy:g} GPa, n {exponent:g}: P/h^2, of that of finite elements", 2 * curvature(history) / (C * 1e9),
+                         near=1, tolerance=0.04)
 
 
 def last_tenth(history, name):

@@ -1,0 +1,20 @@
+// What keeps points of metals in shape where these flow far: boxes that shear draws out, and points that come to the surface.
+#pragma once
+
+#include "level/model.hpp"
+#include "level/points.hpp"
+
+namespace mlgimp
+{
+
+/// Takes the shear out of boxes of metals that split (`SplitsStretched`) where it is more than kMostShear: of the edges of such a
+/// box, each becomes its part normal to those before it, the longest first, those across outer faces last. Boxes keep their
+/// volumes, and faces their planes and areas: they are shifted along themselves. Of F a metal's stress takes det F alone. Points
+/// at an edge of the body stay.
+void StraightenBoxes(const Model &model, const PointArrays &points);
+
+/// Gives points of such metals whose centres have come into the indenter an outer face, that which faces it most: flow mixes the
+/// rows of points next to the surface, and those without a face would go through it. tip: the indenter's, m.
+void ExposePoints(const Model &model, Points &points, Vec3 tip);
+
+} // namespace mlgimp

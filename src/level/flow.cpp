@@ -1,0 +1,93 @@
+// Boxes of points that flow has sheared, and points that it has brought to the surface.
+#include "level/flow.hpp"
+
+#include "level/face.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kMostShear = 2; ///< shift of an edge over the height that it leaves to a box
+
+bool Flows(const Model &model, const PointArrays &a, int p)
+{
+  const Material &material = *model.materials[model.bodies[a.body[p]].material];
+  return material.IsMetal() && material.SplitsStretched();
+}
+
+/// Half the edge of a box along an axis of its undeformed shape, m.
+Vec3 HalfEdge(const PointArrays &a, int p, int axis)
+{
+  Vec3 along{};
+  along[axis] = a.HalfSize(p)[axis];
+  return a.Deform(p, along);
+}
+
+int FacesAcross(const PointArrays &a, int p, int axis)
+{
+  return a.faces[p] & (OuterFaceBit(static_cast<Side>(2 * axis)) | OuterFaceBit(static_cast<Side>(2 * axis + 1)));
+}
+
+/// The axes of a point's box, the longest edge first, that across outer faces last.
+std::array<int, 3> OrderOfEdges(const PointArrays &a, int p)
+{
+  std::array<int, 3> order = {0, 1, 2};
+  double length[3];
+  for (int axis = 0; axis < a.dim; ++axis) length[axis] = FacesAcross(a, p, axis) ? 0 : Norm(HalfEdge(a, p, axis));
+  std::stable_sort(order.begin(), order.begin() + a.dim, [&](int i, int j) { return length[i] > length[j]; });
+  return order;
+}
+
+/// At an edge of the body, where faces across two axes could not both keep their planes.
+bool IsAtEdge(const PointArrays &a, int p)
+{
+  int count = 0;
+  for (int axis = 0; axis < a.dim; ++axis) count += FacesAcross(a, p, axis) != 0;
+  return count > 1;
+}
+
+} // namespace
+
+void StraightenBoxes(const Model &model, const PointArrays &a)
+{
+  for (int p = 0; p < a.count; ++p) {
+    if (!Flows(model, a, p) || IsAtEdge(a, p)) continue;
+    const auto order = OrderOfEdges(a, p);
+    Vec3 edge[3];
+    bool sheared = false;
+    for (int k = 0; k < a.dim; ++k) {
+      Vec3 shift{};
+      const Vec3 whole = HalfEdge(a, p, order[k]);
+      for (int i = 0; i < k; ++i) shift = shift + Dot(whole, edge[i]) / Dot(edge[i], edge[i]) * edge[i];
+      edge[k] = whole - shift;
+      sheared = sheared || Norm(shift) > kMostShear * Norm(edge[k]);
+    }
+    for (int k = 0; sheared && k < a.dim; ++k)
+      for (int i = 0; i < a.dim; ++i) a.F[a.dim * (a.dim * p + i) + order[k]] = edge[k][i] / a.HalfSize(p)[order[k]];
+  }
+}
+
+void ExposePoints(const Model &model, Points &points, Vec3 tip)
+{
+  const PointArrays a = points.Arrays();
+  bool any = false;
+  for (int p = 0; p < a.count; ++p) {
+    if (a.faces[p] || !Flows(model, a, p)) continue;
+    const SurfaceGap gap = model.indenter->Gap(a.Position(p), tip);
+    if (gap.distance >= 0) continue;
+    double most = 0;
+    for (int s = 0; s < 2 * a.dim; ++s) {
+      const Face face = PointFace(a, p, static_cast<Side>(s));
+      const double facing = -Dot(face.area_normal, gap.normal) / Norm(face.area_normal);
+      if (facing > most) most = facing, a.faces[p] = OuterFaceBit(static_cast<Side>(s));
+    }
+    any = true;
+  }
+  if (any) points.NoteSurface();
+}
+
+} // namespace mlgimp

@@ -1,0 +1,104 @@
+// Boxes that flow has sheared: what straightening keeps, and what it leaves alone.
+#include "level/flow.hpp"
+#include "level/face.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+using namespace mlgimp;
+
+namespace
+{
+
+std::mt19937 generator(20261123);
+double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+
+/// Points of one body with nothing but boxes, faces and places.
+struct Boxes {
+  explicit Boxes(int dimension, int count)
+      : dim(dimension), position(count * dim), half_size(count * dim), F(count * dim * dim), body(count), faces(count)
+  {
+    for (double &x : position) x = Random(-1, 1);
+    for (double &l : half_size) l = Random(0.1, 0.3);
+    for (double &f : F) f = Random(-0.2, 0.2);
+    for (int p = 0; p < count; ++p)
+      for (int a = 0; a < dim; ++a) F[dim * (dim * p + a) + a] += 1;
+  }
+  PointArrays Arrays()
+  {
+    PointArrays a{};
+    a.count = static_cast<int>(body.size()), a.dim = dim;
+    a.position = position.data(), a.half_size = half_size.data(), a.F = F.data(), a.body = body.data(), a.faces = faces.data();
+    return a;
+  }
+  int dim;
+  std::vector<double> position, half_size, F;
+  std::vector<int> body, faces;
+};
+
+Model ModelOf(const std::string &law, int dim)
+{
+  Model model;
+  model.materials.push_back(
+      CreateMaterial(law, {1e9, 0.3, 1000, 1e6, 0}, dim == 2 ? GeometryKind::kPlaneStrain : GeometryKind::kSpatial));
+  model.materials[0]->SplitStretched(true);
+  model.bodies.push_back({"b", nullptr, 0, {}, 2});
+  return model;
+}
+
+/// Adds shear of the last axis along all others.
+void Shear(Boxes &boxes, double shear)
+{
+  const int dim = boxes.dim;
+  for (std::size_t p = 0; p < boxes.body.size(); ++p)
+    for (int i = 0; i < dim; ++i)
+      for (int b = 0; b < dim - 1; ++b) boxes.F[dim * (dim * p + i) + dim - 1] += shear * boxes.F[dim * (dim * p + i) + b];
+}
+
+} // namespace
+
+TEST(Flow, StraightBoxesKeepVolumesAndFaces)
+{
+  for (int dim : {2, 3}) {
+    Boxes boxes(dim, 50);
+    const Side top = static_cast<Side>(2 * dim - 1);
+    Shear(boxes, 6);
+    for (int &faces : boxes.faces) faces = OuterFaceBit(top);
+    const PointArrays a = boxes.Arrays();
+    std::vector<Face> before;
+    std::vector<double> volume;
+    for (int p = 0; p < a.count; ++p)
+      before.push_back(PointFace(a, p, top)), volume.push_back(Determinant(a.F + dim * dim * p, dim));
+    StraightenBoxes(ModelOf("j2", dim), a);
+    double changed = 0, moved = 0, turned = 0, sheared = 0;
+    for (int p = 0; p < a.count; ++p) {
+      const Face face = PointFace(a, p, top);
+      const double area = Norm(face.area_normal);
+      const Vec3 normal = (1 / area) * face.area_normal, edge = face.center - a.Position(p);
+      changed = std::max(changed, std::abs(Determinant(a.F + dim * dim * p, dim) / volume[p] - 1));
+      moved = std::max(moved, std::abs(Dot(face.center - before[p].center, normal)));
+      turned = std::max(turned, Norm(face.area_normal - before[p].area_normal) / area);
+      sheared = std::max(sheared, Norm(edge - Dot(edge, normal) * normal) / Norm(edge));
+    }
+    EXPECT_LE(changed, 1e-13) << "volume, " << dim;
+    EXPECT_LE(moved, 1e-13) << "face's place along its normal, m, " << dim;
+    EXPECT_LE(turned, 1e-13) << "face's area and normal, " << dim;
+    EXPECT_LE(sheared, 1e-13) << "shift of the face along itself, of the edge to it, " << dim;
+  }
+}
+
+TEST(Flow, LittleShearAndElasticBoxesStay)
+{
+  for (int dim : {2, 3}) {
+    Boxes little(dim, 20), elastic(dim, 20);
+    Shear(elastic, 6);
+    const std::vector<double> F = little.F, of_elastic = elastic.F;
+    StraightenBoxes(ModelOf("j2", dim), little.Arrays());
+    StraightenBoxes(ModelOf("neo_hookean", dim), elastic.Arrays());
+    EXPECT_EQ(little.F, F) << dim;
+    EXPECT_EQ(elastic.F, of_elastic) << dim;
+  }
+}

@@ -162,11 +162,16 @@ PetscErrorCode Hierarchy::RenewInterface(int b, bool keeps_state)
 void Hierarchy::CoupleNodes(int l)
 {
   std::vector<CoupledNode> nodes;
+  std::vector<std::ptrdiff_t> held;
   if (!CoupledByNodes()) return;
   levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr);
-  if (l > 0) nodes = borders_[l - 1]->FineNodes();
-  if (IsActive(l + 1)) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
-  levels_[l]->SetCoupledNodes(std::move(nodes));
+  if (l > 0) nodes = borders_[l - 1]->FineNodes(), held = borders_[l - 1]->HeldFineNodes();
+  if (IsActive(l + 1)) {
+    const LevelInterface &finer = *borders_[l];
+    nodes.insert(nodes.end(), finer.CoarseNodes().begin(), finer.CoarseNodes().end());
+    held.insert(held.end(), finer.HeldCoarseNodes().begin(), finer.HeldCoarseNodes().end());
+  }
+  levels_[l]->SetCoupledNodes(std::move(nodes), std::move(held));
 }
 
 PetscErrorCode Hierarchy::Reconnect()

@@ -320,7 +320,7 @@ TEST(ContactSystemOnRanks, FewerUnknownsThanRanks)
   ContactSystem system;
   settings.serial_unknowns = 1;
   ASSERT_EQ(body.Create(PETSC_COMM_WORLD), PETSC_SUCCESS);
-  std::fill_n(body.grid.Sums(), body.grid.GhostedNodes(), NodeSums{1, {1, 1, 1}, {1, 1, 1}, 1});
+  std::fill_n(body.grid.Sums(), body.grid.GhostedNodes(), NodeSums{1, 1, {1, 1, 1}, {1, 1, 1}});
   ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
   const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -1}, {0, -1}}}; // each rank's
   PetscMPIInt ranks;

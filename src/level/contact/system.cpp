@@ -153,7 +153,8 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   for (std::vector<Term> &row : rows_) row.clear();
   AddProducts(view, couplings, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
-  PetscCall(ExchangeRecords(view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
+  PetscCall(ExchangeRecords(
+      view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }, layout.ranks));
 
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);

@@ -97,6 +97,12 @@ private:
     double values[kState];
   };
 
+  /// What an interface node brings to the coarse level where contact may push it.
+  struct UpRecord {
+    double velocity[8]; ///< [velocity_size_]
+    SharedNode shared;
+  };
+
   Index Offset() const;
   int Depth(Index node) const;
   double Beta(Index node) const;
@@ -116,6 +122,7 @@ private:
   BlendNode Blend(Index node, std::map<Index, int> &place, bool grows);
   bool FineContactMeets() const;
   bool MeetsContact() const;
+  PetscErrorCode ShareContact();
   /// True where all that contact has done to interface nodes is over: it lasts for two coarse steps more.
   bool IsClear() const { return clear_steps_ > 2; }
   PetscErrorCode FindPlaces();
@@ -158,7 +165,7 @@ private:
   std::vector<SharedNode> shared_;    ///< by place on the coarse level
   std::vector<SharedNode> to_share_;  ///< [advanced_]
   int clear_steps_ = 0;               ///< coarse steps in a row in which contact could push no interface node
-  UnitHandle shared_unit_, state_unit_;
+  UnitHandle shared_unit_, up_unit_, state_unit_;
   std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted
   std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep
   std::vector<double> pushed_;   ///< [known_][velocity_size_]: what contact on the finer level adds to it

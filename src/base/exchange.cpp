@@ -7,18 +7,15 @@ namespace mlgimp
 namespace
 {
 
-constexpr PetscMPIInt kFewRanks = 8; // among so many a message to each takes no longer than a collective call
-
 /// Records for or from a rank.
 struct Group {
   PetscMPIInt rank;
   int count;
 };
 
-/// Sends all that is for this rank and others, of whom the first `receivers` may get something: to each of them a message, with
-/// or without records, whose length tells how many there are.
+/// Sends a message to each rank that may get something, with or without records: its length tells how many there are.
 PetscErrorCode ExchangeAmongFew(MPI_Comm comm, MPI_Datatype record, std::size_t bytes, const std::vector<Group> &targets,
-                                PetscMPIInt receivers, const char *outgoing, std::vector<char> *incoming)
+                                SendPattern pattern, const char *outgoing, std::vector<char> *incoming)
 {
   const PetscMPIInt ranks = RanksOf(comm), mine = RankIn(comm);
   PetscMPIInt tag;
@@ -30,10 +27,15 @@ PetscErrorCode ExchangeAmongFew(MPI_Comm comm, MPI_Datatype record, std::size_t 
   for (const Group &target : targets) count[target.rank] = target.count;
   for (PetscMPIInt rank = 0; rank < ranks; ++rank) from[rank + 1] = from[rank] + bytes * count[rank];
   PetscCall(PetscCommDuplicate(comm, &inner, &tag));
-  for (PetscMPIInt rank = 0; rank < receivers; ++rank)
-    if (rank != mine) PetscCallMPI(MPI_Isend(from[rank], count[rank], record, rank, tag, inner, &requests.emplace_back()));
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank) {
+    if (rank == mine) continue;
+    if (pattern & Sends(mine, rank))
+      PetscCallMPI(MPI_Isend(from[rank], count[rank], record, rank, tag, inner, &requests.emplace_back()));
+    else
+      PetscCheck(count[rank] == 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "Records for rank %d, which expects none", rank);
+  }
   incoming->clear();
-  for (PetscMPIInt rank = 0; mine < receivers && rank < ranks; ++rank) {
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank) {
     const std::size_t before = incoming->size();
     MPI_Status status;
     int number = 0;
@@ -41,6 +43,7 @@ PetscErrorCode ExchangeAmongFew(MPI_Comm comm, MPI_Datatype record, std::size_t 
       incoming->insert(incoming->end(), from[rank], from[rank + 1]);
       continue;
     }
+    if (!(pattern & Sends(rank, mine))) continue;
     PetscCallMPI(MPI_Probe(rank, tag, inner, &status));
     PetscCallMPI(MPI_Get_count(&status, record, &number));
     incoming->resize(before + bytes * number);
@@ -100,7 +103,7 @@ PetscErrorCode ExchangeAmongMany(MPI_Comm comm, MPI_Datatype record, std::size_t
 
 } // namespace
 
-PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values)
+PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values, SendPattern pattern)
 {
   const PetscMPIInt ranks = RanksOf(comm), count = static_cast<PetscMPIInt>(values->size());
   PetscMPIInt tag;
@@ -112,15 +115,19 @@ PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscCommDuplicate(comm, &inner, &tag));
-  if (RankIn(comm) > 0) PetscCallMPI(MPI_Irecv(values->data(), count, MPI_DOUBLE, 0, tag, inner, &requests.emplace_back()));
-  for (PetscMPIInt rank = 1; RankIn(comm) == 0 && rank < ranks; ++rank)
-    PetscCallMPI(MPI_Isend(values->data(), count, MPI_DOUBLE, rank, tag, inner, &requests.emplace_back()));
+  for (PetscMPIInt rank = 1; rank < ranks; ++rank) {
+    if (!(pattern & Sends(0, rank))) continue;
+    if (RankIn(comm) == 0)
+      PetscCallMPI(MPI_Isend(values->data(), count, MPI_DOUBLE, rank, tag, inner, &requests.emplace_back()));
+    else if (RankIn(comm) == rank)
+      PetscCallMPI(MPI_Irecv(values->data(), count, MPI_DOUBLE, 0, tag, inner, &requests.emplace_back()));
+  }
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCall(PetscCommDestroy(&inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, PetscMPIInt receivers,
+PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, SendPattern pattern,
                              const void *outgoing, std::vector<char> *incoming)
 {
   const char *const from = static_cast<const char *>(outgoing);
@@ -134,7 +141,7 @@ PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector
   PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
   PetscCallMPI(MPI_Type_commit(&record));
   if (RanksOf(comm) <= kFewRanks)
-    PetscCall(ExchangeAmongFew(comm, record, bytes, targets, receivers, from, incoming));
+    PetscCall(ExchangeAmongFew(comm, record, bytes, targets, pattern, from, incoming));
   else
     PetscCall(ExchangeAmongMany(comm, record, bytes, targets, from, incoming));
   PetscCallMPI(MPI_Type_free(&record));

@@ -64,8 +64,9 @@ void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
 bool LevelInterface::FineContactMeets() const
 {
   bool meets = false;
-  if (fine_->ContactAwake())
-    ForEach(Intersection(fine_->Clock().contact_zone, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
+  IndexBox pushed = fine_->Clock().contact_zone; // which holds also the coarser nodes that these move with
+  for (int axis = 0; axis < dim_; ++axis) pushed.lower[axis] += ratio_, pushed.upper[axis] -= ratio_;
+  if (fine_->ContactAwake()) ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
   return meets;
 }
 

@@ -326,7 +326,7 @@ IndexBox Hierarchy::ZoneOf(int l, const Box &near, double drift) const
   return zone;
 }
 
-/// Wakes contact on the levels with points that the indenter can reach, and tells each what of it contact may touch. Points of
+/// Wakes contact on the levels with points that the indenter can press on, and tells each what of it contact may touch. Points of
 /// neighbouring levels may become its own.
 PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
 {
@@ -336,9 +336,11 @@ PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     const double range = kPointRange * settings_.levels[l].grid.spacing + travel + drift;
-    Box near = kNowhere;
+    const double touch = range + (TouchRange(model_->contact) - kPointRange) * settings_.levels[l].grid.spacing;
+    Box near = kNowhere, touching = kNowhere;
     PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), range, &near));
-    largest.push_back(near.lower[0] < HUGE_VAL);
+    PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), touch, &touching));
+    largest.push_back(touching.lower[0] < HUGE_VAL);
     for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
       if (other != l) PetscCall(levels_[other]->FindNearIndenter(tip_.At(time), range, &near));
     for (const double x : near.lower) largest.push_back(-x);

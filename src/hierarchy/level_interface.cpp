@@ -36,6 +36,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   to_share_.assign(advanced_, {});
   shared_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, {});
   PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
+  PetscCall(up_unit_.Create(sizeof(UpRecord) / sizeof(double)));
   PetscCall(state_unit_.Create(kState));
   mean_.assign(static_cast<std::size_t>(velocity_size_) * advanced_, 0.0);
   sums_.assign(known_.size(), {});
@@ -183,17 +184,34 @@ PetscErrorCode LevelInterface::FineToCoarse()
 {
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
-  PetscCall(PetscSFReduceBegin(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
-  PetscCall(PetscSFReduceEnd(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
   clear_steps_ = MeetsContact() ? 0 : clear_steps_ + 1;
-  if (!coarse_->ContactAwake()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (IsClear()) {
-    std::fill(shared_.begin(), shared_.end(), SharedNode());
+  if (!IsClear()) {
+    PetscCall(ShareContact());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  std::fill(shared_.begin(), shared_.end(), SharedNode());
+  PetscCall(PetscSFReduceBegin(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// FineToCoarse with what contact on both levels must know, in one message.
+PetscErrorCode LevelInterface::ShareContact()
+{
+  const Grid &coarse = coarse_->Mesh();
+  std::vector<UpRecord> outgoing(owned_), incoming(shared_.size());
+  PetscFunctionBeginUser;
   for (int k = 0; k < advanced_; ++k) to_share_[k].finer_mass = sums_[k].mass;
-  PetscCall(PetscSFReduceBegin(up_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
-  PetscCall(PetscSFReduceEnd(up_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
+  for (int k = 0; k < owned_; ++k) {
+    std::copy_n(VelocityIn(mean_, k).velocity, velocity_size_, outgoing[k].velocity);
+    outgoing[k].shared = to_share_[k];
+  }
+  PetscCall(PetscSFReduceBegin(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
+  for (const CoupledNode &node : coarse_nodes_) {
+    std::copy_n(incoming[node.node].velocity, velocity_size_, coarse.Velocity(node.node).velocity);
+    shared_[node.node] = incoming[node.node].shared;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

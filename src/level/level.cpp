@@ -137,7 +137,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (ContactAwake()) PrepareSharedNodes();
+  if (contact_) PrepareSharedNodes();
   if (touched) PetscCall(ApplyContact(time, dt, tip));
   if (ContactAwake() && border_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));

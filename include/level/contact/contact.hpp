@@ -83,6 +83,14 @@ PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Co
 inline constexpr double kContactRange = 2.5;
 /// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
 inline constexpr double kPointRange = kContactRange + 1.5;
+/// Mean gap of a column, in cells, beyond which it cannot touch in a step.
+inline constexpr double kCandidateGap = 0.5;
+/// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of columns that
+/// of segments that may be candidates; the other methods look at nodes and at points.
+inline double TouchRange(const ContactSettings &settings)
+{
+  return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;
+}
 /// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
 inline constexpr double kLeastFacing = 0.1;
 

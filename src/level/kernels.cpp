@@ -335,7 +335,6 @@ private:
   }
 
   /// Adds momentum, and what the plan asks for of momentum with the grid's velocity u and mass times strain rate, to `rates`.
-  /// moved: velocities of the points, then their strain rates.
   static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const GridToPointsPlan &plan, const Row *u,
                            const Row *moved)
   {

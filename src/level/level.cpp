@@ -138,8 +138,9 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
   if (contact_) PrepareSharedNodes();
+  pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
-  if (ContactAwake() && border_) PetscCall(border_->Spread(&pushed_));
+  if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);

@@ -155,8 +155,9 @@ TEST(ContactColumns, PartitionOfUnity)
       }
       ContactColumns columns;
       SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       ForEach(columns.Box(), [&](Index at) {
         const ContactColumn &column = columns.At(at);
         sum += column.area;
@@ -183,9 +184,10 @@ TEST(ContactColumns, MeanOfALinearGap)
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
       SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 2 * kH, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0.1, slope);
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       for (int i = 3; i < 5; ++i)
         for (int j = dim == 3 ? 3 : 0; j < (dim == 3 ? 5 : 1); ++j) {
           const ContactColumn &column = columns.At({i, j, 0});
@@ -207,9 +209,10 @@ TEST(ContactColumns, FullArea)
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
       SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 0, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0, {});
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       for (int i = 0; i < 5; ++i) {
         const Index at = {i, dim == 3 ? 2 : 0, 0};
         const ContactColumn &column = columns.At(at);

@@ -67,9 +67,10 @@ public:
   ~ContactColumns();
 
   /// Sums up the columns of the segments of all ranks. width: alpha; least_gap: of this rank's segments, then of all, m; pattern:
-  /// to which ranks this one sends, then who sends to whom. Collective on the group.
+  /// to which ranks this one sends, then who sends to whom; at_border: segments of this rank, then of any, lie in cells whose
+  /// nodes hang on those of the coarser level. Collective on the group.
   PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments, double *least_gap,
-                     SendPattern *pattern);
+                     SendPattern *pattern, bool *at_border);
 
   const IndexBox &Box() const { return box_; } ///< of the columns; empty where nothing is near
   int Place(Index column) const { return (column[1] - box_.lower[1]) * box_.Size(0) + column[0] - box_.lower[0]; }

@@ -51,6 +51,7 @@ struct ContactReport {
   double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
   double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
                             ///< each other until something can; the same on all ranks, m
+  bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
 };

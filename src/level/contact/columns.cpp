@@ -148,7 +148,7 @@ void ContactColumns::Crop()
 }
 
 PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments,
-                                   double *least_gap, SendPattern *pattern)
+                                   double *least_gap, SendPattern *pattern, bool *at_border)
 {
   constexpr int kHalf = 32; // bits; a double holds so many without rounding, and no two ranks set the same
   PetscFunctionBeginUser;
@@ -161,12 +161,12 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   columns_.assign(box_.Count(), {});
   for (const PressedSegment &segment : segments) Add(view, width, segment);
   ContactColumn &other = columns_.emplace_back(); // what goes along, as it is added up, and its least found, in the same way
-  other.left = *least_gap;
+  other.left = *least_gap, other.flowing = *at_border;
   other.area = static_cast<double>(*pattern >> kHalf),
   other.gap = static_cast<double>(*pattern & ((SendPattern(1) << kHalf) - 1));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
-  *least_gap = columns_.back().left;
+  *least_gap = columns_.back().left, *at_border = columns_.back().flowing > 0;
   *pattern = static_cast<SendPattern>(columns_.back().area) << kHalf | static_cast<SendPattern>(columns_.back().gap);
   columns_.pop_back();
   Crop();

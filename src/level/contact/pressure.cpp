@@ -61,8 +61,8 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     PetscCall(CollectSegments(view, report));
-    SendPattern pattern = OwnersOfNodes(view);
-    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &pattern));
+    SendPattern pattern = OwnersOfNodes(view, &report->at_border);
+    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &pattern, &report->at_border));
     NumberUnknowns(view);
     MakeCouplings(view);
     PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), pattern, report));
@@ -128,20 +128,22 @@ private:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  /// To which ranks this one may send couplings: the owners of all nodes around its segments.
-  SendPattern OwnersOfNodes(const ContactView &view) const
+  /// To which ranks this one may send couplings: the owners of all nodes around its segments. at_border: nodes of the coarser
+  /// level are among them.
+  SendPattern OwnersOfNodes(const ContactView &view, bool *at_border) const
   {
     const PetscMPIInt rank = RankIn(view.group.Comm());
     SendPattern pattern = 0;
     std::vector<ContactCoupling> corners;
     Index last = kNoCell;
-    if (RanksOf(view.group.Comm()) > kFewRanks) return pattern;
     for (const PressedSegment &segment : segments_) {
       const Index cell = segment.place.cell;
       for (int k = 0; cell != last && k < 1 << view.geometry.Dim(); ++k) corners.push_back({Corner(cell, k), 0, {}, {}});
       last = cell;
     }
     if (view.border) ContactSystem::AddBeyondBorder(*view.border, &corners);
+    *at_border = !corners.empty() && corners.back().coarser;
+    if (RanksOf(view.group.Comm()) > kFewRanks) return pattern;
     for (const ContactCoupling &corner : corners)
       if (const PetscMPIInt owner = ContactSystem::OwnerOf(view, corner); owner >= 0) pattern |= Sends(rank, owner);
     return pattern;

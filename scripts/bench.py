@@ -4,7 +4,8 @@
 usage: scripts/bench.py        after `make bench` has built bin/mlgimp and bin/bench_machine
 
 The yardstick is the memory floor: the time in which what two sweeps a step need of the points' fields streams through
-memory (docs/performance.md). Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each
+memory (docs/performance.md). Beside it stand two limits of each variant as it is written: the time in which the bytes that
+its sweeps move stream, and that in which the core issues its instructions at six a cycle. Bandwidth and program are measured in turn, since the speed of a shared machine drifts. Each
 figure is a median, with least and greatest. The row of two runs at once, which know nothing of each other, tells what two
 ranks could gain. Results go to a temporary folder.
 """
@@ -23,6 +24,9 @@ from log_view import LogView
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FLOOR_BYTES = 296  # of a point and step: what points to grid reads, 120, and what the way back reads and writes, 176
 USL_BYTES, GOAL_BYTES = 1632, 2448  # over the bandwidth: the time that a step may take, with USL and in general
+MOVED_BYTES = {"USL": 336, "default": 520, "XPIC(2)": 488}  # of a point and step, by the sweeps as they are
+INSTRUCTIONS = {"USL": 337, "default": 577, "XPIC(2)": 542}  # of a point and step, of the AVX2 build by callgrind
+ISSUED_PER_CYCLE = 6
 REPETITIONS = 5
 FIVE_LEVEL_STEPS = 1260  # of level 0 in the whole run of multiscale_5level.opts
 FIVE_LEVEL_GROWTH = 1.1  # time of that run over the time of as many steps like its first: contact and transfer grow
@@ -35,7 +39,7 @@ XPIC = {"short_wave_viscosity": "0,0", "xpic_fraction": 0.02}
 
 
 def machine():
-    """Triad bandwidth in GB/s and multiply-add rate in Gflop/s of one core, now."""
+    """Triad bandwidth in GB/s, multiply-add rate in Gflop/s and clock in GHz of one core, now."""
     done = subprocess.run([str(ROOT / "bin/bench_machine")], capture_output=True, text=True, check=True)
     return tuple(float(word) for word in done.stdout.split())
 
@@ -118,13 +122,18 @@ def sweep_rows():
              "XPIC(2), 250k points": GOAL_BYTES / FLOOR_BYTES}
     variants = dict(zip(goals, (USL, DEFAULT, XPIC)))
     limits, runs = alternate({name: block(250, 60, **variant) for name, variant in variants.items()})
-    row("triad, one core", Spread(bandwidth for bandwidth, _ in limits), "GB/s")
-    row("multiply-add, one core", Spread(rate for _, rate in limits), "Gflop/s")
-    floors = [FLOOR_BYTES / bandwidth for bandwidth, _ in limits]
-    row("memory floor, two sweeps", Spread(floors), "ns/point-step")
+    for what, unit, figures in zip(("triad", "multiply-add", "clock"), ("GB/s", "Gflop/s", "GHz"), zip(*limits)):
+        row(f"{what}, one core", Spread(figures), unit)
+    bandwidths, clocks = [limit[0] for limit in limits], [limit[2] for limit in limits]
+    row("memory floor, two sweeps", Spread(FLOOR_BYTES / bandwidth for bandwidth in bandwidths), "ns/point-step")
     for name, goal in goals.items():
-        row(name, Spread(run.nanoseconds for run in runs[name]), "ns/point-step")
-        row("", Spread(run.nanoseconds / floor for run, floor in zip(runs[name], floors)), "memory floors", goal)
+        times, kind = [run.nanoseconds for run in runs[name]], name.split(",")[0]
+        row(name, Spread(times), "ns/point-step")
+        row("", Spread(time * bandwidth / FLOOR_BYTES for time, bandwidth in zip(times, bandwidths)), "memory floors", goal)
+        for what, least in (("memory", [MOVED_BYTES[kind] / bandwidth for bandwidth in bandwidths]),
+                            ("issue", [INSTRUCTIONS[kind] / (ISSUED_PER_CYCLE * clock) for clock in clocks])):
+            row(f"    {what} limit, its share of the time", Spread(least), "ns/point-step")
+            row("", Spread(100 * limit / time for limit, time in zip(least, times)), "%")
     return runs["default, 250k points"]
 
 

@@ -4,6 +4,7 @@
 #include "base/petsc.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <type_traits>
 #include <vector>
@@ -11,13 +12,21 @@
 namespace mlgimp
 {
 
+inline constexpr PetscMPIInt kFewRanks = 8; ///< among so many a message to each takes no longer than a collective call
+
+/// Who may send something to whom in an exchange among few ranks, as far as all of them know it: a bit for each pair.
+using SendPattern = std::uint64_t;
+inline constexpr SendPattern kAnyToAny = ~SendPattern(0);
+inline SendPattern Sends(PetscMPIInt from, PetscMPIInt to) { return SendPattern(1) << (kFewRanks * from + to); }
+
 /// Sends records of `bytes` each, one after the other in `outgoing`: the k-th to ranks[k], which do not fall. What comes is
 /// ordered by the ranks it comes from. Collective.
-PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, const void *outgoing,
-                             std::vector<char> *incoming);
+PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, SendPattern pattern,
+                             const void *outgoing, std::vector<char> *incoming);
 
-/// Copies numbers from the first rank, which all know how many are, to the others: to few of them directly. Collective.
-PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values);
+/// Copies numbers from the first rank, which all know how many are, to the others: among few directly, to those of the pattern.
+/// Collective.
+PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values, SendPattern pattern);
 
 /// The records of all ranks, ordered by rank, on every rank. Collective.
 template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::vector<Record> &mine, std::vector<Record> *all)
@@ -36,7 +45,8 @@ template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::v
 /// Sends every record to the rank that `rank_of(record)` names, and drops it where that is negative. On return `records` are
 /// those that have come, ordered by the ranks they come from and as they stood there, so that a fixed number of ranks repeats bit
 /// for bit. Collective.
-template <class Record, class RankOf> PetscErrorCode ExchangeRecords(MPI_Comm comm, std::vector<Record> *records, RankOf rank_of)
+template <class Record, class RankOf>
+PetscErrorCode ExchangeRecords(MPI_Comm comm, std::vector<Record> *records, RankOf rank_of, SendPattern pattern = kAnyToAny)
 {
   static_assert(std::is_trivially_copyable_v<Record>, "records travel as bytes");
   std::vector<PetscMPIInt> ranks;
@@ -47,7 +57,7 @@ template <class Record, class RankOf> PetscErrorCode ExchangeRecords(MPI_Comm co
   if (RanksOf(comm) == 1) PetscFunctionReturn(PETSC_SUCCESS);
   std::stable_sort(records->begin(), records->end(), [&](const Record &a, const Record &b) { return rank_of(a) < rank_of(b); });
   for (const Record &record : *records) ranks.push_back(rank_of(record));
-  PetscCall(ExchangeBytes(comm, sizeof(Record), ranks, records->data(), &incoming));
+  PetscCall(ExchangeBytes(comm, sizeof(Record), ranks, pattern, records->data(), &incoming));
   records->resize(incoming.size() / sizeof(Record));
   std::copy(incoming.begin(), incoming.end(), static_cast<char *>(static_cast<void *>(records->data())));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -62,10 +62,12 @@ public:
   /// extrapolate: what is in `sums` of the coarse level, or of the fine level's constrained nodes. Collective on all.
   PetscErrorCode ShiftForces(bool from_fine);
 
-  /// Owned nodes of this rank that the border acts on: interface nodes on the coarse level, all of them held, and those of
-  /// the band on the fine, of which constrained ones are.
+  /// Owned nodes of this rank that the border acts on: interface nodes on the coarse level, and those of the band on the fine.
   const std::vector<CoupledNode> &CoarseNodes() const { return coarse_nodes_; }
   const std::vector<CoupledNode> &FineNodes() const { return fine_nodes_; }
+  /// Places of nodes, with ghosts, whose velocity is the border's alone: interface nodes, and constrained ones of the band.
+  const std::vector<std::ptrdiff_t> &HeldCoarseNodes() const { return held_coarse_; }
+  const std::vector<std::ptrdiff_t> &HeldFineNodes() const { return held_fine_; }
 
   /// Takes what the last step left to the next from the border before a change of layout, with the same nodes. Collective on all.
   PetscErrorCode TakeState(const LevelInterface &before);
@@ -95,6 +97,12 @@ private:
     double values[kState];
   };
 
+  /// What an interface node brings to the coarse level where contact may push it.
+  struct UpRecord {
+    double velocity[8]; ///< [velocity_size_]
+    SharedNode shared;
+  };
+
   Index Offset() const;
   int Depth(Index node) const;
   double Beta(Index node) const;
@@ -110,14 +118,20 @@ private:
   }
   void ListOwned();
   void ListBand();
-  BlendNode Blend(Index node, std::map<Index, int> &place);
+  void ListHeldAxes();
+  BlendNode Blend(Index node, std::map<Index, int> &place, bool grows);
+  bool FineContactMeets() const;
+  bool MeetsContact() const;
+  PetscErrorCode ShareContact();
+  /// True where all that contact has done to interface nodes is over: it lasts for two coarse steps more.
+  bool IsClear() const { return clear_steps_ > 2; }
   PetscErrorCode FindPlaces();
   std::vector<NodeState> States() const;
   void SetState(const NodeState &state);
   PetscErrorCode BroadcastVelocity(std::vector<double> *array);
   PetscErrorCode CreateExchange();
-  PetscErrorCode CreateTransfer();
-  /// `sums_` of owned interface nodes. Collective on the finer level's ranks.
+  PetscErrorCode CreateTransfer(int count, SFHandle *transfer);
+  /// `sums_` of the interface nodes that this rank works out. Collective on the finer level's ranks.
   PetscErrorCode Restrict();
   void AdvanceInterface(int substep, double dt);
   /// (v, dv) of an interface node in one of the arrays below.
@@ -132,23 +146,30 @@ private:
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2, dim_ = 2, velocity_size_ = 4;
   double blend_width_ = kBlendWidth;
+  bool knows_hats_ = false; ///< this rank has the sums of all fine nodes in the hats of interface nodes that its band hangs on
   std::vector<InterfaceNode> known_;     ///< interface nodes that this rank advances, and then others that its band hangs on
   int owned_ = 0;                        ///< those that it advances
+  int advanced_ = 0;                     ///< those whose motion it works out: all known ones where it knows hats
   std::map<Index, int> owned_place_;     ///< in known_
+  std::map<Index, int> advanced_place_;  ///< in known_
   std::vector<BlendNode> band_;          ///< of owned fine nodes
-  std::vector<unsigned char> held_axes_; ///< [owned_] bit per axis held by a side
+  std::vector<BlendNode> hats_;          ///< of those that interface nodes get sums from
+  std::vector<unsigned char> held_axes_; ///< [advanced_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
-  SFHandle exchange_, transfer_;
-  std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
-  std::vector<Vec3> previous_force_;  ///< [owned_]
-  std::vector<Vec3> contact_, left_;  ///< [owned_]: impulse of contact on the coarse level; what fine points lack of it
+  std::vector<std::ptrdiff_t> held_coarse_, held_fine_;
+  SFHandle exchange_;                 ///< interface nodes to other ranks that know them
+  SFHandle down_, up_;                ///< coarse nodes to interface nodes, and those of their owners to coarse nodes
+  std::vector<NodeSums> coarse_sums_; ///< [advanced_]: of the coarse points
+  std::vector<Vec3> previous_force_;  ///< [advanced_]
+  std::vector<Vec3> contact_, left_;  ///< [advanced_]: impulse of contact on the coarse level; what fine points lack of it
   std::vector<SharedNode> shared_;    ///< by place on the coarse level
-  std::vector<SharedNode> to_share_;  ///< [owned_]
-  UnitHandle shared_unit_;
+  std::vector<SharedNode> to_share_;  ///< [advanced_]
+  int clear_steps_ = 0;               ///< coarse steps in a row in which contact could push no interface node
+  UnitHandle shared_unit_, up_unit_, state_unit_;
   std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted
   std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep
   std::vector<double> pushed_;   ///< [known_][velocity_size_]: what contact on the finer level adds to it
-  std::vector<double> mean_;     ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
+  std::vector<double> mean_;     ///< [advanced_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   Budgets budgets_;
 };

@@ -6,6 +6,7 @@
 #include "base/handle.hpp"
 #include "base/index.hpp"
 #include "base/tensor.hpp"
+#include "level/shared_nodes.hpp"
 #include "pointwise/point_fields.hpp"
 #include "pointwise/shape.hpp"
 
@@ -48,9 +49,9 @@ struct GridLayout {
 /// What a node holds of the points around it: one cache line in every geometry.
 struct alignas(64) NodeSums {
   double mass;        ///< kg
+  double owned_mass;  ///< of points that this level owns; the others are copies, kg
   double momentum[3]; ///< kg m/s
   double force[3];    ///< internal, of loads and of bodies, N
-  double owned_mass;  ///< of points that this level owns; the others are copies, kg
 };
 static_assert(sizeof(NodeSums) == 64, "nodal sums travel and load as eight doubles");
 
@@ -145,15 +146,12 @@ public:
   /// Rates, and the sums of cells.
   void ClearRates() const;
 
-  /// Adds the ghosts' values to their owners.
-  PetscErrorCode ReduceSums() { return Reduce(sums_unit_, sums_); }
-  PetscErrorCode ReduceRates() { return Reduce(rates_unit_, rates_); }
-  /// Leaves the mean growth of each cell on all ranks that have points in it.
-  PetscErrorCode AverageCells();
-  /// Copies the owners' values to the ghosts.
-  PetscErrorCode BroadcastSums() { return Broadcast(sums_unit_, sums_); }
-  PetscErrorCode BroadcastVelocity() { return Broadcast(velocity_unit_, velocity_); }
-  PetscErrorCode BroadcastRates() { return Broadcast(rates_unit_, rates_); }
+  /// Adds up what all ranks have added to the nodes, their own and ghosts alike: afterwards all know the sums there.
+  PetscErrorCode ShareSums();
+  /// The same of rates, with or without the projection and the strain rate, and of cells, which get their means.
+  PetscErrorCode ShareRates(bool projection, bool strain_rate);
+  /// Copies the owners' velocities to the ghosts, where more than shared sums has made them.
+  PetscErrorCode BroadcastVelocity();
 
   /// The values of a node as one unit of communication.
   MPI_Datatype SumsUnit() const { return sums_unit_; }
@@ -167,8 +165,8 @@ public:
 private:
   PetscErrorCode CreateNodes();
   PetscErrorCode CreateHalo();
-  PetscErrorCode Reduce(MPI_Datatype unit, void *array);
-  PetscErrorCode Broadcast(MPI_Datatype unit, void *array);
+  PetscErrorCode CreateSharedNodes();
+  IndexBox GhostedOf(int block) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   GridGeometry geometry_{};
@@ -184,7 +182,8 @@ private:
   CellSums *cells_ = nullptr;
   std::ptrdiff_t cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
-  UnitHandle sums_unit_, velocity_unit_, rates_unit_, cells_unit_;
+  SharedNodes shared_;
+  UnitHandle sums_unit_, velocity_unit_;
   std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };
 

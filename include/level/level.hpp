@@ -75,8 +75,12 @@ public:
   /// Counts the step; migrates and sorts where due.
   PetscErrorCode EndStep();
 
-  /// Owned nodes whose velocities neighbouring levels have a part in. From now on their exchange of energy is added up.
-  void SetCoupledNodes(std::vector<CoupledNode> nodes) { coupled_nodes_ = std::move(nodes), is_coupled_ = true; }
+  /// Owned nodes whose velocities neighbouring levels have a part in, and the places of nodes, with ghosts, of which they alone
+  /// make the velocity. From now on their exchange of energy is added up.
+  void SetCoupledNodes(std::vector<CoupledNode> nodes, std::vector<std::ptrdiff_t> held)
+  {
+    coupled_nodes_ = std::move(nodes), held_nodes_ = std::move(held), is_coupled_ = true;
+  }
   /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
   /// level's; none where there is no such level.
   void SetBorders(BorderNodes *coarser, SharedNode *finer) { border_ = coarser, shared_ = finer; }
@@ -194,9 +198,11 @@ private:
   std::unique_ptr<Contact> contact_;
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
+  std::vector<std::ptrdiff_t> held_nodes_; ///< whose second velocity is the first
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
   std::vector<PushedNode> pushed_; ///< by contact in the step
+  bool pushes_beyond_ = true;      ///< contact in the step may have pushed nodes of the coarser level
   bool is_coupled_ = false, measures_noise_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
   std::vector<double> gradient_[3];      ///< [points][dim*dim] likewise, where a material averages its volume

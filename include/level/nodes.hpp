@@ -52,7 +52,6 @@ struct NodalSettings {
 /// An owned node whose velocity a neighbouring level has a part in.
 struct CoupledNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
-  bool held;           ///< its second velocity is the first
   Vec3 change{};       ///< of its velocity by the other level in the last step, m/s
 };
 
@@ -67,19 +66,21 @@ struct PushedNode {
 /// see, do not count as work. Where there are no rates, P = p + m dv.
 double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates);
 
-/// Adds gravity and damping, m g - damping p, to the nodal forces of owned nodes and adds up their impulses.
-void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
+// What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
+
+/// Adds gravity and damping, m g - damping p, to the nodal forces.
+void AddBodyForces(const Grid &grid, const NodalSettings &settings);
 
 /// Of owned nodes at the start of the step, the part that points of this level have in them, J.
 double KineticEnergy(const Grid &grid, const NodalSettings &settings);
 
-/// v = p/m + dt f/m on owned nodes; velocity := (v, dv).
+/// v = p/m + dt f/m; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
-/// Holds the velocities of owned nodes at the sides, adding up the impulse on the body.
+/// Holds the velocities of nodes at the sides, adding up the impulse on the body.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
 
-/// Adds up the work of gravity and damping with the mean velocity of the step, after sides and contact.
+/// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
@@ -98,9 +99,9 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. Owned nodes; at those that are held the second velocity is the new one too.
+/// extrapolation it is the new velocity itself. At nodes that are held, by place, the second velocity is the new one too.
 /// Adds up the impulse of sides on the projected velocities.
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<CoupledNode> &coupled, Budgets &budgets);
+                 const std::vector<std::ptrdiff_t> &held, Budgets &budgets);
 
 } // namespace mlgimp

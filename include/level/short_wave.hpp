@@ -64,23 +64,24 @@ void ShortWaveStress(const Block &b, const Extents<Geometry::kDim> &points, cons
   const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
   const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
   alignas(64) double strength[kBlock];
-  double *const stress = b.short_wave_stress;
+  alignas(64) Row s[kRate]; // D, then the stress
   ShortWaveStrength<Geometry>(b, points, viscosity, strength);
+  LoadRows<kRate>(b.short_wave_stress, b.count, s);
 #pragma omp simd
   for (int p = 0; p < b.count; ++p) {
-    double *const s = stress + kRate * p;
     double trace = 0, difference[kRate];
 #pragma GCC unroll 6
     for (int k = 0; k < Geometry::kRate; ++k) {
-      difference[k] = s[k] - smooth[k][p];
+      difference[k] = s[k][p] - smooth[k][p];
       if (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1]) trace += difference[k];
     }
 #pragma GCC unroll 6
     for (int k = 0; k < Geometry::kRate; ++k) {
       const double sphere = Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? lambda * trace : 0;
-      s[k] = strength[p] * (sphere + mu2 * difference[k]);
+      s[k][p] = strength[p] * (sphere + mu2 * difference[k]);
     }
   }
+  StoreRows<kRate>(s, b.count, b.short_wave_stress);
 }
 
 } // namespace mlgimp

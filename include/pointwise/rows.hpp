@@ -18,6 +18,7 @@ using Row = double[kBlock + kLanes];
 /// of which is one load of a point.
 template <int n> inline void LoadLanes(const double *field, int p, Row *rows)
 {
+  if constexpr (n == 1) return StoreVector(rows[0] + p, LoadVector(field));
 #pragma GCC unroll 5
   for (int k = 0; k + 1 < n; k += 2) {
     const Pack even = Join(LoadVector<HalfPack>(field + k), LoadVector<HalfPack>(field + 2 * n + k)),

@@ -68,11 +68,11 @@ template <class Real> struct HalfCentres {
 /// The hat function at the point's centre: the original material point method.
 struct Linear {
   static constexpr bool kUsesDeformation = false;
-  /// d: centre less nearest node, in cells, |d| <= 1/2.
-  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real)
+  /// d: centre less nearest node, in cells, |d| <= 1/2. Slopes are per cell times 1/h.
+  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real, double inverse_h = 1)
   {
-    const Real zero{}, g_above = d < zero ? zero : zero + 1;
-    return Complete(Most(-d, zero), Most(d, zero), g_above - 1, g_above);
+    const Real zero{}, g_above = d < zero ? zero : zero + inverse_h;
+    return Complete(Most(-d, zero), Most(d, zero), g_above - inverse_h, g_above);
   }
   template <class Real> static inline HalfCentres<Real> Centres(Real d, Real) { return {d, d}; }
 };
@@ -80,12 +80,13 @@ struct Linear {
 /// The mean of the hat function over [d - l, d + l], from its antiderivative; l is the half size in cells, l <= 1/2.
 struct UniformGimp {
   static constexpr bool kUsesDeformation = false;
-  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real l)
+  template <class Real> static inline AxisWeights<Real> Evaluate(Real d, Real l, double inverse_h = 1)
   {
+    const double half_h = 0.5 / inverse_h;
     const Real zero{}, a0 = Least(d - l, zero), b0 = Least(d + l, zero); // the part below the nearest node
     const Real a1 = Most(d - l, zero), b1 = Most(d + l, zero);           // the part above it
-    const Real q = 0.5 / l, g0 = q * (a0 - b0), g1 = q * (b1 - a1);
-    return Complete(0.5 * g0 * (a0 + b0), 0.5 * g1 * (a1 + b1), g0, g1);
+    const Real q = 0.5 * inverse_h / l, g0 = q * (a0 - b0), g1 = q * (b1 - a1);
+    return Complete(half_h * g0 * (a0 + b0), half_h * g1 * (a1 + b1), g0, g1);
   }
   template <class Real> static inline HalfCentres<Real> Centres(Real d, Real l)
   {
@@ -118,25 +119,27 @@ template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<di
 /// Weights of `count` <= kBlock points of a geometry.
 /// In axisymmetry the slopes along the radius hold the mean radius of the part of the point on their side over the point's
 /// radius, so that a uniform stress leaves no force; the point ends at the axis.
-/// Returns the number of half sizes that had to be clamped.
-template <class Geometry, class Shape>
+/// Returns the number of half sizes that had to be clamped, where it `counts`.
+template <class Geometry, class Shape, bool counts = true>
 int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
                         AxisStencils<Geometry::kDim> &stencils)
 {
   constexpr int dim = Geometry::kDim;
   const double inverse_h = grid.inverse_spacing;
+  double first = 0; // of the ghosted array
   Pack clamped{};
+  for (int axis = 0; axis < dim; ++axis) first += static_cast<double>(grid.first[axis]) * grid.stride[axis];
   for (int p = 0; p < count; p += kLanes) {
-    Pack place{}, off{};
+    Pack place = Spread(-first), off{};
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
       const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
       Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
       if (Geometry::kHoop && axis == 0) size = Least(size, x * inverse_h);
       const Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize)), excess = size - l;
-      off += excess * excess > 1e-18 ? Spread(1) : Pack{};
-      AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l);
-      place += (nearest - grid.first[axis]) * grid.stride[axis];
+      if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};
+      AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l, inverse_h);
+      place += nearest * grid.stride[axis];
       if (Geometry::kHoop && axis == 0) {
         const HalfCentres<Pack> centres = Shape::Centres(a - nearest, l);
         const Pack radius = grid.origin[0] * inverse_h + nearest, inverse_radius = 1 / (grid.origin[0] * inverse_h + a);
@@ -147,11 +150,11 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
 #pragma GCC unroll 3
       for (int k = 0; k < 3; ++k) {
         StoreVector(stencils.w[axis][k] + p, at.w[k]);
-        StoreVector(stencils.g[axis][k] + p, at.g[k] * inverse_h);
+        StoreVector(stencils.g[axis][k] + p, at.g[k]);
       }
     }
     StoreVector(stencils.node + p, place);
-    clamped += FirstLanes(off, count - p);
+    if constexpr (counts) clamped += FirstLanes(off, count - p);
   }
   return static_cast<int>(clamped[0] + clamped[1] + clamped[2] + clamped[3]);
 }
@@ -185,23 +188,34 @@ template <int dim, class Work> [[gnu::flatten]] void ForEachGroup(const AxisSten
   }
 }
 
-/// The stencils of a group of points as lanes of vectors, for a nodal array with so many components. Lanes beyond the group
-/// hold the weights of other points, or zero.
-template <int dim> struct GroupStencil {
-  Pack w[dim][3], g[dim][3];
-  std::ptrdiff_t nearest;     ///< place of the nearest node in the array, doubles
-  std::ptrdiff_t stride[dim]; ///< of neighbouring nodes, doubles
+/// A place of which the compiler knows no more than that: else it finds out the distances of all nodes before the loop over
+/// groups, and loads each of them from memory where an address with a constant in it would do.
+inline double *Opaque(double *x)
+{
+  __asm__("" : "+r"(x));
+  return x;
+}
 
-  GroupStencil(const AxisStencils<dim> &block, int first, const Lattice &grid, int components)
+/// The stencils of a group of points as lanes of vectors, and their nodes in an array with so many components. Lanes beyond the
+/// group hold the weights of other points, or zero.
+template <int dim, int components> struct GroupStencil {
+  Pack w[dim][3], g[dim][3];
+  double *row[dim == 2 ? 3 : 9]; ///< the middle nodes of the rows along x, those of the second axis fastest
+
+  GroupStencil(const AxisStencils<dim> &block, int first, const Lattice &grid, double *array)
   {
-    nearest = static_cast<std::ptrdiff_t>(block.node[first]) * components;
+    const auto nearest = static_cast<std::ptrdiff_t>(block.node[first]);
+#pragma GCC unroll 9
+    for (int k = 0; k < (dim == 2 ? 3 : 9); ++k) {
+      const std::ptrdiff_t beside = (k % 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[1]) +
+                                    (dim == 2 ? 0 : (k / 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[2]));
+      row[k] = Opaque(array + (nearest + beside) * components);
+    }
 #pragma GCC unroll 3
-    for (int axis = 0; axis < dim; ++axis) {
-      stride[axis] = static_cast<std::ptrdiff_t>(grid.stride[axis]) * components;
+    for (int axis = 0; axis < dim; ++axis)
 #pragma GCC unroll 3
       for (int k = 0; k < 3; ++k)
         w[axis][k] = LoadVector(block.w[axis][k] + first), g[axis][k] = LoadVector(block.g[axis][k] + first);
-    }
   }
 };
 
@@ -210,20 +224,20 @@ template <int axes> struct Gathered {
   Pack value{}, slope[axes]{};
 };
 
-/// Sums one component of the nodes around `node` for a group: rows along x first, then over the rows, so that products of
-/// weights are never formed. Without `with_slope`, slopes stay zero.
-template <int axes, bool with_slope = true, int dim> inline Gathered<axes> Gather(const GroupStencil<dim> &at, const double *node)
+/// Sums one component of the nodes of a group: rows along x first, then over the rows, so that products of weights are never
+/// formed. Without `with_slope`, slopes stay zero. above: number of the layer that a sum along fewer axes is in.
+template <int axes, bool with_slope = true, int dim, int components>
+inline Gathered<axes> Gather(const GroupStencil<dim, components> &at, int component, int above = 0)
 {
   constexpr int axis = axes - 1;
   Gathered<axes> sum;
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) {
-    const double *row = node + (k - 1) * at.stride[axis];
     Pack value;
     if constexpr (axis == 0) {
-      value = Spread(*row);
+      value = Spread(at.row[above][(k - 1) * components + component]);
     } else {
-      const Gathered<axis> inner = Gather<axis, with_slope>(at, row);
+      const Gathered<axis> inner = Gather<axis, with_slope>(at, component, 3 * above + k);
       value = inner.value;
 #pragma GCC unroll 3
       for (int a = 0; with_slope && a < axis; ++a)
@@ -241,10 +255,10 @@ template <int axes, int values, int fluxes> struct Share {
   Pack value[values + fluxes], flux[fluxes + 1][axes]; // one more: there are no arrays of nothing
 };
 
-/// Calls add(node, sums [values + fluxes]) for the nodes around `node`, with what each lane of a group adds to it; products by
-/// rows as in Gather.
-template <int axes, int values, int fluxes, int dim, class Add>
-inline void Scatter(const GroupStencil<dim> &at, const Share<axes, values, fluxes> &share, double *node, Add add)
+/// Calls add(node, sums [values + fluxes]) for the nodes of a group, with what each lane adds to it; products by rows as in
+/// Gather.
+template <int axes, int values, int fluxes, int dim, int components, class Add>
+inline void Scatter(const GroupStencil<dim, components> &at, const Share<axes, values, fluxes> &share, Add add, int above = 0)
 {
   constexpr int axis = axes - 1;
 #pragma GCC unroll 3
@@ -254,15 +268,14 @@ inline void Scatter(const GroupStencil<dim> &at, const Share<axes, values, fluxe
     for (int c = 0; c < values + fluxes; ++c) inner.value[c] = at.w[axis][k] * share.value[c];
 #pragma GCC unroll 3
     for (int c = 0; c < fluxes; ++c) inner.value[values + c] += at.g[axis][k] * share.flux[c][axis];
-    double *const row = node + (k - 1) * at.stride[axis];
     if constexpr (axis == 0) {
-      add(row, inner.value);
+      add(at.row[above] + (k - 1) * components, inner.value);
     } else {
 #pragma GCC unroll 3
       for (int c = 0; c < fluxes; ++c)
 #pragma GCC unroll 3
         for (int a = 0; a < axis; ++a) inner.flux[c][a] = at.w[axis][k] * share.flux[c][a];
-      Scatter<axis>(at, inner, row, add);
+      Scatter<axis>(at, inner, add, 3 * above + k);
     }
   }
 }

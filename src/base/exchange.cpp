@@ -1,4 +1,4 @@
-// One sparse exchange: who gets how much is told first, then all messages are under way at once.
+// One sparse exchange: few ranks send to each other at once; among many, who gets how much is told first.
 #include "base/exchange.hpp"
 
 namespace mlgimp
@@ -7,35 +7,50 @@ namespace mlgimp
 namespace
 {
 
-constexpr PetscMPIInt kFewRanks = 8; // among so many a message to each takes no longer than a collective call
-
 /// Records for or from a rank.
 struct Group {
   PetscMPIInt rank;
   int count;
 };
 
-/// The counts for and from all other ranks, each in a message of its own.
-PetscErrorCode SwapCounts(MPI_Comm comm, const std::vector<Group> &targets, std::vector<Group> *sources)
+/// Sends a message to each rank that may get something, with or without records: its length tells how many there are.
+PetscErrorCode ExchangeAmongFew(MPI_Comm comm, MPI_Datatype record, std::size_t bytes, const std::vector<Group> &targets,
+                                SendPattern pattern, const char *outgoing, std::vector<char> *incoming)
 {
   const PetscMPIInt ranks = RanksOf(comm), mine = RankIn(comm);
   PetscMPIInt tag;
-  MPI_Comm inner;
-  std::vector<int> outgoing(ranks, 0), incoming(ranks, 0);
+  MPI_Comm inner; // PETSc's own, with tags that nobody else uses
+  std::vector<const char *> from(ranks + 1, outgoing);
+  std::vector<int> count(ranks, 0);
   std::vector<MPI_Request> requests;
   PetscFunctionBeginUser;
-  for (const Group &target : targets) outgoing[target.rank] = target.count;
-  incoming[mine] = outgoing[mine];
+  for (const Group &target : targets) count[target.rank] = target.count;
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank) from[rank + 1] = from[rank] + bytes * count[rank];
   PetscCall(PetscCommDuplicate(comm, &inner, &tag));
   for (PetscMPIInt rank = 0; rank < ranks; ++rank) {
     if (rank == mine) continue;
-    PetscCallMPI(MPI_Irecv(&incoming[rank], 1, MPI_INT, rank, tag, inner, &requests.emplace_back()));
-    PetscCallMPI(MPI_Isend(&outgoing[rank], 1, MPI_INT, rank, tag, inner, &requests.emplace_back()));
+    if (pattern & Sends(mine, rank))
+      PetscCallMPI(MPI_Isend(from[rank], count[rank], record, rank, tag, inner, &requests.emplace_back()));
+    else
+      PetscCheck(count[rank] == 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "Records for rank %d, which expects none", rank);
+  }
+  incoming->clear();
+  for (PetscMPIInt rank = 0; rank < ranks; ++rank) {
+    const std::size_t before = incoming->size();
+    MPI_Status status;
+    int number = 0;
+    if (rank == mine) {
+      incoming->insert(incoming->end(), from[rank], from[rank + 1]);
+      continue;
+    }
+    if (!(pattern & Sends(rank, mine))) continue;
+    PetscCallMPI(MPI_Probe(rank, tag, inner, &status));
+    PetscCallMPI(MPI_Get_count(&status, record, &number));
+    incoming->resize(before + bytes * number);
+    PetscCallMPI(MPI_Recv(incoming->data() + before, number, record, rank, tag, inner, MPI_STATUS_IGNORE));
   }
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCall(PetscCommDestroy(&inner));
-  for (PetscMPIInt rank = 0; rank < ranks; ++rank)
-    if (incoming[rank] > 0) sources->push_back({rank, incoming[rank]});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,10 +62,6 @@ PetscErrorCode FindSources(MPI_Comm comm, const std::vector<Group> &targets, std
   std::vector<PetscMPIInt> ranks;
   std::vector<int> counts;
   PetscFunctionBeginUser;
-  if (RanksOf(comm) <= kFewRanks) {
-    PetscCall(SwapCounts(comm, targets, sources));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   for (const auto &[rank, count] : targets) ranks.push_back(rank), counts.push_back(count);
   PetscCall(PetscCommBuildTwoSided(comm, 1, MPI_INT, static_cast<PetscMPIInt>(ranks.size()), ranks.data(), counts.data(), &number,
                                    &from, static_cast<void *>(&incoming)));
@@ -61,9 +72,38 @@ PetscErrorCode FindSources(MPI_Comm comm, const std::vector<Group> &targets, std
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The same among many.
+PetscErrorCode ExchangeAmongMany(MPI_Comm comm, MPI_Datatype record, std::size_t bytes, const std::vector<Group> &targets,
+                                 const char *outgoing, std::vector<char> *incoming)
+{
+  PetscMPIInt tag;
+  MPI_Comm inner;
+  std::vector<Group> sources;
+  std::vector<MPI_Request> requests;
+  std::size_t total = 0;
+  PetscFunctionBeginUser;
+  PetscCall(FindSources(comm, targets, &sources));
+  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
+  for (const Group &source : sources) total += bytes * source.count;
+  incoming->resize(total);
+  char *to = incoming->data();
+  for (const Group &source : sources) {
+    PetscCallMPI(MPI_Irecv(to, source.count, record, source.rank, tag, inner, &requests.emplace_back()));
+    to += bytes * source.count;
+  }
+  const char *from = outgoing;
+  for (const Group &target : targets) {
+    PetscCallMPI(MPI_Isend(from, target.count, record, target.rank, tag, inner, &requests.emplace_back()));
+    from += bytes * target.count;
+  }
+  PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  PetscCall(PetscCommDestroy(&inner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 } // namespace
 
-PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values)
+PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values, SendPattern pattern)
 {
   const PetscMPIInt ranks = RanksOf(comm), count = static_cast<PetscMPIInt>(values->size());
   PetscMPIInt tag;
@@ -75,47 +115,36 @@ PetscErrorCode ShareFromFirst(MPI_Comm comm, std::vector<double> *values)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscCommDuplicate(comm, &inner, &tag));
-  if (RankIn(comm) > 0) PetscCallMPI(MPI_Irecv(values->data(), count, MPI_DOUBLE, 0, tag, inner, &requests.emplace_back()));
-  for (PetscMPIInt rank = 1; RankIn(comm) == 0 && rank < ranks; ++rank)
-    PetscCallMPI(MPI_Isend(values->data(), count, MPI_DOUBLE, rank, tag, inner, &requests.emplace_back()));
+  for (PetscMPIInt rank = 1; rank < ranks; ++rank) {
+    if (!(pattern & Sends(0, rank))) continue;
+    if (RankIn(comm) == 0)
+      PetscCallMPI(MPI_Isend(values->data(), count, MPI_DOUBLE, rank, tag, inner, &requests.emplace_back()));
+    else if (RankIn(comm) == rank)
+      PetscCallMPI(MPI_Irecv(values->data(), count, MPI_DOUBLE, 0, tag, inner, &requests.emplace_back()));
+  }
   PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
   PetscCall(PetscCommDestroy(&inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, const void *outgoing,
-                             std::vector<char> *incoming)
+PetscErrorCode ExchangeBytes(MPI_Comm comm, std::size_t bytes, const std::vector<PetscMPIInt> &ranks, SendPattern pattern,
+                             const void *outgoing, std::vector<char> *incoming)
 {
-  PetscMPIInt tag;
-  MPI_Comm inner; // PETSc's own, with tags that nobody else uses
+  const char *const from = static_cast<const char *>(outgoing);
   MPI_Datatype record;
-  std::vector<Group> targets, sources;
-  std::vector<MPI_Request> requests;
+  std::vector<Group> targets;
   PetscFunctionBeginUser;
   for (const PetscMPIInt rank : ranks) {
     if (targets.empty() || targets.back().rank != rank) targets.push_back({rank, 0});
     ++targets.back().count;
   }
-  PetscCall(FindSources(comm, targets, &sources));
-  PetscCall(PetscCommDuplicate(comm, &inner, &tag));
   PetscCallMPI(MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &record));
   PetscCallMPI(MPI_Type_commit(&record));
-  std::size_t total = 0;
-  for (const Group &source : sources) total += bytes * source.count;
-  incoming->resize(total);
-  char *to = incoming->data();
-  for (const Group &source : sources) {
-    PetscCallMPI(MPI_Irecv(to, source.count, record, source.rank, tag, inner, &requests.emplace_back()));
-    to += bytes * source.count;
-  }
-  const char *from = static_cast<const char *>(outgoing);
-  for (const Group &target : targets) {
-    PetscCallMPI(MPI_Isend(from, target.count, record, target.rank, tag, inner, &requests.emplace_back()));
-    from += bytes * target.count;
-  }
-  PetscCallMPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  if (RanksOf(comm) <= kFewRanks)
+    PetscCall(ExchangeAmongFew(comm, record, bytes, targets, pattern, from, incoming));
+  else
+    PetscCall(ExchangeAmongMany(comm, record, bytes, targets, from, incoming));
   PetscCallMPI(MPI_Type_free(&record));
-  PetscCall(PetscCommDestroy(&inner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

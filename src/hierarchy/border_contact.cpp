@@ -60,12 +60,31 @@ void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
   for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
 }
 
+/// Whether contact on the finer level may push nodes that move with interface nodes; the same on all ranks.
+bool LevelInterface::FineContactMeets() const
+{
+  bool meets = false;
+  IndexBox pushed = fine_->Clock().contact_zone; // which holds also the coarser nodes that these move with
+  for (int axis = 0; axis < dim_; ++axis) pushed.lower[axis] += ratio_, pushed.upper[axis] -= ratio_;
+  if (fine_->ContactAwake()) ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
+  return meets;
+}
+
+/// Whether contact on one of the two levels may push interface nodes; the same on all ranks.
+bool LevelInterface::MeetsContact() const
+{
+  bool meets = FineContactMeets();
+  if (!meets && coarse_->ContactAwake()) ForEachInterface(coarse_->Clock().contact_zone, [&](Index) { meets = true; });
+  return meets;
+}
+
 /// v_I, dv_I, what they are summed up to and p^c as in a substep; then (v, dv)_i += (1 - beta_i) sum_I N_I(x_i) (v, dv)_I.
 PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
 {
   PetscFunctionBeginUser;
+  if (!FineContactMeets()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BroadcastVelocity(&pushed_));
-  for (int k = 0; k < owned_; ++k) {
+  for (int k = 0; k < advanced_; ++k) {
     const NodeVelocity by = VelocityIn(pushed_, k), mean = VelocityIn(mean_, k);
     for (int axis = 0; axis < dim_; ++axis) {
       coarse_sums_[k].momentum[axis] += coarse_sums_[k].mass * by.change[axis];
@@ -94,15 +113,15 @@ PetscErrorCode LevelInterface::TakeContact()
   std::vector<Vec3> before; // the impulses in whose place new ones have come
   PetscFunctionBeginUser;
   for (const SharedNode &node : to_share_) before.push_back(node.impulse);
-  for (int k = 0; k < owned_; ++k) contact_[k] = left_[k] = {};
-  if (!coarse_->ContactAwake()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFBcastBegin(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(transfer_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
-  for (int k = 0; k < owned_; ++k) {
+  for (int k = 0; k < advanced_; ++k) contact_[k] = left_[k] = {};
+  if (!coarse_->ContactAwake() || IsClear()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
+  for (int k = 0; k < advanced_; ++k) {
     const double mass = coarse_sums_[k].mass + sums_[k].mass;
     contact_[k] = to_share_[k].impulse;
     if (mass > 0) left_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
-    budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
+    if (k < owned_) budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

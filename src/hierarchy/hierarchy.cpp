@@ -164,11 +164,16 @@ PetscErrorCode Hierarchy::RenewInterface(int b, bool keeps_state)
 void Hierarchy::CoupleNodes(int l)
 {
   std::vector<CoupledNode> nodes;
+  std::vector<std::ptrdiff_t> held;
   if (!CoupledByNodes()) return;
   levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr);
-  if (l > 0) nodes = borders_[l - 1]->FineNodes();
-  if (IsActive(l + 1)) nodes.insert(nodes.end(), borders_[l]->CoarseNodes().begin(), borders_[l]->CoarseNodes().end());
-  levels_[l]->SetCoupledNodes(std::move(nodes));
+  if (l > 0) nodes = borders_[l - 1]->FineNodes(), held = borders_[l - 1]->HeldFineNodes();
+  if (IsActive(l + 1)) {
+    const LevelInterface &finer = *borders_[l];
+    nodes.insert(nodes.end(), finer.CoarseNodes().begin(), finer.CoarseNodes().end());
+    held.insert(held.end(), finer.HeldCoarseNodes().begin(), finer.HeldCoarseNodes().end());
+  }
+  levels_[l]->SetCoupledNodes(std::move(nodes), std::move(held));
 }
 
 PetscErrorCode Hierarchy::Reconnect()
@@ -262,36 +267,6 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Momentum of all points less the impulses since the start.
-PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
-{
-  *left = {};
-  PetscFunctionBeginUser;
-  for (auto &level : levels_) {
-    const Budgets &budgets = level->Totals();
-    const PointArrays a = level->PointStore().Arrays();
-    for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
-    *left = *left - budgets.support_impulse - budgets.gravity_impulse - budgets.load_impulse - budgets.damping_impulse -
-            budgets.contact_impulse;
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 3, MPI_DOUBLE, MPI_SUM, comm_));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Gives the momentum that copies have lost or won in this step to the points that have copies.
-PetscErrorCode Hierarchy::CorrectMomentum()
-{
-  Vec3 left;
-  double mass = 0;
-  PetscFunctionBeginUser;
-  PetscCall(MeasureMomentum(&left));
-  for (auto &ghosts : ghosts_) mass += ghosts->RingMass();
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm_));
-  if (mass == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (auto &ghosts : ghosts_) ghosts->CorrectMomentum((1 / mass) * (copies_.momentum_left - left));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Hierarchy::CheckSpeeds(SpeedCheck *speeds)
 {
   double values[3] = {}; // largest of all ranks
@@ -325,7 +300,7 @@ IndexBox Hierarchy::ZoneOf(int l, const Box &near, double drift) const
   return zone;
 }
 
-/// Wakes contact on the levels with points that the indenter can reach, and tells each what of it contact may touch. Points of
+/// Wakes contact on the levels with points that the indenter can press on, and tells each what of it contact may touch. Points of
 /// neighbouring levels may become its own.
 PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
 {
@@ -335,9 +310,11 @@ PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     const double range = kPointRange * settings_.levels[l].grid.spacing + travel + drift;
-    Box near = kNowhere;
+    const double touch = range + (TouchRange(model_->contact) - kPointRange) * settings_.levels[l].grid.spacing;
+    Box near = kNowhere, touching = kNowhere;
     PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), range, &near));
-    largest.push_back(near.lower[0] < HUGE_VAL);
+    PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), touch, &touching));
+    largest.push_back(touching.lower[0] < HUGE_VAL);
     for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
       if (other != l) PetscCall(levels_[other]->FindNearIndenter(tip_.At(time), range, &near));
     for (const double x : near.lower) largest.push_back(-x);

@@ -84,9 +84,12 @@ IndexBox LevelInterface::Around() const
 void LevelInterface::ListOwned()
 {
   const Grid &mesh = fine_->Mesh(), &coarse = coarse_->Mesh();
-  known_.clear(), held_axes_.clear(), coarse_nodes_.clear(), owned_place_.clear();
+  known_.clear(), coarse_nodes_.clear(), held_coarse_.clear(), owned_place_.clear();
   if (coarse.Participates())
-    ForEachInterface(coarse.Owned(), [&](Index node) { coarse_nodes_.push_back({coarse.Place(node), true}); });
+    ForEachInterface(coarse.Ghosted(), [&](Index node) {
+      held_coarse_.push_back(coarse.Place(node));
+      if (coarse.Owns(node)) coarse_nodes_.push_back({held_coarse_.back()});
+    });
   if (mesh.Participates()) {
     const PetscMPIInt block = RankIn(mesh.Comm());
     const Index offset = Offset();
@@ -99,9 +102,6 @@ void LevelInterface::ListOwned()
       if (BlockOf(node) != block) return;
       owned_place_[node] = static_cast<int>(known_.size());
       known_.push_back({node, block, static_cast<int>(known_.size())});
-      held_axes_.push_back(0);
-      for (int axis = 0; axis < dim_; ++axis)
-        if (coarse_->Geometry().sides.Constrains(node, axis)) held_axes_.back() |= 1 << axis;
     });
   }
   owned_ = static_cast<int>(known_.size());
@@ -111,24 +111,41 @@ void LevelInterface::ListBand()
 {
   const Grid &mesh = fine_->Mesh();
   std::map<Index, int> place = owned_place_; // of interface nodes among those known here
-  band_.clear(), fine_nodes_.clear();
+  band_.clear(), fine_nodes_.clear(), held_fine_.clear(), hats_.clear();
   if (!mesh.Participates()) return;
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
-    band_.push_back(Blend(node, place));
-    fine_nodes_.push_back({band_.back().node, band_.back().beta == 0});
+    band_.push_back(Blend(node, place, true));
+    fine_nodes_.push_back({band_.back().node});
   });
+  ForEach(Intersection(mesh.Ghosted(), MassNodes()), [&](Index node) {
+    const double beta = Beta(node);
+    if (beta == 0) held_fine_.push_back(mesh.Place(node));
+    if (beta < 1 && knows_hats_) hats_.push_back(Blend(node, place, false));
+  });
+  advanced_ = knows_hats_ ? static_cast<int>(known_.size()) : owned_;
+  if (!knows_hats_) hats_ = band_, place = owned_place_;
+  advanced_place_ = std::move(place);
 }
 
-/// The weights of a fine node; interface nodes that other ranks advance become known here.
-BlendNode LevelInterface::Blend(Index node, std::map<Index, int> &place)
+/// The axes that sides hold of the interface nodes that this rank works out.
+void LevelInterface::ListHeldAxes()
+{
+  held_axes_.assign(advanced_, 0);
+  for (int k = 0; k < advanced_; ++k)
+    for (int axis = 0; axis < dim_; ++axis)
+      if (coarse_->Geometry().sides.Constrains(known_[k].at, axis)) held_axes_[k] |= 1 << axis;
+}
+
+/// The weights of a fine node on interface nodes known here; where the list `grows`, others become known.
+BlendNode LevelInterface::Blend(Index node, std::map<Index, int> &place, bool grows)
 {
   const NodeBlend all = BlendOf(node);
   const IndexBox around = Around();
   BlendNode blend{fine_->Mesh().Place(node), all.beta, 0, {}, {}};
   for (int a = 0; a < all.count; ++a) {
     const Index at = all.node[a];
-    if (!around.Contains(at) || !IsInterface(at)) continue;
+    if (!around.Contains(at) || !IsInterface(at) || (!grows && !place.count(at))) continue;
     const auto [found, is_new] = place.insert({at, static_cast<int>(known_.size())});
     if (is_new) known_.push_back({at, BlockOf(at), -1});
     blend.interface[blend.count] = found->second;
@@ -174,20 +191,20 @@ PetscErrorCode LevelInterface::CreateExchange()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Owned coarse nodes to the interface nodes that the fine level's ranks advance.
-PetscErrorCode LevelInterface::CreateTransfer()
+/// Owned coarse nodes to the first `count` interface nodes that are known here.
+PetscErrorCode LevelInterface::CreateTransfer(int count, SFHandle *transfer)
 {
   const Grid &coarse = coarse_->Mesh();
   std::vector<PetscSFNode> roots;
   PetscFunctionBeginUser;
-  for (int k = 0; k < owned_; ++k) {
+  for (int k = 0; k < count; ++k) {
     const int block = coarse.BlockOfNode(known_[k].at);
     roots.push_back({coarse.Layout().ranks[block], coarse.PlaceInBlock(block, known_[k].at)});
   }
   const PetscInt places = coarse.Participates() ? static_cast<PetscInt>(coarse.GhostedNodes()) : 0;
-  PetscCall(PetscSFCreate(world_, transfer_.Out()));
-  PetscCall(PetscSFSetGraph(transfer_, places, owned_, nullptr, PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
-  PetscCall(PetscSFSetUp(transfer_));
+  PetscCall(PetscSFCreate(world_, transfer->Out()));
+  PetscCall(PetscSFSetGraph(*transfer, places, count, nullptr, PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetUp(*transfer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,8 +214,8 @@ PetscErrorCode LevelInterface::AddTraffic(int level, double factor, std::vector<
   std::map<int, double> bytes; // by the coarse block; the fine one is this rank's
   std::vector<BlockTraffic> own, all;
   PetscFunctionBeginUser;
-  for (int k = 0; k < owned_; ++k) bytes[coarse_->Mesh().BlockOfNode(known_[k].at)] += factor * node_bytes;
-  for (const auto &[coarse, sum] : bytes) own.push_back({level, coarse, known_[0].block, sum});
+  for (int k = 0; k < advanced_; ++k) bytes[coarse_->Mesh().BlockOfNode(known_[k].at)] += factor * node_bytes;
+  for (const auto &[coarse, sum] : bytes) own.push_back({level, coarse, RankIn(fine_->Mesh().Comm()), sum});
   PetscCall(GatherRecords(world_, own, &all));
   std::sort(all.begin(), all.end(),
             [](const BlockTraffic &s, const BlockTraffic &t) { return std::tie(s.coarse, s.fine) < std::tie(t.coarse, t.fine); });

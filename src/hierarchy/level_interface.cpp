@@ -22,18 +22,23 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   blend_width_ = blend_width;
   dim_ = fine.Geometry().grid.dim;
   velocity_size_ = NodeLayout::Velocity(dim_);
+  knows_hats_ = 2 * (ratio - 1) < kHaloWidth;
   ListOwned();
   ListBand();
+  ListHeldAxes();
   if (fine.Mesh().Participates()) PetscCall(CreateExchange());
-  PetscCall(CreateTransfer());
-  coarse_sums_.assign(owned_, {});
-  previous_force_.assign(owned_, {});
-  contact_.assign(owned_, {});
+  PetscCall(CreateTransfer(advanced_, &down_));
+  PetscCall(CreateTransfer(owned_, &up_));
+  coarse_sums_.assign(advanced_, {});
+  previous_force_.assign(advanced_, {});
+  contact_.assign(advanced_, {});
   left_ = contact_;
-  to_share_.assign(owned_, {});
+  to_share_.assign(advanced_, {});
   shared_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, {});
   PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
-  mean_.assign(static_cast<std::size_t>(velocity_size_) * owned_, 0.0);
+  PetscCall(up_unit_.Create(sizeof(UpRecord) / sizeof(double)));
+  PetscCall(state_unit_.Create(kState));
+  mean_.assign(static_cast<std::size_t>(velocity_size_) * advanced_, 0.0);
   sums_.assign(known_.size(), {});
   velocity_.assign(velocity_size_ * known_.size(), 0.0);
   pushed_ = velocity_;
@@ -45,11 +50,11 @@ PetscErrorCode LevelInterface::CoarseToFine()
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
   const auto keep_forces = [&] {
-    for (int k = 0; k < owned_; ++k) std::copy_n(coarse_sums_[k].force, 3, previous_force_[k].begin());
+    for (int k = 0; k < advanced_; ++k) std::copy_n(coarse_sums_[k].force, 3, previous_force_[k].begin());
   };
   keep_forces();
-  PetscCall(PetscSFBcastBegin(transfer_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(transfer_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastBegin(down_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(down_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
   if (!has_previous_) keep_forces();
   has_previous_ = true;
   std::fill(mean_.begin(), mean_.end(), 0.0);
@@ -65,7 +70,7 @@ PetscErrorCode LevelInterface::Advance(int substep, double dt)
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Restrict());
   AdvanceInterface(substep, dt);
-  PetscCall(BroadcastVelocity(&velocity_));
+  if (!knows_hats_) PetscCall(BroadcastVelocity(&velocity_));
   Prolong();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -87,7 +92,7 @@ PetscErrorCode LevelInterface::Restrict()
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
   std::fill(sums_.begin(), sums_.end(), NodeSums{});
-  for (const BlendNode &node : band_) {
+  for (const BlendNode &node : hats_) {
     const NodeSums &from = mesh.Sums()[node.node];
     if (from.mass == 0) continue;
     for (int a = 0; a < node.count; ++a) {
@@ -101,7 +106,7 @@ PetscErrorCode LevelInterface::Restrict()
       }
     }
   }
-  if (!mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (knows_hats_ || !mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFReduceBegin(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
   PetscCall(PetscSFReduceEnd(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -113,7 +118,8 @@ PetscErrorCode LevelInterface::Restrict()
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->MassCutoff();
-  for (int k = 0; k < owned_; ++k) {
+  for (int k = 0; k < advanced_; ++k) {
+    const double counts = k < owned_ ? 1 : 0; // in the budgets of one rank only
     NodeSums &coarse = coarse_sums_[k];
     const NodeSums &fine = sums_[k];
     const NodeVelocity now = VelocityIn(velocity_, k), mean = VelocityIn(mean_, k);
@@ -126,9 +132,9 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
       const double old = (coarse.momentum[axis] + fine.momentum[axis]) / mass;
       const double contact = expects * (contact_[k][axis] + left_[k][axis]) / ratio_;
       double dv = (dt * (coarse.force[axis] + ahead + fine.force[axis]) + contact) / mass;
-      budgets_.stagger_impulse[axis] += dt * ahead + contact;
+      budgets_.stagger_impulse[axis] += counts * (dt * ahead + contact);
       if (held_axes_[k] >> axis & 1) {
-        budgets_.support_impulse[axis] -= mass * (old + dv);
+        budgets_.support_impulse[axis] -= counts * mass * (old + dv);
         dv = -old;
       } else {
         to_share_[k].finer_push[axis] += contact / mass;
@@ -160,16 +166,16 @@ void LevelInterface::Prolong()
 PetscErrorCode LevelInterface::ShiftForces(bool from_fine)
 {
   const Grid &coarse = coarse_->Mesh();
-  std::vector<NodeSums> shift(owned_, NodeSums{});
+  std::vector<NodeSums> shift(advanced_, NodeSums{});
   PetscFunctionBeginUser;
   if (!from_fine) {
-    PetscCall(PetscSFBcastBegin(transfer_, coarse.SumsUnit(), coarse.Sums(), shift.data(), MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(transfer_, coarse.SumsUnit(), coarse.Sums(), shift.data(), MPI_REPLACE));
+    PetscCall(PetscSFBcastBegin(down_, coarse.SumsUnit(), coarse.Sums(), shift.data(), MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(down_, coarse.SumsUnit(), coarse.Sums(), shift.data(), MPI_REPLACE));
   } else if (fine_->Mesh().Participates()) {
     PetscCall(Restrict());
     std::copy_n(sums_.begin(), shift.size(), shift.begin());
   }
-  for (int k = 0; k < owned_; ++k)
+  for (int k = 0; k < advanced_; ++k)
     for (int axis = 0; axis < dim_; ++axis) coarse_sums_[k].force[axis] += shift[k].force[axis];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,12 +184,34 @@ PetscErrorCode LevelInterface::FineToCoarse()
 {
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
-  PetscCall(PetscSFReduceBegin(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
-  PetscCall(PetscSFReduceEnd(transfer_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
-  if (!coarse_->ContactAwake()) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int k = 0; k < owned_; ++k) to_share_[k].finer_mass = sums_[k].mass;
-  PetscCall(PetscSFReduceBegin(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
-  PetscCall(PetscSFReduceEnd(transfer_, shared_unit_, to_share_.data(), shared_.data(), MPI_REPLACE));
+  clear_steps_ = MeetsContact() ? 0 : clear_steps_ + 1;
+  if (!IsClear()) {
+    PetscCall(ShareContact());
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  std::fill(shared_.begin(), shared_.end(), SharedNode());
+  PetscCall(PetscSFReduceBegin(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(up_, coarse.VelocityUnit(), mean_.data(), coarse.VelocityArray(), MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// FineToCoarse with what contact on both levels must know, in one message.
+PetscErrorCode LevelInterface::ShareContact()
+{
+  const Grid &coarse = coarse_->Mesh();
+  std::vector<UpRecord> outgoing(owned_), incoming(shared_.size());
+  PetscFunctionBeginUser;
+  for (int k = 0; k < advanced_; ++k) to_share_[k].finer_mass = sums_[k].mass;
+  for (int k = 0; k < owned_; ++k) {
+    std::copy_n(VelocityIn(mean_, k).velocity, velocity_size_, outgoing[k].velocity);
+    outgoing[k].shared = to_share_[k];
+  }
+  PetscCall(PetscSFReduceBegin(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
+  for (const CoupledNode &node : coarse_nodes_) {
+    std::copy_n(incoming[node.node].velocity, velocity_size_, coarse.Velocity(node.node).velocity);
+    shared_[node.node] = incoming[node.node].shared;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,10 +228,10 @@ std::vector<LevelInterface::NodeState> LevelInterface::States() const
   return states;
 }
 
-/// Of a node that this rank advances.
+/// Of a node that this rank works out.
 void LevelInterface::SetState(const NodeState &state)
 {
-  const int k = owned_place_.at(state.at);
+  const int k = advanced_place_.at(state.at);
   std::copy_n(state.values, 3, coarse_sums_[k].force);
   std::copy_n(state.values + 3, 3, contact_[k].begin());
   std::copy_n(state.values + 6, 3, left_[k].begin());
@@ -216,6 +244,16 @@ PetscErrorCode LevelInterface::TakeState(const LevelInterface &before)
   has_previous_ = before.has_previous_;
   PetscCall(ExchangeRecords(world_, &states, [&](const NodeState &s) { return fine_->Mesh().Layout().ranks[BlockOf(s.at)]; }));
   for (const NodeState &state : states) SetState(state);
+  if (!knows_hats_ || !fine_->Mesh().Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  std::vector<double> values(kState * known_.size(), 0.0);
+  for (const NodeState &state : states) std::copy_n(state.values, kState, &values[kState * advanced_place_.at(state.at)]);
+  PetscCall(PetscSFBcastBegin(exchange_, state_unit_, values.data(), values.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(exchange_, state_unit_, values.data(), values.data(), MPI_REPLACE));
+  for (int k = owned_; k < advanced_; ++k) {
+    NodeState copy{known_[k].at, {}};
+    std::copy_n(&values[static_cast<std::size_t>(kState) * k], kState, copy.values);
+    SetState(copy);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -241,7 +279,7 @@ void LevelInterface::RestoreState(const std::vector<double> &state)
     NodeState one{node, {}};
     std::copy_n(next, kState, one.values);
     next += kState;
-    if (owned_place_.count(node)) SetState(one);
+    if (advanced_place_.count(node)) SetState(one);
   });
 }
 

@@ -25,11 +25,10 @@ PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const 
   PetscCallMPI(MPI_Comm_split(world, participates ? 0 : MPI_UNDEFINED, static_cast<int>(place - layout.ranks.begin()), &comm_));
   PetscCall(sums_unit_.Create(NodeLayout::kSums));
   PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
-  PetscCall(rates_unit_.Create(static_cast<int>(rates_size_)));
-  if (cell_size_ > 0) PetscCall(cells_unit_.Create(static_cast<int>(cell_size_ * sizeof(CellSums) / sizeof(double))));
   if (!participates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CreateNodes());
   PetscCall(CreateHalo());
+  PetscCall(CreateSharedNodes());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,6 +112,37 @@ PetscErrorCode Grid::CreateHalo()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Grid::CreateSharedNodes()
+{
+  std::vector<SharedNodes::Common> with;
+  IndexBox near = ghosted_; // with what reaches into it
+  PetscFunctionBeginUser;
+  for (int axis = 0; axis < geometry_.dim; ++axis) near.lower[axis] -= kHaloWidth, near.upper[axis] += kHaloWidth;
+  const PetscMPIInt own = RankIn(comm_);
+  for (const int block : BlocksIn(near)) {
+    const IndexBox common = Intersection(ghosted_, GhostedOf(block));
+    if (block == own || common.Empty()) continue;
+    with.push_back({block, {}});
+    ForEach(common, [&](Index node) { with.back().second.push_back(Place(node)); });
+  }
+  PetscCall(shared_.Create(comm_, std::move(with)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The nodes that the owner of a block has, with its ghosts.
+IndexBox Grid::GhostedOf(int block) const
+{
+  IndexBox nodes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<int> &starts = starts_[axis];
+    const int layers = static_cast<int>(starts.size() - 1), layer = block % layers, halo = axis < geometry_.dim ? kHaloWidth : 0;
+    block /= layers;
+    nodes.lower[axis] = std::max(starts[layer] - halo, starts.front());
+    nodes.upper[axis] = std::min(starts[layer + 1] + halo, starts.back());
+  }
+  return nodes;
+}
+
 int Grid::BlockOfNode(Index node) const
 {
   int block = 0;
@@ -156,44 +186,51 @@ PetscMPIInt Grid::OwnerOfNode(Index node) const
 
 PetscInt Grid::PlaceInBlock(int block, Index node) const
 {
+  const IndexBox nodes = GhostedOf(block);
   PetscInt place = 0, stride = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<int> &starts = starts_[axis];
-    const int layers = static_cast<int>(starts.size() - 1), layer = block % layers, halo = axis < geometry_.dim ? kHaloWidth : 0;
-    block /= layers;
-    const int lower = std::max(starts[layer] - halo, starts.front()), upper = std::min(starts[layer + 1] + halo, starts.back());
-    place += stride * (node[axis] - lower);
-    stride *= upper - lower;
-  }
+  for (int axis = 0; axis < 3; stride *= nodes.Size(axis++)) place += stride * (node[axis] - nodes.lower[axis]);
   return place;
 }
 
-PetscErrorCode Grid::Reduce(MPI_Datatype unit, void *array)
+/// So many numbers from `first` on.
+static void Choose(int first, int count, std::vector<int> *chosen)
 {
+  for (int k = 0; k < count; ++k) chosen->push_back(first + k);
+}
+
+PetscErrorCode Grid::ShareSums()
+{
+  NodalField sums = {&sums_->mass, NodeLayout::kSums, {}};
   PetscFunctionBeginUser;
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFReduceBegin(halo_, unit, array, array, MPI_SUM));
-  PetscCall(PetscSFReduceEnd(halo_, unit, array, array, MPI_SUM));
+  Choose(offsetof(NodeSums, mass) / sizeof(double), 2 + geometry_.dim, &sums.chosen); // and owned mass, momentum
+  Choose(offsetof(NodeSums, force) / sizeof(double), geometry_.dim, &sums.chosen);
+  PetscCall(shared_.Sum({sums}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::AverageCells()
+PetscErrorCode Grid::ShareRates(bool projection, bool strain_rate)
 {
+  const int dim = geometry_.dim;
+  NodalField rates = {rates_, rates_size_, {}}, cells = {reinterpret_cast<double *>(cells_), 0, {}};
   PetscFunctionBeginUser;
-  if (cell_size_ == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Reduce(cells_unit_, cells_));
-  PetscCall(Broadcast(cells_unit_, cells_));
+  Choose(0, dim, &rates.chosen);
+  if (projection) Choose(NodeLayout::Projected(dim), dim, &rates.chosen);
+  if (strain_rate) Choose(NodeLayout::StrainRate(dim), dim == 2 ? 4 : 6, &rates.chosen);
+  cells.size = cell_size_ * static_cast<std::ptrdiff_t>(sizeof(CellSums) / sizeof(double));
+  Choose(0, static_cast<int>(cells.size), &cells.chosen);
+  if (HasGhosts()) PetscCall(shared_.Sum({rates, cells}));
   for (CellSums &cell : cell_memory_)
     if (cell.mass > 0) cell.growth /= cell.mass, cell.relative_volume /= cell.mass;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Grid::Broadcast(MPI_Datatype unit, void *array)
+PetscErrorCode Grid::BroadcastVelocity()
 {
   PetscFunctionBeginUser;
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFBcastBegin(halo_, unit, array, array, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(halo_, unit, array, array, MPI_REPLACE));
+  PetscCall(PetscSFBcastBegin(halo_, velocity_unit_, velocity_, velocity_, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(halo_, velocity_unit_, velocity_, velocity_, MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -33,7 +33,8 @@ template <class Geometry, class Shape> class SweepKernels : public Kernels
 {
   static constexpr int dim = Geometry::kDim, kGradient = Geometry::kGradient, kRate = Geometry::kRate;
   using Weights = AxisStencils<dim>;
-  using At = GroupStencil<dim>;
+  template <int components> using At = GroupStencil<dim, components>;
+  using AtRates = At<NodeLayout::Rates(dim)>;
   using Shares = NodeShares<Geometry>;
 
 public:
@@ -45,16 +46,19 @@ public:
     budgets.hoop_force = 0;
     ForEachBlock(view, [&](const Block &b) {
       const Extents<dim> points = ExtentsOf<dim>(b);
-      budgets.clamped_sizes += SetWeights(view, b, points, w);
+      budgets.clamped_sizes += SetWeights<true>(view, b, points, w);
       SetBodyForces(b, acceleration, time, shares);
       budgets.hoop_force += SetShares(b, points, shares);
       ForEachGroup(w, b.count, [&](int p, int count) {
-        const At at(w, p, view.grid.IndexSpace(), NodeLayout::kSums);
-        Scatter(at, ShareOf(shares, p, count), &view.grid.Sums()->mass + at.nearest, [&](double *node, const Pack *sum) {
-          const Pack *const force = sum + 1 + dim;
-          AddSums<1 + dim>(node, sum);
-          const Pack owned[4] = {force[0], force[1], dim == 3 ? force[2] : Pack{}, counts * sum[0]};
-          AddSums<4>(node + offsetof(NodeSums, force) / sizeof(double), owned);
+        const At<NodeLayout::kSums> at(w, p, view.grid.IndexSpace(), &view.grid.Sums()->mass);
+        Scatter(at, ShareOf(shares, p, count), [&](double *node, const Pack *sum) {
+          Pack all[2 + 2 * dim] = {sum[0], counts * sum[0]}; // in the order of NodeSums
+#pragma GCC unroll 6
+          for (int k = 0; k < 2 * dim; ++k) all[2 + k] = sum[1 + k];
+          if constexpr (dim == 3)
+            AddSums<8>(node, all);
+          else
+            AddSums<4>(node, all), AddSums<2>(node + offsetof(NodeSums, force) / sizeof(double), all + 4);
         });
       });
     });
@@ -63,14 +67,15 @@ public:
   void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
-    Motion<dim> motion, change; // with the new velocity, and by how much that is new
+    Motion<dim> motion, change;         // with the new velocity, and by how much that is new
+    alignas(64) Row moved[dim + kRate]; // velocities of the points and their strain rates
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
-      SetWeights(view, b, points, w);
+      SetWeights<false>(view, b, points, w);
       GatherVelocities(view.grid, w, b.count, plan.strain_rate, motion, change);
-      AddVelocity(b, change.u);
-      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
-      if (plan.scatter) ScatterRates(view.grid, w, b, plan, motion.u);
+      AddVelocity(b, change.u, moved);
+      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change, moved + dim);
+      if (plan.scatter) ScatterRates(view.grid, w, b, plan, motion.u, moved);
       if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
       if (plan.move)
@@ -112,7 +117,7 @@ public:
       Weights w;
       Row F[4], stress[4];
       ForEachBlock(view, [&](const Block &b) {
-        SetWeights(view, b, ExtentsOf<dim>(b), w);
+        SetWeights<false>(view, b, ExtentsOf<dim>(b), w);
         LoadRows<4>(b.F, b.count, F), LoadRows<4>(b.stress, b.count, stress);
         ScatterTimesMass<4, 0>(view.grid, w, b, F, 0, 0);
         ScatterTimesMass<4, 0>(view.grid, w, b, stress, 4, 0);
@@ -125,8 +130,8 @@ public:
     if constexpr (dim == 2) {
       Weights w;
       SetWeights(view, point, w);
-      const At at(w, 0, view.grid.IndexSpace(), NodeLayout::Rates(dim));
-      for (int k = 0; k < 8; ++k) tensors[k] = Gather<dim, false>(at, view.grid.RatesArray() + at.nearest + k).value[0];
+      const AtRates at(w, 0, view.grid.IndexSpace(), view.grid.RatesArray());
+      for (int k = 0; k < 8; ++k) tensors[k] = Gather<dim, false>(at, k).value[0];
     }
   }
 
@@ -137,7 +142,7 @@ public:
     alignas(64) Row projected[dim], smooth[kRate];
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
-      SetWeights(view, b, points, w);
+      SetWeights<false>(view, b, points, w);
       if (plan.move) TakeMotion(view, b, motion);
       GatherRates(view.grid, w, b, plan, motion, projected, smooth);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
@@ -149,15 +154,17 @@ public:
   }
 
 private:
+  /// Returns the number of clamped half sizes, where it `counts`: one sweep of a step does.
+  template <bool counts>
   static int SetWeights(const SweepView &view, const PointArrays &b, const Extents<dim> &points, Weights &w)
   {
-    return ComputeAxisStencils<Geometry, Shape>(view.grid.IndexSpace(), b.count, points, w);
+    return ComputeAxisStencils<Geometry, Shape, counts>(view.grid.IndexSpace(), b.count, points, w);
   }
   /// Of one point, as the first of a block.
   static void SetWeights(const SweepView &view, int point, Weights &w)
   {
     const PointArrays one = Slice(view.points, point, point + 1);
-    SetWeights(view, one, ExtentsOf<dim>(one), w);
+    SetWeights<false>(view, one, ExtentsOf<dim>(one), w);
   }
 
   static void SetBodyForces(const Block &b, const BodyAcceleration &acceleration, double time, Shares &shares)
@@ -174,18 +181,21 @@ private:
   static double SetShares(const Block &b, const Extents<dim> &points, Shares &shares)
   {
     alignas(64) double volume[kBlock];
+    alignas(64) Row stress[Geometry::kStress], s[kRate], v[dim];
     Row *const force = shares.force, *const momentum = shares.momentum;
-    const double *const stress = b.stress, *const s = b.short_wave_stress, *const mass = b.mass, *const v = b.velocity;
+    const double *const mass = shares.mass;
     double hoop_force = 0;
+    LoadRows<1>(b.mass, b.count, &shares.mass);
+    LoadRows<Geometry::kStress>(b.stress, b.count, stress);
+    LoadRows<kRate>(b.short_wave_stress, b.count, s);
+    LoadRows<dim>(b.velocity, b.count, v);
     Volumes<Geometry>(b, points, volume);
-    LoadRows<1>(mass, b.count, &shares.mass);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
 #pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k)
-        force[k][p] = -volume[p] * (stress[Geometry::kStress * p + Geometry::kInStress[k]] + s[kRate * p + k]);
+      for (int k = 0; k < kRate; ++k) force[k][p] = -volume[p] * (stress[Geometry::kInStress[k]][p] + s[k][p]);
 #pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) momentum[d][p] = mass[p] * v[dim * p + d];
+      for (int d = 0; d < dim; ++d) momentum[d][p] = mass[p] * v[d][p];
     }
     if constexpr (Geometry::kHoop) {
       double *const body = shares.body[0];
@@ -221,15 +231,15 @@ private:
                                Motion<dim> &change)
   {
     ForEachGroup(w, points, [&](int p, int) {
-      const At at(w, p, grid.IndexSpace(), NodeLayout::Velocity(dim));
-      const double *const nearest = grid.VelocityArray() + at.nearest, *const changes = nearest + NodeLayout::Velocity(dim) / 2;
+      const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.VelocityArray());
+      constexpr int kChange = NodeLayout::Velocity(dim) / 2;
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        KeepGathered(Gather<dim>(at, nearest + d), d, p, motion);
+        KeepGathered(Gather<dim>(at, d), d, p, motion);
         if (change_gradient)
-          KeepGathered(Gather<dim>(at, changes + d), d, p, change);
+          KeepGathered(Gather<dim>(at, kChange + d), d, p, change);
         else
-          StoreVector(change.u[d] + p, Gather<dim, false>(at, changes + d).value);
+          StoreVector(change.u[d] + p, Gather<dim, false>(at, kChange + d).value);
       }
     });
   }
@@ -240,13 +250,15 @@ private:
     for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
   }
 
-  static void AddVelocity(const PointArrays &b, const Row *change)
+  /// Leaves the new velocities also in rows.
+  static void AddVelocity(const PointArrays &b, const Row *change, Row *v)
   {
-    double *const v = b.velocity;
+    LoadRows<dim>(b.velocity, b.count, v);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p)
 #pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) v[dim * p + d] += change[d][p];
+      for (int d = 0; d < dim; ++d) v[d][p] += change[d][p];
+    StoreRows<dim>(v, b.count, b.velocity);
   }
 
   /// What a block moves with, from GridToPoints to the sweep that moves it; gradients where it averages its volume.
@@ -271,13 +283,12 @@ private:
                           Row *projected, Row *smooth)
   {
     ForEachGroup(w, b.count, [&](int p, int) {
-      const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
-      const double *const nearest = grid.RatesArray() + at.nearest;
-      const auto value = [&](int k) { return Gather<dim, false>(at, nearest + k).value; };
+      const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
+      const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
         if (plan.strain && b.average < 0) {
-          const Gathered<dim> sum = Gather<dim>(at, nearest + d);
+          const Gathered<dim> sum = Gather<dim>(at, d);
 #pragma GCC unroll 3
           for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
         }
@@ -298,40 +309,39 @@ private:
     return a == b ? L[dim * a + a][p] : 0.5 * (L[dim * a + b][p] + L[dim * b + a][p]);
   }
 
-  /// Puts the strain rates of a block in the place of its short-wave stress; returns the power of that stress, W, with the mean
-  /// velocity of the step.
-  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change)
+  /// Puts the strain rates of a block in the place of its short-wave stress, and in rows; returns the power of that stress, W,
+  /// with the mean velocity of the step.
+  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change,
+                               Row *rate)
   {
     alignas(64) double volume[kBlock], sum = 0;
-    double *const stress = b.short_wave_stress;
+    alignas(64) Row stress[kRate];
     const Row *const x = points.x, *const u = motion.u, *const L = motion.L, *const du = change.u, *const dL = change.L;
     Volumes<Geometry>(b, points, volume);
+    LoadRows<kRate>(b.short_wave_stress, b.count, stress);
 #pragma omp simd reduction(+ : sum)
     for (int p = 0; p < b.count; ++p) {
-      double *const s = stress + kRate * p, power = 0;
+      double power = 0;
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) {
-        const double rate = StrainRate(u, L, x, k, p);
-        power +=
-            (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * s[k] * (rate - 0.5 * StrainRate(du, dL, x, k, p));
-        s[k] = rate;
+        rate[k][p] = StrainRate(u, L, x, k, p);
+        power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * stress[k][p] *
+                 (rate[k][p] - 0.5 * StrainRate(du, dL, x, k, p));
       }
       sum += volume[p] * power;
     }
+    StoreRows<kRate>(rate, b.count, b.short_wave_stress);
     return sum;
   }
 
   /// Adds momentum, and what the plan asks for of momentum with the grid's velocity u and mass times strain rate, to `rates`.
-  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const GridToPointsPlan &plan, const Row *u)
+  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const GridToPointsPlan &plan, const Row *u,
+                           const Row *moved)
   {
-    alignas(64) Row values[dim + kRate];
-    LoadRows<dim>(b.velocity, b.count, values);
-    if (plan.strain_rate) {
-      LoadRows<kRate>(b.short_wave_stress, b.count, values + dim);
-      ScatterTimesMass<dim, kRate>(grid, w, b, values, 0, NodeLayout::StrainRate(dim));
-    } else {
-      ScatterTimesMass<dim, 0>(grid, w, b, values, 0, 0);
-    }
+    if (plan.strain_rate)
+      ScatterTimesMass<dim, kRate>(grid, w, b, moved, 0, NodeLayout::StrainRate(dim));
+    else
+      ScatterTimesMass<dim, 0>(grid, w, b, moved, 0, 0);
     if (plan.project) ScatterTimesMass<dim, 0>(grid, w, b, u, NodeLayout::Projected(dim), 0);
   }
 
@@ -339,18 +349,14 @@ private:
   template <int n, int m>
   static void ScatterTimesMass(const Grid &grid, const Weights &w, const PointArrays &b, const Row *x, int first, int second)
   {
-    alignas(64) Row share[n + m];
-    const double *const mass = b.mass;
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p)
-#pragma GCC unroll 9
-      for (int k = 0; k < n + m; ++k) share[k][p] = mass[p] * x[k][p];
+    alignas(64) Row mass;
+    LoadRows<1>(b.mass, b.count, &mass);
     ForEachGroup(w, b.count, [&](int p, int count) {
-      const At at(w, p, grid.IndexSpace(), NodeLayout::Rates(dim));
+      const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
       Share<dim, n + m, 0> group;
 #pragma GCC unroll 9
-      for (int k = 0; k < n + m; ++k) group.value[k] = FirstLanes(LoadVector(share[k] + p), count);
-      Scatter(at, group, grid.RatesArray() + at.nearest, [=](double *node, const Pack *sum) {
+      for (int k = 0; k < n + m; ++k) group.value[k] = FirstLanes(LoadVector(mass + p) * LoadVector(x[k] + p), count);
+      Scatter(at, group, [=](double *node, const Pack *sum) {
         AddSums<n>(node + first, sum);
         if constexpr (m > 0) AddSums<m>(node + second, sum + n);
       });

@@ -108,11 +108,10 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PointsToGrid(time));
   budgets_.hoop_impulse += dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
-  PetscCall(grid_->ReduceSums());
-  if (!model_.loads.empty()) PetscCall(grid_->BroadcastSums()); // the budgets of loads ask ghosts for mass
+  PetscCall(grid_->ShareSums());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
-  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_, dt, budgets_);
+  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,10 +137,11 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (ContactAwake()) PrepareSharedNodes();
+  if (contact_) PrepareSharedNodes();
+  pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
-  if (ContactAwake() && border_) PetscCall(border_->Spread(&pushed_));
-  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
+  if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
+  if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -152,9 +152,8 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
-  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceSums(); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ShareSums(); }));
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     kernels_->ApplyRates(view, plan, budgets, failure);
@@ -166,15 +165,13 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
-  PetscCall(Logged(events_.halo, [&] { return grid_->ReduceRates(); }));
-  PetscCall(Logged(events_.halo, [&] { return grid_->AverageCells(); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_nodes_, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, held_nodes_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
-  PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastRates(); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -300,7 +297,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
   grid_ = std::move(grid);
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
-  coupled_nodes_.clear();
+  coupled_nodes_.clear(), held_nodes_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   PetscCall(Sort());
@@ -347,10 +344,8 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
     kernels_->ScatterTensors(view);
     kernels_->PointsToGrid(view, {}, 0, discarded);
   }));
-  PetscCall(grid_->ReduceRates());
-  PetscCall(grid_->ReduceSums());
-  PetscCall(grid_->BroadcastRates());
-  PetscCall(grid_->BroadcastSums());
+  PetscCall(grid_->ShareRates(true, true));
+  PetscCall(grid_->ShareSums());
   for (std::size_t node = 0; node < nodes; ++node) {
     const double mass = std::max(grid_->Sums()[node].mass, nodal_.mass_cutoff);
     for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;

@@ -119,6 +119,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const ContactView view = ViewOfContact(time, dt, tip);
   PetscCall(contact_->Apply(view, &report));
+  pushes_beyond_ = pushes_beyond_ || report.at_border;
   pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};

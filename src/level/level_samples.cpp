@@ -12,7 +12,6 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   PetscFunctionBeginUser;
   samples->resize(points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(grid_->BroadcastSums()); // nodes without mass have no velocity
   const PointArrays arrays = points_.Arrays();
   const SweepView view = {*grid_, arrays, nullptr, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
@@ -26,10 +25,9 @@ PetscErrorCode Level::FindVelocities()
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   grid_->ClearSums();
   kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, nullptr, bodies_}, {}, time_, discarded);
-  PetscCall(grid_->ReduceSums());
+  PetscCall(grid_->ShareSums());
   UpdateVelocities(*grid_, nodal_, 0);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, discarded);
-  PetscCall(grid_->BroadcastVelocity());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,7 +44,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     one.mass = &mass;
     kernels_->PointsToGrid({*grid_, one, nullptr, nullptr, bodies_}, {}, time_, discarded);
   }
-  PetscCall(grid_->ReduceSums());
+  PetscCall(grid_->ShareSums());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

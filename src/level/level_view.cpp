@@ -14,7 +14,7 @@ PetscErrorCode Level::View(const std::string &prefix, double time)
   PetscCall(PetscOptionsHasName(nullptr, prefix.c_str(), "-nodes_view", &nodes));
   if (nodes) {
     PetscCall(PointsToGrid(time));
-    PetscCall(grid_->ReduceSums());
+    PetscCall(grid_->ShareSums());
     budgets_ = before;
   }
   PetscCall(grid_->View(prefix, nodal_.mass_cutoff));

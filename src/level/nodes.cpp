@@ -10,59 +10,52 @@ namespace mlgimp
 namespace
 {
 
-template <class Dimension, class Work> void ForEachOwned(const Grid &grid, Dimension dim, Work work)
+/// Calls work(place, dim) with the place in the arrays of every node of a box, and the dimension as a constant.
+template <class Work> void ForEachNode(const Grid &grid, const IndexBox &box, Work work)
 {
-  const IndexBox &owned = grid.Owned();
-  for (int k = owned.lower[2]; k < owned.upper[2]; ++k)
-    for (int j = owned.lower[1]; j < owned.upper[1]; ++j) {
-      const std::ptrdiff_t first = grid.Place({owned.lower[0], j, k}), end = first + owned.Size(0);
-      for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim);
-    }
-}
-
-/// Calls work(place, dim) with the place in the arrays of every owned node, and the dimension as a constant.
-template <class Work> void ForEachOwned(const Grid &grid, Work work)
-{
+  const auto rows = [&](auto dim) {
+    for (int k = box.lower[2]; k < box.upper[2]; ++k)
+      for (int j = box.lower[1]; j < box.upper[1]; ++j) {
+        const std::ptrdiff_t first = grid.Place({box.lower[0], j, k}), end = first + box.Size(0);
+        for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim);
+      }
+  };
   if (grid.Geometry().dim == 2)
-    ForEachOwned(grid, std::integral_constant<int, 2>(), work);
+    rows(std::integral_constant<int, 2>());
   else
-    ForEachOwned(grid, std::integral_constant<int, 3>(), work);
+    rows(std::integral_constant<int, 3>());
 }
 
-/// Calls work(place, side) for every owned node at or beyond each side that is not free.
+/// Of owned nodes, which budgets count; and with the ghosts, of which each rank has the sums.
+template <class Work> void ForEachOwned(const Grid &grid, Work work) { ForEachNode(grid, grid.Owned(), work); }
+template <class Work> void ForEachLocal(const Grid &grid, Work work) { ForEachNode(grid, grid.Ghosted(), work); }
+
+/// Calls work(place, side, owned) for every local node at or beyond each side that is not free.
 template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryConditions &sides, Work work)
 {
   for (int s = 0; s < kSides; ++s) {
     const Side side = static_cast<Side>(s);
     if (sides.kind[s] == BoundaryKind::kFree) continue;
-    IndexBox nodes = grid.Owned();
+    IndexBox nodes = grid.Ghosted();
     const int axis = AxisOf(side);
     if (SignOf(side) < 0)
       nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[s] + 1);
     else
       nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[s]);
-    ForEach(nodes, [&](Index node) { work(grid.Place(node), side); });
+    ForEach(nodes, [&](Index node) { work(grid.Place(node), side, grid.Owns(node)); });
   }
 }
 
 } // namespace
 
-void AddBodyForces(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
+void AddBodyForces(const Grid &grid, const NodalSettings &settings)
 {
-  Vec3 gravity_impulse{}, damping_impulse{};
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     NodeSums &node = grid.Sums()[place];
     if (node.mass == 0) return;
-    const double owned = dt * node.owned_mass / node.mass;
-    for (int axis = 0; axis < dim; ++axis) {
-      const double gravity = node.mass * settings.gravity[axis], damping = -settings.damping * node.momentum[axis];
-      node.force[axis] += gravity + damping;
-      gravity_impulse[axis] += owned * gravity;
-      damping_impulse[axis] += owned * damping;
-    }
+    for (int axis = 0; axis < dim; ++axis)
+      node.force[axis] += node.mass * settings.gravity[axis] - settings.damping * node.momentum[axis];
   });
-  budgets.gravity_impulse += gravity_impulse;
-  budgets.damping_impulse += damping_impulse;
 }
 
 double KineticEnergy(const Grid &grid, const NodalSettings &settings)
@@ -79,7 +72,7 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
@@ -93,34 +86,51 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
-  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side) {
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      budgets.support_impulse[axis] -= node.owned_mass * velocity[axis];
+      if (owned) budgets.support_impulse[axis] -= node.owned_mass * velocity[axis];
       change[axis] -= velocity[axis];
       velocity[axis] = 0;
     }
   });
 }
 
-void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
+/// The part of damping in AddBodyWork.
+static void AddDampingWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
-  double work = 0, damped = 0;
+  Vec3 impulse{};
+  double work = 0;
   ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass == 0) return;
     for (int axis = 0; axis < dim; ++axis) {
-      const double mean = velocity[axis] - 0.5 * change[axis], old = velocity[axis] - change[axis];
-      work += mean * node.owned_mass * settings.gravity[axis];
-      damped += node.owned_mass * old * mean;
+      impulse[axis] -= node.owned_mass / node.mass * node.momentum[axis];
+      work += node.owned_mass * (velocity[axis] - change[axis]) * (velocity[axis] - 0.5 * change[axis]);
     }
   });
-  budgets.external_work += dt * work;
-  budgets.damping_work += dt * settings.damping * damped;
+  budgets.damping_impulse += dt * settings.damping * impulse;
+  budgets.damping_work += dt * settings.damping * work;
+}
+
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
+{
+  Vec3 way{}; // of the mass, by the step
+  double mass = 0;
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    if (node.mass == 0) return;
+    mass += node.owned_mass;
+    for (int axis = 0; axis < dim; ++axis) way[axis] += node.owned_mass * (velocity[axis] - 0.5 * change[axis]);
+  });
+  budgets.gravity_impulse += dt * mass * settings.gravity;
+  budgets.external_work += dt * Dot(way, settings.gravity);
+  if (settings.damping > 0) AddDampingWork(grid, settings, dt, budgets);
 }
 
 double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates)
@@ -173,11 +183,11 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
   const int dim = grid.Geometry().dim;
   Vec3 impulse{};
-  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side) {
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      impulse[axis] -= grid.Sums()[place].owned_mass * projected[axis];
+      if (owned) impulse[axis] -= grid.Sums()[place].owned_mass * projected[axis];
       velocity[axis] = projected[axis] = 0;
     }
   });
@@ -186,7 +196,7 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     double *const rates = grid.Rates(place);
     std::fill_n(rates, NodeLayout::Rates(dim), 0.0);
@@ -196,9 +206,9 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 }
 
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<CoupledNode> &coupled, Budgets &budgets)
+                 const std::vector<std::ptrdiff_t> &held, Budgets &budgets)
 {
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
     const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
@@ -208,16 +218,13 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     const double inverse_mass = 1 / mass;
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
-    for (int axis = 0; axis < dim; ++axis) {
+    for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
       projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
-      if (settings.second_extrapolation)
-        velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
-      else
-        velocity[axis] = updated[axis];
+      velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
     }
+    for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  for (const CoupledNode &node : coupled)
-    if (node.held) std::copy_n(grid.Velocity(node.node).velocity, grid.Geometry().dim, grid.Rates(node.node));
+  for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -227,7 +227,7 @@ static PetscErrorCode SendPoints(MPI_Comm comm, const Points &from, const Migran
     std::memcpy(&records[k * bytes], &origin, sizeof origin);
     from.Pack(migrants.points[order[k]], &records[k * bytes + sizeof origin]);
   }
-  PetscCall(ExchangeBytes(comm, bytes, ranks, records.data(), incoming));
+  PetscCall(ExchangeBytes(comm, bytes, ranks, kAnyToAny, records.data(), incoming));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

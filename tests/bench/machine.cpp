@@ -1,6 +1,6 @@
-// What one core of this machine can do at most: memory bandwidth and multiply-add rate, the yardsticks of `make bench`.
+// What one core of this machine can do at most: memory bandwidth, multiply-add rate and clock, the yardsticks of `make bench`.
 //
-// Prints one line: GB/s of a triad over arrays much larger than the caches, and Gflop/s of fused multiply-adds.
+// Prints one line: GB/s of a triad over arrays much larger than the caches, Gflop/s of fused multiply-adds, and GHz.
 #include "base/pack.hpp"
 
 #include <algorithm>
@@ -60,10 +60,29 @@ double MultiplyAddRate()
   return 8.0 * kChains * kLinks / time;
 }
 
+/// Cycles a second: sums of integers that wait for each other take one cycle each.
+double Clock()
+{
+  constexpr int kCount = 20000000, kInOne = 8;
+  volatile long one = 1;
+  long sum = 0;
+  const long step = one;
+  const double time = ShortestTime([&] {
+    for (int n = 0; n < kCount; ++n)
+#pragma GCC unroll 8
+      for (int k = 0; k < kInOne; ++k) {
+        sum += step;
+        __asm__ volatile("" : "+r"(sum)); // keeps the sums apart
+      }
+  });
+  one = sum;
+  return 1.0 * kInOne * kCount / time;
+}
+
 } // namespace
 
 int main()
 {
-  std::printf("%.3f %.3f\n", 1e-9 * TriadBandwidth(), 1e-9 * MultiplyAddRate());
+  std::printf("%.3f %.3f %.3f\n", 1e-9 * TriadBandwidth(), 1e-9 * MultiplyAddRate(), 1e-9 * Clock());
   return 0;
 }

@@ -154,8 +154,10 @@ TEST(ContactColumns, PartitionOfUnity)
         area -= segments.back().area * normal[dim - 1];
       }
       ContactColumns columns;
+      SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       ForEach(columns.Box(), [&](Index at) {
         const ContactColumn &column = columns.At(at);
         sum += column.area;
@@ -181,9 +183,11 @@ TEST(ContactColumns, MeanOfALinearGap)
       const Vec3 slope = {0.3, dim == 3 ? -0.2 : 0.0, 0};
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
+      SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 2 * kH, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0.1, slope);
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       for (int i = 3; i < 5; ++i)
         for (int j = dim == 3 ? 3 : 0; j < (dim == 3 ? 5 : 1); ++j) {
           const ContactColumn &column = columns.At({i, j, 0});
@@ -204,9 +208,11 @@ TEST(ContactColumns, FullArea)
       const int dim = body.geometry.Dim();
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
+      SendPattern pattern = 0;
+      bool at_border = false;
       double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 0, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0, {});
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap), PETSC_SUCCESS);
+      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
       for (int i = 0; i < 5; ++i) {
         const Index at = {i, dim == 3 ? 2 : 0, 0};
         const ContactColumn &column = columns.At(at);
@@ -320,12 +326,12 @@ TEST(ContactSystemOnRanks, FewerUnknownsThanRanks)
   ContactSystem system;
   settings.serial_unknowns = 1;
   ASSERT_EQ(body.Create(PETSC_COMM_WORLD), PETSC_SUCCESS);
-  std::fill_n(body.grid.Sums(), body.grid.GhostedNodes(), NodeSums{1, {1, 1, 1}, {1, 1, 1}, 1});
+  std::fill_n(body.grid.Sums(), body.grid.GhostedNodes(), NodeSums{1, 1, {1, 1, 1}, {1, 1, 1}});
   ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
   const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -1}, {0, -1}}}; // each rank's
   PetscMPIInt ranks;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  ASSERT_EQ(system.Solve(body.View(), {{0, -1e-6 * ranks}}, couplings, &report), PETSC_SUCCESS);
+  ASSERT_EQ(system.Solve(body.View(), {{0, -1e-6 * ranks}}, couplings, kAnyToAny, &report), PETSC_SUCCESS);
   EXPECT_NEAR(system.Lambda()[0], 1.0 / ranks, 1e-12) << "A = (dt ranks)^2, r = dt^2 ranks";
 }
 
@@ -358,7 +364,7 @@ TEST(ContactSystemOnRanks, SolvesTheWholeProblem)
     });
     ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
     const ContactView view = body.View();
-    ASSERT_EQ(system.Solve(view, unknowns, own, &report), PETSC_SUCCESS);
+    ASSERT_EQ(system.Solve(view, unknowns, own, kAnyToAny, &report), PETSC_SUCCESS);
     const std::vector<double> lambda = BySweeps(all, unknowns, view.dt, MassOf, VelocityOf);
     const double largest = *std::max_element(lambda.begin(), lambda.end());
     int loaded = 0;

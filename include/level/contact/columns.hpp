@@ -4,6 +4,7 @@
 // plane. Horizontal indices have zeros from the last axis on.
 #pragma once
 
+#include "base/exchange.hpp"
 #include "level/contact/body.hpp"
 
 #include <vector>
@@ -65,9 +66,11 @@ public:
   ContactColumns &operator=(const ContactColumns &) = delete;
   ~ContactColumns();
 
-  /// Sums up the columns of the segments of all ranks. width: alpha; least_gap: of this rank's segments, then of all, m.
-  /// Collective on the group.
-  PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments, double *least_gap);
+  /// Sums up the columns of the segments of all ranks. width: alpha; least_gap: of this rank's segments, then of all, m; pattern:
+  /// to which ranks this one sends, then who sends to whom; at_border: segments of this rank, then of any, lie in cells whose
+  /// nodes hang on those of the coarser level. Collective on the group.
+  PetscErrorCode Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments, double *least_gap,
+                     SendPattern *pattern, bool *at_border);
 
   const IndexBox &Box() const { return box_; } ///< of the columns; empty where nothing is near
   int Place(Index column) const { return (column[1] - box_.lower[1]) * box_.Size(0) + column[0] - box_.lower[0]; }

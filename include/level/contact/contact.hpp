@@ -51,6 +51,7 @@ struct ContactReport {
   double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
   double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
                             ///< each other until something can; the same on all ranks, m
+  bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
 };
@@ -83,6 +84,14 @@ PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Co
 inline constexpr double kContactRange = 2.5;
 /// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
 inline constexpr double kPointRange = kContactRange + 1.5;
+/// Mean gap of a column, in cells, beyond which it cannot touch in a step.
+inline constexpr double kCandidateGap = 0.5;
+/// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of columns that
+/// of segments that may be candidates; the other methods look at nodes and at points.
+inline double TouchRange(const ContactSettings &settings)
+{
+  return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;
+}
 /// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
 inline constexpr double kLeastFacing = 0.1;
 

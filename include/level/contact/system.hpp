@@ -10,6 +10,7 @@
 //   s_j = dt sum_i c_ij . (v_i - V) = (A x - r)_j,  r_j = dt sum_i c_ij . (V - v_i^0),  V the velocity of the indenter.
 #pragma once
 
+#include "base/exchange.hpp"
 #include "level/contact/active_set.hpp"
 #include "level/contact/body.hpp"
 
@@ -42,12 +43,17 @@ public:
   PetscErrorCode Create(bool symmetric, double diagonal_shift, const ContactSettings &settings);
 
   /// Solves and applies. unknowns: the same on all ranks, by rising keys, columns of UnknownsPerColumn; couplings: this rank's
-  /// part, to any nodes. Adds to the report what it did. Collective on the group.
+  /// part, to any nodes; pattern: whose couplings may be with whose nodes. Adds to the report what it did. Collective on the
+  /// group.
   PetscErrorCode Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                       std::vector<ContactCoupling> couplings, ContactReport *report);
+                       std::vector<ContactCoupling> couplings, SendPattern pattern, ContactReport *report);
+  /// The rank of the group that owns the node of a coupling; negative for none.
+  static PetscMPIInt OwnerOf(const ContactView &view, const ContactCoupling &coupling);
+  /// Adds the couplings with the coarser nodes that nodes near a border hang on.
+  static void AddBeyondBorder(const BorderNodes &border, std::vector<ContactCoupling> *couplings);
 
-  /// The pressures and tractions of the last solve, on every rank: in the order of its unknowns, and those that are not zero by
-  /// their keys. The next solve starts from them.
+  /// The pressures and tractions of the last solve, on the first rank of the group and those with a part in it: in the order of
+  /// its unknowns, and those that are not zero by their keys. The next solve starts from them.
   const std::vector<double> &Lambda() const { return lambda_; }
   const ContactPressures &Pressures() const { return pressures_; }
   /// To be called by all ranks before their group changes. Collective on the group.
@@ -74,8 +80,8 @@ private:
 
   void AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings, int per_column);
   PetscErrorCode MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                               const std::vector<ContactCoupling> &couplings, const Layout &layout);
-  PetscErrorCode FindPressures(const ContactView &view, const Layout &layout, ContactReport *report);
+                               const std::vector<ContactCoupling> &couplings, const Layout &layout, SendPattern pattern);
+  PetscErrorCode FindPressures(const ContactView &view, const Layout &layout, SendPattern pattern, ContactReport *report);
 
   bool symmetric_ = true;
   double diagonal_shift_ = 0;

@@ -148,8 +148,9 @@ void ContactColumns::Crop()
 }
 
 PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const std::vector<PressedSegment> &segments,
-                                   double *least_gap)
+                                   double *least_gap, SendPattern *pattern, bool *at_border)
 {
+  constexpr int kHalf = 32; // bits; a double holds so many without rounding, and no two ranks set the same
   PetscFunctionBeginUser;
   if (add_ == MPI_OP_NULL) {
     PetscCallMPI(MPI_Type_contiguous(sizeof(ContactColumn), MPI_BYTE, &column_type_));
@@ -159,10 +160,14 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   PetscCall(FindBox(view, segments));
   columns_.assign(box_.Count(), {});
   for (const PressedSegment &segment : segments) Add(view, width, segment);
-  columns_.emplace_back().left = *least_gap; // goes along, as its least is found too
+  ContactColumn &other = columns_.emplace_back(); // what goes along, as it is added up, and its least found, in the same way
+  other.left = *least_gap, other.flowing = *at_border;
+  other.area = static_cast<double>(*pattern >> kHalf),
+  other.gap = static_cast<double>(*pattern & ((SendPattern(1) << kHalf) - 1));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
-  *least_gap = columns_.back().left;
+  *least_gap = columns_.back().left, *at_border = columns_.back().flowing > 0;
+  *pattern = static_cast<SendPattern>(columns_.back().area) << kHalf | static_cast<SendPattern>(columns_.back().gap);
   columns_.pop_back();
   Crop();
   PetscFunctionReturn(PETSC_SUCCESS);

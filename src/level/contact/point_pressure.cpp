@@ -50,7 +50,7 @@ public:
     PetscCall(GatherByKey(view.group.Comm(), &pressed));
     for (const PressedPoint &point : pressed) unknowns.push_back(point.unknown), ranges.push_back(point.range);
     for (ContactCoupling &c : couplings_) c.unknown = Find(unknowns, own[c.unknown]);
-    PetscCall(system_.Solve(view, unknowns, couplings_, report));
+    PetscCall(system_.Solve(view, unknowns, couplings_, kAnyToAny, report));
     for (std::int64_t key : own) report->local_points += static_cast<int>(system_.Pressures().count(key));
     for (double pressure : system_.Lambda()) report->peak_pressure = std::max(report->peak_pressure, pressure);
     const double rounding = 1e-6 * view.grid.Geometry().spacing;

@@ -18,7 +18,6 @@ namespace
 
 constexpr double kSmallestArea = 0.05; ///< of a column's full kernel, with less of which it is left out
 constexpr double kSpare = 0.25;        ///< cells; see SpareGap
-constexpr double kCandidateGap = 0.5;  ///< cells; columns with a larger mean gap cannot touch in a step
 
 /// Cells that a column at the tip may be deeper where the surface covers little of its kernel: a tip that cuts metal takes the
 /// surface away, and a column that let go all at once would come back with a blow.
@@ -62,10 +61,11 @@ public:
     PetscFunctionBeginUser;
     *report = {};
     PetscCall(CollectSegments(view, report));
-    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_));
+    SendPattern pattern = OwnersOfNodes(view, &report->at_border);
+    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &pattern, &report->at_border));
     NumberUnknowns(view);
     MakeCouplings(view);
-    PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), report));
+    PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), pattern, report));
     MeasureShape(view, report);
     if (unknowns_.empty()) report->room = least_gap_ - kCandidateGap * view.grid.Geometry().spacing;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,6 +126,27 @@ private:
       points_.push_back({p, segments_.size()});
     }
     PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// To which ranks this one may send couplings: the owners of all nodes around its segments. at_border: nodes of the coarser
+  /// level are among them.
+  SendPattern OwnersOfNodes(const ContactView &view, bool *at_border) const
+  {
+    const PetscMPIInt rank = RankIn(view.group.Comm());
+    SendPattern pattern = 0;
+    std::vector<ContactCoupling> corners;
+    Index last = kNoCell;
+    for (const PressedSegment &segment : segments_) {
+      const Index cell = segment.place.cell;
+      for (int k = 0; cell != last && k < 1 << view.geometry.Dim(); ++k) corners.push_back({Corner(cell, k), 0, {}, {}});
+      last = cell;
+    }
+    if (view.border) ContactSystem::AddBeyondBorder(*view.border, &corners);
+    *at_border = !corners.empty() && corners.back().coarser;
+    if (RanksOf(view.group.Comm()) > kFewRanks) return pattern;
+    for (const ContactCoupling &corner : corners)
+      if (const PetscMPIInt owner = ContactSystem::OwnerOf(view, corner); owner >= 0) pattern |= Sends(rank, owner);
+    return pattern;
   }
 
   void NumberUnknowns(const ContactView &view)

@@ -12,21 +12,6 @@ namespace mlgimp
 namespace
 {
 
-/// Adds the couplings with the coarser nodes that nodes near a border hang on.
-void AddBeyondBorder(const BorderNodes &border, std::vector<ContactCoupling> *couplings)
-{
-  const std::size_t count = couplings->size();
-  for (std::size_t k = 0; k < count; ++k) {
-    const NodeBlend blend = border.BlendOf((*couplings)[k].node);
-    (*couplings)[k].share = blend.beta;
-    for (int a = 0; a < blend.count; ++a) {
-      const ContactCoupling &own = (*couplings)[k];
-      const double weight = (1 - blend.beta) * blend.weight[a];
-      couplings->push_back({blend.node[a], own.unknown, weight * own.constraint, weight * own.traction, true});
-    }
-  }
-}
-
 /// kg
 double MassOf(const ContactView &view, const ContactCoupling &at)
 {
@@ -44,15 +29,13 @@ template <class Work> void ForEachNode(const std::vector<ContactCoupling> &coupl
 
 /// Brings all couplings to the owners of their nodes and adds up those of the same unknown; nodes without mass are left out. On
 /// return they are ordered by nodes, the last axis slowest, and unknowns.
-PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings)
+PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings, SendPattern pattern)
 {
   const auto order = [](const ContactCoupling &c) { return std::tie(c.coarser, c.node[2], c.node[1], c.node[0], c.unknown); };
-  const auto owner = [&](const ContactCoupling &c) {
-    return c.coarser ? view.group.RankOf(view.border->BlockOf(c.node)) : OwnerOf(view, c.node);
-  };
+  const auto owner = [&](const ContactCoupling &c) { return ContactSystem::OwnerOf(view, c); };
   PetscFunctionBeginUser;
-  if (view.border) AddBeyondBorder(*view.border, couplings);
-  PetscCall(ExchangeRecords(view.group.Comm(), couplings, owner));
+  if (view.border) ContactSystem::AddBeyondBorder(*view.border, couplings);
+  PetscCall(ExchangeRecords(view.group.Comm(), couplings, owner, pattern));
   std::stable_sort(couplings->begin(), couplings->end(),
                    [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
   auto kept = couplings->begin();
@@ -103,7 +86,48 @@ Vec3 FrictionImpulse(const ContactView &view, const std::vector<ContactCoupling>
   return impulse;
 }
 
+/// Who sends products to the ranks that solve: the owners of nodes that couplings may be with.
+SendPattern PatternOfTerms(SendPattern couplings, PetscMPIInt solvers)
+{
+  SendPattern pattern = 0;
+  for (PetscMPIInt from = 0; from < kFewRanks; ++from)
+    for (PetscMPIInt owner = 0; owner < kFewRanks; ++owner)
+      for (PetscMPIInt to = 0; to < std::min(solvers, kFewRanks); ++to)
+        if (couplings & Sends(from, owner)) pattern |= Sends(owner, to);
+  return pattern;
+}
+
+/// Who hears of the pressures from the first rank: who has couplings or owns nodes of theirs, and all of a tip that travels.
+SendPattern PatternOfPressures(SendPattern couplings, bool is_free)
+{
+  SendPattern pattern = is_free ? kAnyToAny : 0;
+  for (PetscMPIInt from = 0; from < kFewRanks; ++from)
+    for (PetscMPIInt owner = 0; owner < kFewRanks; ++owner)
+      if (couplings & Sends(from, owner)) pattern |= Sends(0, from) | Sends(0, owner);
+  return pattern;
+}
+
 } // namespace
+
+PetscMPIInt ContactSystem::OwnerOf(const ContactView &view, const ContactCoupling &coupling)
+{
+  if (coupling.coarser) return view.group.RankOf(view.border->BlockOf(coupling.node));
+  return mlgimp::OwnerOf(view, coupling.node);
+}
+
+void ContactSystem::AddBeyondBorder(const BorderNodes &border, std::vector<ContactCoupling> *couplings)
+{
+  const std::size_t count = couplings->size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const NodeBlend blend = border.BlendOf((*couplings)[k].node);
+    (*couplings)[k].share = blend.beta;
+    for (int a = 0; a < blend.count; ++a) {
+      const ContactCoupling &own = (*couplings)[k];
+      const double weight = (1 - blend.beta) * blend.weight[a];
+      couplings->push_back({blend.node[a], own.unknown, weight * own.constraint, weight * own.traction, true});
+    }
+  }
+}
 
 PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, const ContactSettings &settings)
 {
@@ -144,7 +168,8 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
 
 /// This rank's equations from the products at the nodes of all ranks. An unknown that moves no mass stays without pressure.
 PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                                            const std::vector<ContactCoupling> &couplings, const Layout &layout)
+                                            const std::vector<ContactCoupling> &couplings, const Layout &layout,
+                                            SendPattern pattern)
 {
   const PetscMPIInt rank = RankIn(view.group.Comm());
   std::vector<Term> terms;
@@ -153,7 +178,8 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   for (std::vector<Term> &row : rows_) row.clear();
   AddProducts(view, couplings, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
-  PetscCall(ExchangeRecords(view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }));
+  PetscCall(ExchangeRecords(
+      view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }, pattern));
 
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);
@@ -190,8 +216,10 @@ PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Solves on the ranks that hold equations and tells all ranks the pressures, and how far a free tip travels.
-PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, ContactReport *report)
+/// Solves on the ranks that hold equations and tells those of the pattern the pressures, and how far a free tip travels; to
+/// others they are zero.
+PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layout &layout, SendPattern pattern,
+                                            ContactReport *report)
 {
   const MPI_Comm comm = view.group.Comm();
   const PetscMPIInt rank = RankIn(comm), size = RanksOf(comm);
@@ -213,7 +241,7 @@ PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layou
   } else {
     own.resize(lambda_.size());
     own.insert(own.end(), found, found + 2);
-    PetscCall(ShareFromFirst(comm, &own));
+    PetscCall(ShareFromFirst(comm, &own, pattern));
     std::copy(own.end() - 2, own.end(), found);
     own.resize(lambda_.size());
     lambda_ = own;
@@ -232,7 +260,7 @@ PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layou
 }
 
 PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                                    std::vector<ContactCoupling> couplings, ContactReport *report)
+                                    std::vector<ContactCoupling> couplings, SendPattern pattern, ContactReport *report)
 {
   const int count = static_cast<int>(unknowns.size()), per_column = UnknownsPerColumn(settings_, view.geometry);
   PetscFunctionBeginUser;
@@ -245,9 +273,9 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.group.Comm())};
-  PetscCall(GatherAtNodes(view, &couplings));
-  PetscCall(MakeEquations(view, unknowns, couplings, layout));
-  PetscCall(FindPressures(view, layout, report));
+  PetscCall(GatherAtNodes(view, &couplings, pattern));
+  PetscCall(MakeEquations(view, unknowns, couplings, layout, PatternOfTerms(pattern, layout.ranks)));
+  PetscCall(FindPressures(view, layout, PatternOfPressures(pattern, view.tip.IsFree()), report));
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
   Push(view, couplings, lambda_, report);

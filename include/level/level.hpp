@@ -169,6 +169,7 @@ private:
   ContactView ViewOfContact(double time, double dt, const TipStep &tip);
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
+  PetscErrorCode SpreadContact();
   void NoteContact(const ContactReport &report, double area);
   PetscErrorCode Regroup();
   PetscErrorCode SharePressures();

@@ -54,6 +54,7 @@ struct CoupledNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
   bool held;           ///< its second velocity is the first
   Vec3 change{};       ///< of its velocity by the other level in the last step, m/s
+  bool pushed = false; ///< by contact in the step, also through nodes of the other level that it hangs on
 };
 
 /// An owned node and a part of the change of its velocity in the step, m/s.

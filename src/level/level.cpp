@@ -140,7 +140,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   pushed_.clear();
   if (ContactAwake()) PrepareSharedNodes();
   if (touched) PetscCall(ApplyContact(time, dt, tip));
-  if (ContactAwake() && border_) PetscCall(border_->Spread(&pushed_));
+  if (ContactAwake() && border_) PetscCall(SpreadContact());
   PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);

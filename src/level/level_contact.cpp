@@ -96,6 +96,20 @@ void Level::PrepareSharedNodes()
   }
 }
 
+/// What contact did to nodes of the coarser level, felt by those that hang on them. Both lists go through the band in one order.
+PetscErrorCode Level::SpreadContact()
+{
+  const std::size_t own = pushed_.size();
+  PetscFunctionBeginUser;
+  PetscCall(border_->Spread(&pushed_));
+  auto coupled = coupled_nodes_.begin();
+  for (auto one = pushed_.begin() + static_cast<std::ptrdiff_t>(own); one != pushed_.end(); ++one, ++coupled) {
+    while (coupled->node != one->node) ++coupled;
+    coupled->pushed = true;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
 {
   return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff,

@@ -142,6 +142,7 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
 {
   const int dim = grid.Geometry().dim;
   for (CoupledNode &coupled : nodes) {
+    coupled.pushed = false;
     const NodeSums &node = grid.Sums()[coupled.node];
     const double *const change = grid.Velocity(coupled.node).change;
     for (int axis = 0; axis < dim; ++axis)
@@ -195,6 +196,21 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
   ConstrainRates(grid, sides);
 }
 
+/// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
+/// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
+/// as the surface that contact sees.
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, const CoupledNode &node)
+{
+  const NodeSums &sums = grid.Sums()[node.node];
+  const auto [motion, change] = grid.Velocity(node.node);
+  double *const velocity = grid.Rates(node.node);
+  const bool smooths = settings.second_extrapolation && !node.held && sums.mass > settings.mass_cutoff;
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
+    const double smoothed = smooths ? velocity[axis] - (sums.momentum[axis] / sums.mass + change[axis]) : 0;
+    velocity[axis] = motion[axis] + smoothed;
+  }
+}
+
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                  const std::vector<CoupledNode> &coupled, Budgets &budgets)
 {
@@ -217,7 +233,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
   });
   for (const CoupledNode &node : coupled)
-    if (node.held) std::copy_n(grid.Velocity(node.node).velocity, grid.Geometry().dim, grid.Rates(node.node));
+    if (node.held || node.pushed) FollowMotion(grid, settings, node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -65,9 +65,9 @@ public:
   /// Owned nodes of this rank that the border acts on: interface nodes on the coarse level, and those of the band on the fine.
   const std::vector<CoupledNode> &CoarseNodes() const { return coarse_nodes_; }
   const std::vector<CoupledNode> &FineNodes() const { return fine_nodes_; }
-  /// Places of nodes, with ghosts, whose velocity is the border's alone: interface nodes, and constrained ones of the band.
+  /// Nodes, with ghosts, whose velocity the border makes, alone or in part: interface nodes are of the first kind.
   const std::vector<std::ptrdiff_t> &HeldCoarseNodes() const { return held_coarse_; }
-  const std::vector<std::ptrdiff_t> &HeldFineNodes() const { return held_fine_; }
+  const CoupledPlaces &FinePlaces() const { return fine_places_; }
 
   /// Takes what the last step left to the next from the border before a change of layout, with the same nodes. Collective on all.
   PetscErrorCode TakeState(const LevelInterface &before);
@@ -156,7 +156,8 @@ private:
   std::vector<BlendNode> hats_;          ///< of those that interface nodes get sums from
   std::vector<unsigned char> held_axes_; ///< [advanced_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
-  std::vector<std::ptrdiff_t> held_coarse_, held_fine_;
+  std::vector<std::ptrdiff_t> held_coarse_;
+  CoupledPlaces fine_places_;
   SFHandle exchange_;                 ///< interface nodes to other ranks that know them
   SFHandle down_, up_;                ///< coarse nodes to interface nodes, and those of their owners to coarse nodes
   std::vector<NodeSums> coarse_sums_; ///< [advanced_]: of the coarse points

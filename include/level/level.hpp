@@ -75,11 +75,11 @@ public:
   /// Counts the step; migrates and sorts where due.
   PetscErrorCode EndStep();
 
-  /// Owned nodes whose velocities neighbouring levels have a part in, and the places of nodes, with ghosts, of which they alone
-  /// make the velocity. From now on their exchange of energy is added up.
-  void SetCoupledNodes(std::vector<CoupledNode> nodes, std::vector<std::ptrdiff_t> held)
+  /// Nodes whose velocities neighbouring levels have a part in: owned ones, and all that this rank has. From now on their
+  /// exchange of energy is added up.
+  void SetCoupledNodes(std::vector<CoupledNode> nodes, CoupledPlaces places)
   {
-    coupled_nodes_ = std::move(nodes), held_nodes_ = std::move(held), is_coupled_ = true;
+    coupled_nodes_ = std::move(nodes), coupled_places_ = std::move(places), is_coupled_ = true;
   }
   /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
   /// level's; none where there is no such level.
@@ -198,7 +198,7 @@ private:
   std::unique_ptr<Contact> contact_;
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
-  std::vector<std::ptrdiff_t> held_nodes_; ///< whose second velocity is the first
+  CoupledPlaces coupled_places_;
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
   std::vector<PushedNode> pushed_; ///< by contact in the step

@@ -164,16 +164,16 @@ PetscErrorCode Hierarchy::RenewInterface(int b, bool keeps_state)
 void Hierarchy::CoupleNodes(int l)
 {
   std::vector<CoupledNode> nodes;
-  std::vector<std::ptrdiff_t> held;
+  CoupledPlaces places;
   if (!CoupledByNodes()) return;
   levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr);
-  if (l > 0) nodes = borders_[l - 1]->FineNodes(), held = borders_[l - 1]->HeldFineNodes();
+  if (l > 0) nodes = borders_[l - 1]->FineNodes(), places = borders_[l - 1]->FinePlaces();
   if (IsActive(l + 1)) {
     const LevelInterface &finer = *borders_[l];
     nodes.insert(nodes.end(), finer.CoarseNodes().begin(), finer.CoarseNodes().end());
-    held.insert(held.end(), finer.HeldCoarseNodes().begin(), finer.HeldCoarseNodes().end());
+    places.held.insert(places.held.end(), finer.HeldCoarseNodes().begin(), finer.HeldCoarseNodes().end());
   }
-  levels_[l]->SetCoupledNodes(std::move(nodes), std::move(held));
+  levels_[l]->SetCoupledNodes(std::move(nodes), std::move(places));
 }
 
 PetscErrorCode Hierarchy::Reconnect()

@@ -111,7 +111,7 @@ void LevelInterface::ListBand()
 {
   const Grid &mesh = fine_->Mesh();
   std::map<Index, int> place = owned_place_; // of interface nodes among those known here
-  band_.clear(), fine_nodes_.clear(), held_fine_.clear(), hats_.clear();
+  band_.clear(), fine_nodes_.clear(), fine_places_ = {}, hats_.clear();
   if (!mesh.Participates()) return;
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
@@ -120,7 +120,8 @@ void LevelInterface::ListBand()
   });
   ForEach(Intersection(mesh.Ghosted(), MassNodes()), [&](Index node) {
     const double beta = Beta(node);
-    if (beta == 0) held_fine_.push_back(mesh.Place(node));
+    if (beta == 0) fine_places_.held.push_back(mesh.Place(node));
+    if (beta > 0 && beta < 1) fine_places_.blended.push_back(node);
     if (beta < 1 && knows_hats_) hats_.push_back(Blend(node, place, false));
   });
   advanced_ = knows_hats_ ? static_cast<int>(known_.size()) : owned_;

@@ -205,8 +205,23 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
   ConstrainRates(grid, sides);
 }
 
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<std::ptrdiff_t> &held, Budgets &budgets)
+/// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
+/// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
+/// as the surface that contact sees.
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::ptrdiff_t node)
+{
+  const NodeSums &sums = grid.Sums()[node];
+  const auto [motion, change] = grid.Velocity(node);
+  double *const velocity = grid.Rates(node);
+  const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
+    const double smoothed = smooths ? velocity[axis] - (sums.momentum[axis] / sums.mass + change[axis]) : 0;
+    velocity[axis] = motion[axis] + smoothed;
+  }
+}
+
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const CoupledPlaces &coupled,
+                 const IndexBox &pressed, Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
@@ -224,7 +239,9 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+  for (const std::ptrdiff_t node : coupled.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+  for (const Index node : coupled.blended)
+    if (pressed.Contains(node)) FollowMotion(grid, settings, grid.Place(node));
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -173,6 +173,7 @@ private:
   ContactView ViewOfContact(double time, double dt, const TipStep &tip);
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
+  void FindFollowing(Vec3 tip);
   void NoteContact(const ContactReport &report, double area);
   PetscErrorCode Regroup();
   PetscErrorCode SharePressures();
@@ -199,6 +200,7 @@ private:
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
+  std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
   std::vector<PushedNode> pushed_; ///< by contact in the step

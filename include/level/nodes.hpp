@@ -59,6 +59,7 @@ struct CoupledNode {
 struct CoupledPlaces {
   std::vector<std::ptrdiff_t> held; ///< places of those whose velocity the other level alone makes
   std::vector<Index> blended;       ///< those that both make
+  double reach = 0;                 ///< of contact: these follow the motion where the indenter is no farther, m
 };
 
 /// An owned node and a part of the change of its velocity in the step, m/s.
@@ -105,10 +106,10 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. At nodes that are held the second velocity is the new one too, and at
-/// blended ones in the box of nodes that contact presses it follows it.
+/// extrapolation it is the new velocity itself. At nodes that are held, by place, the second velocity is the new one
+/// too; at those that follow the motion it is the new one, and what the second extrapolation would change of it.
 /// Adds up the impulse of sides on the projected velocities.
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const CoupledPlaces &coupled,
-                 const IndexBox &pressed, Budgets &budgets);
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets);
 
 } // namespace mlgimp

@@ -112,6 +112,7 @@ void LevelInterface::ListBand()
   const Grid &mesh = fine_->Mesh();
   std::map<Index, int> place = owned_place_; // of interface nodes among those known here
   band_.clear(), fine_nodes_.clear(), fine_places_ = {}, hats_.clear();
+  fine_places_.reach = (2 + ratio_) * mesh.Geometry().spacing; // the nodes of both levels that a segment pushes
   if (!mesh.Participates()) return;
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;

@@ -137,7 +137,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   pushed_.clear();
-  if (contact_) PrepareSharedNodes();
+  if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
   pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
@@ -169,7 +169,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_places_, ContactAwake() ? clock_.contact_zone : IndexBox{}, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -297,7 +297,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
   grid_ = std::move(grid);
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
-  coupled_nodes_.clear(), coupled_places_ = {};
+  coupled_nodes_.clear(), coupled_places_ = {}, following_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   PetscCall(Sort());

@@ -96,6 +96,16 @@ void Level::PrepareSharedNodes()
   }
 }
 
+/// The blended nodes near the indenter. Where it is alone decides, so that ranks, and runs that go on, find the same ones.
+void Level::FindFollowing(Vec3 tip)
+{
+  following_.clear();
+  for (const Index node : coupled_places_.blended) {
+    const Vec3 x{grid_->Coordinate(0, node[0]), grid_->Coordinate(1, node[1]), grid_->Coordinate(2, node[2])};
+    if (model_.indenter->Gap(x, tip).distance < coupled_places_.reach) following_.push_back(grid_->Place(node));
+  }
+}
+
 ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
 {
   return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff,

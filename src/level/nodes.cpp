@@ -220,8 +220,8 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::p
   }
 }
 
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const CoupledPlaces &coupled,
-                 const IndexBox &pressed, Budgets &budgets)
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
@@ -239,9 +239,8 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  for (const std::ptrdiff_t node : coupled.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
-  for (const Index node : coupled.blended)
-    if (pressed.Contains(node)) FollowMotion(grid, settings, grid.Place(node));
+  for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -310,7 +310,7 @@ private:
   }
 
   /// Puts the strain rates of a block in the place of its short-wave stress, and in rows; returns the power of that stress, W,
-  /// with the mean velocity of the step.
+  /// with the velocity of the points on the nodes. The new one holds what the points never get of its short waves.
   static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change,
                                Row *rate)
   {
@@ -326,7 +326,7 @@ private:
       for (int k = 0; k < kRate; ++k) {
         rate[k][p] = StrainRate(u, L, x, k, p);
         power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * stress[k][p] *
-                 (rate[k][p] - 0.5 * StrainRate(du, dL, x, k, p));
+                 (rate[k][p] - StrainRate(du, dL, x, k, p));
       }
       sum += volume[p] * power;
     }

@@ -14,7 +14,7 @@ WEDGE = {
     "domain_lower": "0,0", "domain_upper": "24,26", "cell_size": 1, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
     "boundary_y_lower": "symmetry", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block",
     "block_lower": "0,0", "block_upper": "24,24", "indenter": "wedge", "indenter_half_angle": 75, "indenter_tip": "0,24", "damping": 0.03,
-    "frames": 0, "indenter_control": "load", "cfl": 0.2}
+    "frames": 0, "indenter_control": "load"}
 AXIS = {"geometry": "axisymmetric", "indenter": "cone", "boundary_x_lower": None}
 CASES = {"wedge": (WEDGE, 0.5), "cone": ({name: value for name, value in {**WEDGE, **AXIS}.items() if value}, 8.0)}
 TIMES = (0, 300, 450, 700)  # up, hold, down to a tenth
@@ -27,7 +27,7 @@ SPACE = {
     "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "10,10,12", "cell_size": 1, "boundary_x_lower": "symmetry",
     "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "bodies": "block", "block_lower": "0,0,0", "block_upper": "10,10,10",
     "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "indenter": "sphere", "indenter_radius": 20,
-    "indenter_tip": "0,0,10", "damping": 0.1, "frames": 0, "indenter_control": "load", "cfl": 0.2}
+    "indenter_tip": "0,0,10", "damping": 0.1, "frames": 0, "indenter_control": "load", "cfl": 0.2}  # forces and ways half a step apart: dt over 40 counts
 
 
 def schedule(times, loads):

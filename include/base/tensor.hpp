@@ -14,7 +14,7 @@ inline Vec3 operator+(Vec3 a, Vec3 b) { return {a[0] + b[0], a[1] + b[1], a[2] +
 inline Vec3 operator-(Vec3 a, Vec3 b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 inline Vec3 operator*(double s, Vec3 a) { return {s * a[0], s * a[1], s * a[2]}; }
 inline double Dot(Vec3 a, Vec3 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline double Norm(Vec3 a) { return std::hypot(std::hypot(a[0], a[1]), a[2]); }
+inline double Norm(Vec3 a) { return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]); }
 
 inline double LargestComponent(Vec3 a) { return std::max(a[0], std::max(a[1], a[2])); }
 

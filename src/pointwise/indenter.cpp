@@ -50,9 +50,9 @@ public:
 protected:
   ProfileGap At(double rho, double height) const override
   {
-    const double root = std::hypot(rho, rounding_);
+    const double root = std::sqrt(rho * rho + rounding_ * rounding_);
     const double slope = rounding_ > 0 ? slope_ * rho / root : slope_;
-    const double scale = 1 / std::hypot(slope, 1.0);
+    const double scale = 1 / std::sqrt(slope * slope + 1);
     return {scale * (slope_ * (root - rounding_) - height), scale * slope, -scale};
   }
   double Radius(double height) const override
@@ -73,7 +73,7 @@ public:
 protected:
   ProfileGap At(double rho, double height) const override
   {
-    const double up = height - radius_, distance = std::hypot(rho, up);
+    const double up = height - radius_, distance = std::sqrt(rho * rho + up * up);
     if (distance == 0) return {-radius_, 0, -1};
     return {distance - radius_, (1 / distance) * rho, (1 / distance) * up};
   }

@@ -7,6 +7,7 @@
 #include "base/exchange.hpp"
 #include "level/contact/body.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace mlgimp
@@ -33,7 +34,12 @@ struct PressedSegment {
 /// Corner c of a cell: bit a of c chooses the upper node along axis a.
 inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2 & 1)}; }
 /// Product over the first `axes` axes of hats about a corner, of half width `width` cells.
-double CornerHat(Vec3 part, int c, int axes, double width = 1);
+inline double CornerHat(Vec3 part, int c, int axes, double width = 1)
+{
+  double hat = 1;
+  for (int a = 0; a < axes; ++a) hat *= std::max(0.0, 1 - (c >> a & 1 ? 1 - part[a] : part[a]) / width);
+  return hat;
+}
 /// Its gradient, 1/m, for cells of a size.
 Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width);
 

@@ -19,13 +19,6 @@ CellPlace Locate(const Grid &grid, Vec3 x, int dim)
   return place;
 }
 
-double CornerHat(Vec3 part, int c, int axes, double width)
-{
-  double hat = 1;
-  for (int a = 0; a < axes; ++a) hat *= std::max(0.0, 1 - (c >> a & 1 ? 1 - part[a] : part[a]) / width);
-  return hat;
-}
-
 Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width)
 {
   Vec3 slope{};
@@ -111,17 +104,20 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
   const int dim = view.geometry.Dim(), corners = 1 << (dim - 1);
   const double h = view.grid.Geometry().spacing;
   const CellPlace &place = segment.place;
+  double hat[4];
+  for (int c = 0; c < corners; ++c) hat[c] = CornerHat(place.part, c, dim - 1);
   for (int c = 0; c < corners; ++c) {
     const Index at = Corner(place.column, c);
-    const double kernel = segment.area * CornerHat(place.part, c, dim - 1, width), x = view.grid.Coordinate(0, at[0]);
+    const double kernel = segment.area * (width == 1 ? hat[c] : CornerHat(place.part, c, dim - 1, width));
+    const double x = view.grid.Coordinate(0, at[0]);
     ContactColumn &column = columns_[Place(at)];
     column.kernel_area += kernel;
     column.flowing += segment.flows ? kernel : 0;
     column.gap += kernel * segment.gap;
-    column.area -= segment.area * CornerHat(place.part, c, dim - 1) * segment.normal[dim - 1];
+    column.area -= segment.area * hat[c] * segment.normal[dim - 1];
     for (int i = 0; i < corners; ++i) {
       const int offset = 4 + (i & 1) - (c & 1) + 3 * ((i >> 1) - (c >> 1));
-      column.share[offset] -= kernel * CornerHat(place.part, i, dim - 1) * segment.normal[dim - 1];
+      column.share[offset] -= kernel * hat[i] * segment.normal[dim - 1];
     }
     column.left = std::min(column.left, std::max(segment.left, x - h));
     column.right = std::max(column.right, std::min(segment.right, x + h));

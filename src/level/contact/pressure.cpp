@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <map>
 
 namespace mlgimp
 {
@@ -95,7 +96,7 @@ private:
 
   /// The couplings of the columns of a cell with its corners, [columns][corners].
   struct CellCouplings {
-    CellPlace place = {kNoCell, {}, {}};
+    CellPlace place;
     Vec3 B[3][4][8] = {}; ///< of the pressure and of tractions along the horizontal axes
   };
 
@@ -136,6 +137,8 @@ private:
     SendPattern pattern = 0;
     std::vector<ContactCoupling> corners;
     Index last = kNoCell;
+    *at_border = false;
+    if (!view.border && RanksOf(view.group.Comm()) == 1) return pattern;
     for (const PressedSegment &segment : segments_) {
       const Index cell = segment.place.cell;
       for (int k = 0; cell != last && k < 1 << view.geometry.Dim(); ++k) corners.push_back({Corner(cell, k), 0, {}, {}});
@@ -189,20 +192,23 @@ private:
   {
     const int dim = view.geometry.Dim(), columns = 1 << (dim - 1), corners = 1 << dim;
     const int per_column = UnknownsPerColumn(settings_, view.geometry);
-    CellCouplings cell;
-    couplings_.clear();
+    std::map<Index, CellCouplings> cells;
+    auto cell = cells.end();
     for (const PressedSegment &segment : segments_) {
       const CellPlace &place = segment.place;
-      if (place.cell != cell.place.cell) Flush(dim, per_column, cell), cell = {place, {}};
+      if (cell == cells.end() || place.cell != cell->first) cell = cells.try_emplace(place.cell, CellCouplings{place, {}}).first;
+      double hat[8];
+      for (int k = 0; k < corners; ++k) hat[k] = CornerHat(place.part, k, dim);
       for (int c = 0; c < columns; ++c) {
         if (NumberOf(place, c) < 0) continue;
         for (int u = 0; u < per_column; ++u) {
           const Vec3 change = u == 0 ? GapGradient(view, segment, c, settings_.width) : SlipGradient(view, segment, c, u - 1);
-          for (int k = 0; k < corners; ++k) cell.B[u][c][k] = cell.B[u][c][k] + CornerHat(place.part, k, dim) * change;
+          for (int k = 0; k < corners; ++k) cell->second.B[u][c][k] = cell->second.B[u][c][k] + hat[k] * change;
         }
       }
     }
-    Flush(dim, per_column, cell);
+    couplings_.clear();
+    for (const auto &one : cells) Keep(dim, per_column, one.second);
   }
 
   /// How the weighted slip of a column along an axis grows as a segment moves, m2. At a side that is held across that axis there
@@ -219,9 +225,8 @@ private:
 
   int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }
 
-  void Flush(int dim, int per_column, const CellCouplings &cell)
+  void Keep(int dim, int per_column, const CellCouplings &cell)
   {
-    if (cell.place.cell == kNoCell) return;
     for (int c = 0; c < 1 << (dim - 1); ++c) {
       const int number = NumberOf(cell.place, c);
       for (int k = 0; number >= 0 && k < 1 << dim; ++k)

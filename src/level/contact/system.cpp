@@ -4,7 +4,7 @@
 #include "base/exchange.hpp"
 
 #include <algorithm>
-#include <tuple>
+#include <array>
 
 namespace mlgimp
 {
@@ -31,24 +31,29 @@ template <class Work> void ForEachNode(const std::vector<ContactCoupling> &coupl
 /// return they are ordered by nodes, the last axis slowest, and unknowns.
 PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings, SendPattern pattern)
 {
-  const auto order = [](const ContactCoupling &c) { return std::tie(c.coarser, c.node[2], c.node[1], c.node[0], c.unknown); };
+  const auto order = [](const ContactCoupling &c) {
+    return std::array<int, 5>{c.coarser, c.node[2], c.node[1], c.node[0], c.unknown};
+  };
   const auto owner = [&](const ContactCoupling &c) { return ContactSystem::OwnerOf(view, c); };
   PetscFunctionBeginUser;
   if (view.border) ContactSystem::AddBeyondBorder(*view.border, couplings);
   PetscCall(ExchangeRecords(view.group.Comm(), couplings, owner, pattern));
-  std::stable_sort(couplings->begin(), couplings->end(),
-                   [&](const ContactCoupling &a, const ContactCoupling &b) { return order(a) < order(b); });
-  auto kept = couplings->begin();
-  for (auto next = couplings->begin(); next != couplings->end(); ++next) {
-    if (MassOf(view, *next) <= view.mass_cutoff) continue;
-    if (kept != couplings->begin() && order(kept[-1]) == order(*next)) {
-      kept[-1].constraint = kept[-1].constraint + next->constraint;
-      kept[-1].traction = kept[-1].traction + next->traction;
+  const std::vector<ContactCoupling> all = std::move(*couplings);
+  std::vector<std::pair<std::array<int, 5>, std::size_t>> places; // their order is sorted in their stead: they are large
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (MassOf(view, all[k]) > view.mass_cutoff) places.emplace_back(order(all[k]), k);
+  std::sort(places.begin(), places.end());
+  couplings->clear();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const ContactCoupling &next = all[places[k].second];
+    if (k > 0 && places[k].first == places[k - 1].first) {
+      ContactCoupling &sum = couplings->back();
+      sum.constraint = sum.constraint + next.constraint;
+      sum.traction = sum.traction + next.traction;
     } else {
-      *kept++ = *next;
+      couplings->push_back(next);
     }
   }
-  couplings->erase(kept, couplings->end());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

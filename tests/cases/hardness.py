@@ -130,7 +130,7 @@ def press_pyramid(E, sy, exponent, cells):
         "level_2_lower": [-16 * fine, 0.0, size - 16 * fine], "level_2_upper": [24 * fine, 24 * fine, size + 32 * fine],
         "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich", "indenter_tip": [0.0, 0.0, size],
         "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down], "end_time": 1.075 * loading, "frames": 0,
-        "history_interval": 2})
+        "history_interval": 2}, timeout=7200)
 
 
 def verify_berkovich(study):

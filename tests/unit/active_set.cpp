@@ -157,6 +157,22 @@ TEST(ActiveSet, SolutionIsAGoodStart)
   EXPECT_EQ(warm.active, cold.active);
 }
 
+TEST(ActiveSet, PressuresOfBeforeAreFarTooLarge)
+{
+  const Matrix A = RandomMatrix(9, 4, 1, 0);
+  for (const bool symmetric : {true, false}) {
+    ActiveSetSolver solver;
+    ActiveSetReport report;
+    ASSERT_EQ(solver.Create(PETSC_COMM_SELF, symmetric), PETSC_SUCCESS);
+    std::vector<double> r(9), lambda(9, 1.0); // of a tip that all but lets go
+    for (int j = 0; j < 9; ++j) r[j] = 1e-8 * (1 - 0.1 * (j - 4) * (j - 4));
+    const std::vector<double> exact = ByEnumeration(A, r);
+    ASSERT_EQ(SolveAlone(solver, A, r, lambda, &report), PETSC_SUCCESS);
+    EXPECT_TRUE(report.solved);
+    for (int j = 0; j < 9; ++j) EXPECT_NEAR(lambda[j], std::max(exact[j], 0.0), 1e-14);
+  }
+}
+
 TEST(ActiveSet, NothingTouches)
 {
   ActiveSetSolver solver;

@@ -50,12 +50,25 @@ bool IsAtEdge(const PointArrays &a, int p)
   return count > 1;
 }
 
+/// Shortens an edge of a box that reaches beyond the axis, so that it ends there; the other one grows by as much, but not beyond
+/// the axis.
+void EndAtAxis(const PointArrays &a, int p)
+{
+  const double r = a.Position(p)[0], reach[2] = {std::abs(HalfEdge(a, p, 0)[0]), std::abs(HalfEdge(a, p, 1)[0])};
+  const int far = reach[1] > reach[0];
+  const double shrink = std::max(r / reach[far], reach[1 - far] / r);
+  if (!(shrink < 1)) return;
+  for (int i = 0; i < a.dim; ++i)
+    for (int k = 0; k < a.dim; ++k) a.F[a.dim * (a.dim * p + i) + k] *= k == far ? shrink : 1 / shrink;
+}
+
 } // namespace
 
 void StraightenBoxes(const Model &model, const PointArrays &a)
 {
   for (int p = 0; p < a.count; ++p) {
     if (!Flows(model, a, p) || IsAtEdge(a, p)) continue;
+    if (a.initial_radius) EndAtAxis(a, p);
     const auto order = OrderOfEdges(a, p);
     Vec3 edge[3];
     bool sheared = false;

@@ -102,3 +102,31 @@ TEST(Flow, LittleShearAndElasticBoxesStay)
     EXPECT_EQ(elastic.F, of_elastic) << dim;
   }
 }
+
+TEST(Flow, BoxesEndAtTheAxis)
+{
+  Boxes boxes(2, 50);
+  std::vector<double> radius(50);
+  for (int p = 0; p < 50; ++p) boxes.position[2 * p] = Random(0.05, 0.5);
+  Shear(boxes, 1);
+  PointArrays a = boxes.Arrays();
+  a.initial_radius = radius.data();
+  const std::vector<double> F = boxes.F;
+  const auto reach = [&](int p, int k) {
+    return std::abs(boxes.F[4 * p + k]) * boxes.half_size[2 * p + k] / boxes.position[2 * p];
+  };
+  std::vector<double> volume, least;
+  for (int p = 0; p < 50; ++p) volume.push_back(Determinant(a.F + 4 * p, 2)), least.push_back(reach(p, 0) * reach(p, 1));
+  StraightenBoxes(ModelOf("j2", 2), a);
+  int ended = 0;
+  for (int p = 0; p < 50; ++p) {
+    const bool changed = !std::equal(&F[4 * p], &F[4 * p] + 4, &boxes.F[4 * p]);
+    const double most = std::max(reach(p, 0), reach(p, 1));
+    EXPECT_NEAR(Determinant(a.F + 4 * p, 2) / volume[p], 1, 1e-13) << "volume";
+    if (least[p] < 1) EXPECT_LE(most, 1 + 1e-13) << "reach of the edges, of the radius";
+    if (changed) EXPECT_NEAR(most, std::max(1.0, least[p]), 1e-13) << "the same of a box that was shortened";
+    ended += changed;
+  }
+  EXPECT_GT(ended, 5);
+  EXPECT_LT(ended, 45);
+}

@@ -226,6 +226,60 @@ def test_refused(tmp_path):
             assert not problem, f"{name} on {count} ranks: {problem}"
 
 
+def work_by_depth(result):
+    """Depths of the frames and the steps of points, of all levels, until then."""
+    from mlgimp import results
+    frames = [results.read_frame(path) for _, path in sorted(results.numbered_frames(result.folder).items())]
+    steps = numpy.array([frame.step for frame in frames])
+    per_step = numpy.array([sum(len(level["id"]) * 2**k for k, level in enumerate(frame.levels)) for frame in frames])
+    depths = numpy.interp(steps, result.history["step"], result.history["depth"])
+    return depths, numpy.concatenate([[0], numpy.cumsum(numpy.diff(steps) * (per_step[1:] + per_step[:-1]) / 2)])
+
+
+def show_cost(study, result, exponent):
+    """What depths cost, and what moves of boxes do: load over the depth to the exponent shows steps in the load."""
+    history, moves = result.history, result.summary["regrids"]
+    depths, work = work_by_depth(result)
+    last = history["depth"][-1]
+    octaves = numpy.diff(numpy.interp(last / 2.0 ** numpy.arange(4, -1, -1), depths, work))
+    study.expect("point-steps of an octave of depth over those of the one before, mean of the last three ratios",
+                 (octaves[-1] / octaves[0]) ** (1 / 3), at_most=1.2)
+    study.figure("point-steps from a hundredth of the depth to a tenth", numpy.diff(numpy.interp(last * numpy.array([0.01, 0.1]), depths, work))[0])
+    study.figure("point-steps from a tenth of the depth to the end", numpy.diff(numpy.interp(last * numpy.array([0.1, 1]), depths, work))[0])
+    depth = numpy.convolve(history["depth"], (0.5, 0.5))[:-1]  # the load of a row is the mean since the one before
+    coefficient = history["load"] / numpy.maximum(depth, 1e-12) ** exponent
+    active = {}  # of levels
+    ends = []
+    for move in moves:
+        if active.get(move["level"], True) and not move["active"]:
+            ends.append(move["step"])
+        active[move["level"]] = move["active"]
+    changes = []
+    for step in ends:
+        before, after = ((history["step"] > low) & (history["step"] <= low + 6) for low in (step - 6, step))
+        if after.any():
+            changes.append(abs(numpy.mean(coefficient[after]) / numpy.mean(coefficient[before]) - 1))
+    study.expect("step in the load where a level ends, largest of the last four", max(changes[-4:]), at_most=0.005)
+    work_then = numpy.interp([move["step"] for move in moves], history["step"], history["indenter_work"])
+    study.expect("energy of a move over the indenter's work, largest", max(abs(m["energy"]) / w for m, w in zip(moves, work_then) if w > 0), at_most=2e-4)
+
+
+def expect_constant(study, result, exponent, name, unit):
+    """The load over a power of the depth, from where eight finest cells are half the contact's width."""
+    history = result.history
+    depth = numpy.convolve(history["depth"], (0.5, 0.5))[:-1]
+    coefficient = history["load"] / numpy.maximum(depth, 1e-12) ** exponent
+    full = history["contact_half_width"] >= 8e-9
+    edges = numpy.geomspace(depth[full][0], depth[-1], 31)
+    parts = [full & (depth > low) & (depth <= high) for low, high in zip(edges[:-1], edges[1:])]
+    parts = [part for part in parts if part.any()]
+    middles, means = (numpy.array([numpy.mean(values[part]) for part in parts]) for values in (depth, coefficient))
+    study.expect(f"{name} over its mean, largest difference", numpy.max(numpy.abs(means / numpy.mean(means) - 1)), at_most=0.02)
+    study.expect("energy left over the work", energy_left(history), near=0, tolerance=0.01)
+    study.figure("depth at the end over that with 8 cells in half the contact's width", depth[-1] / depth[full][0])
+    study.plot(f"Load over the depth, {study.name}", "depth (µm)", f"{name} ({unit})", page.curve(name, 1e6 * middles, means / 1e9))
+
+
 def verify_decades(study):
     """A cone from first touch over three decades of depth
 
@@ -237,17 +291,38 @@ def verify_decades(study):
             "indenter_tip": f"0,{size}", "indenter_velocities": 12, "indenter_max_depth": 4500e-9, "level_cells_max": 32,
             "level_cells_min": 8, "frames": 40}
     result = harness.run(case, timeout=7200)
-    history = result.history
-    half_width = history["contact_half_width"]
-    depth = numpy.convolve(history["depth"], (0.5, 0.5))[:-1]  # the load of a row is the mean since the one before
-    coefficient = history["load"] / numpy.maximum(depth, 1e-12) ** 2
-    full = half_width >= 8e-9
-    edges = numpy.geomspace(depth[full][0], depth[-1], 31)
-    parts = [full & (depth > low) & (depth <= high) for low, high in zip(edges[:-1], edges[1:])]
-    parts = [part for part in parts if part.any()]  # rows are few at the beginning
-    middles, means = (numpy.array([numpy.mean(values[part]) for part in parts]) for values in (depth, coefficient))
-    study.expect("P/h2 over its mean, largest difference", numpy.max(numpy.abs(means / numpy.mean(means) - 1)), at_most=0.02)
-    study.expect("energy left over the work", energy_left(history), near=0, tolerance=0.01)
-    study.figure("depth at the end over that with 8 cells in half the contact's width", depth[-1] / depth[full][0])
+    expect_constant(study, result, 2, "P/h2", "GPa")
     study.figure("moves of boxes", len(result.summary["regrids"]))
-    study.plot("Load over the square of the depth", "depth (µm)", "P/h² (GPa)", page.curve("P/h²", 1e6 * middles, means / 1e9))
+
+
+def wedge_from_first_touch(angle, levels, depth, **options):
+    """A wedge at a constant speed in a block so large that no wave comes back from its sides.
+
+    In plane strain the depth under a load has the logarithm of the way to what holds the block. Here that is how far waves have
+    come, which grows like the contact: with one speed and no length the motion of a half space is similar to itself.
+    """
+    cell = 2 ** (levels - 1) * 1e-9
+    case = {**CONE, "geometry": "plane_strain", "indenter": "wedge", "indenter_half_angle": angle, "levels": levels, "cell_size": cell, "domain_upper": f"{64 * cell},{72 * cell}", "boundary_x_lower": "symmetry",
+            "block_upper": f"{64 * cell},{64 * cell}", "indenter_tip": f"0,{64 * cell}", "indenter_max_depth": depth,
+            "level_cells_max": 32, "level_cells_min": 8, "frames": 60, **options}
+    return harness.run(case, timeout=7200)
+
+
+def verify_wedge(study):
+    """An elastic wedge in plane strain from first touch over one and a half decades of depth
+
+    In one run. Speed, depth and the way of the waves are all that has a length, so that the load over the depth is constant.
+    """
+    result = wedge_from_first_touch(70.3, 10, 400e-9)
+    expect_constant(study, result, 1, "P/h", "GN/m2")
+    show_cost(study, result, 1)
+
+
+def verify_metal_wedge(study):
+    """A wedge in a metal that does not harden, in plane strain, from first touch over two decades of depth
+
+    E is 200 yield stresses. Surface points at the tip are drawn out a hundred times and halved on the way.
+    """
+    result = wedge_from_first_touch(70.3, 10, 400e-9, al_model="j2", al_yield_stress=350e6, al_hardening_modulus=0, xpic_fraction=0.1)
+    expect_constant(study, result, 1, "P/h", "GN/m2")
+    show_cost(study, result, 1)

@@ -137,9 +137,10 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
       const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
-      Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
-      size = Least(size, Least(a - grid.end[axis][0], grid.end[axis][1] - a));
-      const Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize)), excess = size - l;
+      const Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
+      Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize));
+      const Pack excess = size - l, room = Least(a - grid.end[axis][0], grid.end[axis][1] - a);
+      l = room > Pack{} ? Least(l, room) : l; // weights and slopes are exact then, however small the room is
       if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};
       AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l, inverse_h);
       place += nearest * grid.stride[axis];

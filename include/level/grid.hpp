@@ -96,6 +96,9 @@ public:
   /// materials that keep sums at the cells.
   PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages = 0);
 
+  /// Makes points end at a side of symmetry, whose nodes have this box index.
+  void EndPointsAt(Side side, int node) { lattice_.end[AxisOf(side)][SignOf(side) > 0] = node; }
+
   const GridGeometry &Geometry() const { return geometry_; }
   const GridLayout &Layout() const { return layout_; }
   const Lattice &IndexSpace() const { return lattice_; }

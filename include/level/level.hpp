@@ -170,6 +170,8 @@ public:
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:
+  /// A new grid by the layout, in the place of the one before.
+  PetscErrorCode CreateGrid(const GridLayout &layout);
   ContactView ViewOfContact(double time, double dt, const TipStep &tip);
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();

@@ -20,6 +20,8 @@ struct Lattice {
   double inverse_spacing; ///< 1/h, 1/m
   int first[3];           ///< global index of the first node of the ghosted array
   int stride[3];          ///< distance of neighbouring nodes in the ghosted array, nodes
+  /// Where points end along each axis, at sides of symmetry: their places in cells from node 0.
+  double end[3][2] = {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}};
 };
 
 /// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
@@ -118,7 +120,8 @@ template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<di
 
 /// Weights of `count` <= kBlock points of a geometry.
 /// In axisymmetry the slopes along the radius hold the mean radius of the part of the point on their side over the point's
-/// radius, so that a uniform stress leaves no force; the point ends at the axis.
+/// radius, so that a uniform stress leaves no force. A point ends at the axis and at sides of symmetry: one that reached beyond
+/// by rounding or strain would alone give mass to nodes there, whose stiffness over mass grows like its inverse size.
 /// Returns the number of half sizes that had to be clamped, where it `counts`.
 template <class Geometry, class Shape, bool counts = true>
 int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
@@ -134,9 +137,10 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis) {
       const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
-      Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
-      if (Geometry::kHoop && axis == 0) size = Least(size, x * inverse_h);
-      const Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize)), excess = size - l;
+      const Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
+      Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize));
+      const Pack excess = size - l, room = Least(a - grid.end[axis][0], grid.end[axis][1] - a);
+      l = room > Pack{} ? Least(l, room) : l; // weights and slopes are exact then, however small the room is
       if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};
       AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l, inverse_h);
       place += nearest * grid.stride[axis];

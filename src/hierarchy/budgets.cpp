@@ -86,9 +86,12 @@ static std::string Describe(const LevelFailure &failure, int l)
 
 std::string Hierarchy::DescribeFailure() const
 {
-  for (int l = 0; l < Levels(); ++l)
-    if (levels_[l]->Failure().kind != LevelFailure::kNone) return Describe(levels_[l]->Failure(), l);
-  return "";
+  int first = -1; // what fails first may spoil other levels before anyone looks
+  for (int l = 0; l < Levels(); ++l) {
+    const LevelFailure &failure = levels_[l]->Failure();
+    if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels_[first]->Failure().time)) first = l;
+  }
+  return first < 0 ? "" : Describe(levels_[first]->Failure(), first);
 }
 
 /// Momentum of all points less the impulses since the start.

@@ -13,11 +13,19 @@ namespace mlgimp
 namespace
 {
 
+constexpr double kMostDistortion = 0.05; ///< of a family that becomes one point where losses are bounded, cells
+
 struct Sibling {
   std::int64_t id;
   int rank, point;
 };
 using Families = std::map<std::int64_t, std::vector<Sibling>>; ///< by the parent's number
+
+/// Half an edge of the points that a level is seeded with, m.
+double UsualSize(Level &level, int body)
+{
+  return 0.5 * level.Geometry().grid.spacing / level.Physics().bodies[body].points_per_cell;
+}
 
 /// This rank's points that are smaller than usual on their level and were made by splitting.
 std::vector<Sibling> FindSmall(Level &level, const PointNumbers &numbers, PetscMPIInt rank)
@@ -25,8 +33,8 @@ std::vector<Sibling> FindSmall(Level &level, const PointNumbers &numbers, PetscM
   const PointArrays a = level.PointStore().Arrays();
   std::vector<Sibling> found;
   for (int p = 0; p < a.count; ++p) {
-    const double usual = 0.5 * level.Geometry().grid.spacing / level.Physics().bodies[a.body[p]].points_per_cell;
-    if (LargestComponent(a.HalfSize(p)) < 0.75 * usual && numbers.Parent(a.id[p]) >= 0) found.push_back({a.id[p], rank, p});
+    if (LargestComponent(a.HalfSize(p)) < 0.75 * UsualSize(level, a.body[p]) && numbers.Parent(a.id[p]) >= 0)
+      found.push_back({a.id[p], rank, p});
   }
   return found;
 }
@@ -138,6 +146,45 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   if (model.materials[model.bodies[a.body[first]].material]->IsMetal()) SetVolumeRatio(a, first, volume_ratio);
 }
 
+/// The part of a family's strain energy that its parent may lack: as much energy as that of a parent of the usual size may. So
+/// the energy that mergers change in a cell does not depend on how small its points are, and where strain changes like the
+/// logarithm of the way to a tip, points of all sizes become larger in the end.
+double AllowedLoss(Level &level, int point, int ratio, double most_loss)
+{
+  const PointArrays a = level.PointStore().Arrays();
+  double smaller = 1;
+  for (int d = 0; d < a.dim; ++d) smaller *= UsualSize(level, a.body[point]) / (ratio * a.HalfSize(point)[d]);
+  return most_loss * std::max(1.0, smaller);
+}
+
+/// How far the middles of the siblings' edges are from where they would be in one box with their mean F, at most, m. Of metals
+/// that have flowed the strain energy says nothing of that.
+double Distortion(const PointArrays &a, const std::vector<Sibling> &family, int ratio)
+{
+  const double share = 1.0 / static_cast<double>(family.size());
+  Vec3 middle{};
+  double most = 0;
+  for (const Sibling &s : family) middle = middle + share * a.Position(s.point);
+  const auto by_mean = [&](Vec3 X) {
+    Vec3 x{};
+    for (const Sibling &s : family) x = x + share * a.Deform(s.point, X);
+    return x;
+  };
+  for (int child = 0; child < static_cast<int>(family.size()); ++child) { // in the order of their places, as they were split
+    const int p = family[child].point, place[3] = {child % ratio, child / ratio % ratio, child / (ratio * ratio)};
+    Vec3 X{};
+    for (int axis = 0; axis < a.dim; ++axis) X[axis] = (2 * place[axis] + 1 - ratio) * a.HalfSize(p)[axis];
+    const Vec3 off = a.Position(p) - middle - by_mean(X);
+    for (int axis = 0; axis < a.dim; ++axis) {
+      Vec3 edge{};
+      edge[axis] = a.HalfSize(p)[axis];
+      const Vec3 turned = a.Deform(p, edge) - by_mean(edge);
+      most = std::max({most, Norm(off + turned), Norm(off - turned)});
+    }
+  }
+  return most;
+}
+
 } // namespace
 
 PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, double most_loss,
@@ -159,10 +206,14 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
     PetscCall(level.SumPoints(points, &before));
+    if (std::isfinite(most_loss) &&
+        Distortion(level.PointStore().Arrays(), family, ratio) > kMostDistortion * level.Geometry().grid.spacing)
+      continue;
     level.PointStore().Pack(points.front(), record.data());
+    const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);
     MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
     PetscCall(level.SumPoints({points.front()}, &after));
-    if (std::abs(after.strain_energy - before.strain_energy) > most_loss * before.strain_energy) {
+    if (std::abs(after.strain_energy - before.strain_energy) > allowed * before.strain_energy) {
       level.PointStore().Unpack(record.data(), points.front());
       continue;
     }

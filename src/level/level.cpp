@@ -32,8 +32,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   PetscFunctionBeginUser;
   geometry_ = geometry;
   world_ = world;
-  grid_ = std::make_unique<Grid>();
-  PetscCall(grid_->Create(world, geometry.grid, layout, model_.VolumeAverages()));
+  PetscCall(CreateGrid(layout));
   // Points that change levels lie for a moment on ranks without a part of the grid: all ranks have the stores.
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(world, model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
@@ -46,6 +45,17 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
   const double h = geometry.grid.spacing;
   nodal_.mass_cutoff = kEmptyNode * density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::CreateGrid(const GridLayout &layout)
+{
+  auto grid = std::make_unique<Grid>();
+  PetscFunctionBeginUser;
+  PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
+  for (int s = 0; s < kSides; ++s)
+    if (geometry_.sides.kind[s] == BoundaryKind::kSymmetry) grid->EndPointsAt(static_cast<Side>(s), geometry_.sides.node[s]);
+  grid_ = std::move(grid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -293,9 +303,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
   PetscCall(SharePressures());
-  auto grid = std::make_unique<Grid>();
-  PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
-  grid_ = std::move(grid);
+  PetscCall(CreateGrid(layout));
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
   coupled_nodes_.clear(), coupled_places_ = {}, following_.clear();
   PetscCall(Migrate(true));

@@ -142,6 +142,7 @@ void Simulation::ControlStep()
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
   EndOn(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
+  SettleFailure(); // points that have failed may be anywhere
   CheckPace();
 }
 
@@ -202,6 +203,7 @@ void Simulation::FollowBoxes()
   const std::size_t before = state_.moves.size();
   std::string problem;
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
+  SettleFailure(); // points that have failed may be anywhere
   CheckPace();
   EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextLook(), &state_.moves, &problem));
   if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);

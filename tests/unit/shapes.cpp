@@ -67,7 +67,7 @@ template <class Shape> void CheckAxisWeights(const std::string &name, const std:
 template <class Shape> void CheckStencil(const std::string &name)
 {
   constexpr double kH = 0.37;
-  const Lattice lattice = {{-1.3, 2.1, 0}, 1 / kH, {-2, 3, 0}, {1, 40, 0}};
+  const Lattice lattice = {{-1.3, 2.1, 0}, 1 / kH, {-2, 3, 0}, {1, 40, 0}, {{5, HUGE_VAL}, {-HUGE_VAL, 15}}};
   double x[2 * kBlock], half[2 * kBlock], F[4 * kBlock], largest = 0;
   int clamped = 0;
   AxisStencils<2> stencil;
@@ -83,9 +83,11 @@ template <class Shape> void CheckStencil(const std::string &name)
     double l[2], sum = 0;
     for (int a = 0; a < 2; ++a) {
       const double *f = F + 4 * p + 2 * a, *size = half + 2 * p;
+      const double place = (x[2 * p + a] - lattice.origin[a]) / kH;
       l[a] = (Shape::kUsesDeformation ? std::hypot(f[0] * size[0], f[1] * size[1]) : size[a]) / kH;
       clamped += l[a] > 0.5 + 1e-9 || l[a] < 1e-3;
-      l[a] = std::is_same_v<Shape, Linear> ? 0 : std::min(std::max(l[a], 1e-3), 0.5);
+      l[a] = std::min({std::max(l[a], 1e-3), 0.5, place - lattice.end[a][0], lattice.end[a][1] - place});
+      if (std::is_same_v<Shape, Linear>) l[a] = 0;
     }
     double gradient[2][2] = {};
     ForEachNodeOf(stencil, p, lattice, [&](std::ptrdiff_t node, double weight, const std::array<double, 2> &slope) {

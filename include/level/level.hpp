@@ -101,8 +101,8 @@ public:
   /// Puts points that lie more than a cell beyond where they may back among this rank's nodes. Such is the place of a child of a
   /// point that deforms without bound, which is a failure.
   void PutBack(const std::vector<int> &points);
-  /// The rank, among all, that owns the node nearest to point p of some level's arrays; -1, and a failure, where the point
-  /// lies beyond this level's grid.
+  /// The rank, among all, that owns the node nearest to point p of some level's arrays; -1, and a failure, where no point of
+  /// this level may be: its weights would reach beyond the grid.
   PetscMPIInt OwnerOf(const PointArrays &points, int p);
   /// Velocities of all nodes, p/m of the points where they are now, without a change. Collective on the level's ranks.
   PetscErrorCode FindVelocities();

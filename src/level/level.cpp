@@ -236,7 +236,8 @@ void Level::BoundDrift(double largest_speed, double dt)
 PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
 {
   const Vec3 x = points.Position(p);
-  const PetscMPIInt owner = grid_->OwnerOfNode(grid_->Nearest(x));
+  const Index node = grid_->Nearest(x);
+  const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->OwnerOfNode(node) : -1;
   if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
   return owner;
 }
@@ -248,8 +249,9 @@ void Level::PutBack(const std::vector<int> &points)
   for (int p : points)
     for (int axis = 0; axis < a.dim; ++axis) {
       double &x = a.position[PointArrays::At(p, a.dim) + axis];
-      const double first = grid_->Coordinate(axis, allowed.lower[axis] - 1), last = grid_->Coordinate(axis, allowed.upper[axis]);
-      if (x > first && x < last) continue; // a NaN does not
+      const double first = grid_->Coordinate(axis, allowed.lower[axis]), last = grid_->Coordinate(axis, allowed.upper[axis] - 1);
+      const double room = 0.5 * geometry_.grid.spacing;
+      if (x >= first - room && x < last + room) continue; // a NaN does not
       NoteFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
       x = grid_->Coordinate(axis, grid_->Owned().lower[axis]);
     }

@@ -34,7 +34,7 @@ public:
   /// Makes point `target` equal to point `source`.
   void Copy(int source, int target);
 
-  /// Reorders the points so that point k is the one that was at order[k].
+  /// Reorders the points in place so that point k is the one that was at order[k].
   void Reorder(const std::vector<int> &order);
 
   /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.

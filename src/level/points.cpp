@@ -146,11 +146,17 @@ PetscErrorCode Points::ViewFields(const std::string &prefix, PetscViewer viewer)
 
 void Points::Reorder(const std::vector<int> &order)
 {
-  std::vector<char> scratch;
+  std::vector<char> held;
   for (const FieldMemory &field : Memory()) {
-    scratch.resize(field.bytes * count_);
-    for (int p = 0; p < count_; ++p) std::memcpy(&scratch[field.bytes * p], field.Of(order[p]), field.bytes);
-    std::copy(scratch.begin(), scratch.end(), field.data);
+    std::vector<bool> done(count_);
+    held.resize(field.bytes);
+    for (int first = 0; first < count_; ++first) { // in place: points change places in rings
+      if (done[first] || order[first] == first) continue;
+      int p = first;
+      std::memcpy(held.data(), field.Of(first), field.bytes);
+      for (; order[p] != first; p = order[p]) std::memcpy(field.Of(p), field.Of(order[p]), field.bytes), done[p] = true;
+      std::memcpy(field.Of(p), held.data(), field.bytes), done[p] = true;
+    }
   }
   NoteChange();
 }

@@ -78,6 +78,14 @@ def test_scratch_closes_the_work(expect):
     expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"][-1], at_least=0.5)
 
 
+def test_scratch_in_metal(expect):
+    """A ball ploughs without friction: all that the tip gives goes into the metal, and contact pushes both alike."""
+    history = harness.run({"indenter_friction": 0, "frames": 0}, file="scratch.opts").history
+    work = history["indenter_work"]
+    expect("energy less the work, of the work", energy_error(history), at_most=0.01)
+    expect("what contact gave beyond the work, of it", history["contact_work"][-1] / work[-1] - 1, near=0, tolerance=0.01)
+
+
 def test_sphere_on_the_axis(expect):
     """Pressed and let go in axisymmetry: the surface slips under the rim, and the work closes."""
     case = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "domain_upper": "24,27", "block_upper": "24,24",

@@ -56,7 +56,8 @@ struct ContactColumn {
 
 /// How the weighted gap of a column at a corner of its cell changes as a segment moves, m2: w_s (K_j n + g_s grad K_j), in
 /// axisymmetry + w_s K_j g_s/r along the radius. Without the terms by the gap, where surface flows past columns, closing gaps
-/// would give work that the indenter has not done; elastic surfaces do not flow, and leave them out.
+/// would give work that the indenter has not done. Elastic surfaces do not flow, and leave them out, as does a tip that moves
+/// sideways: it passes the columns, so that they would push the body without pushing the indenter.
 Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int corner, double width);
 
 /// Unit tangent of the indenter's surface at its normal n beside a horizontal axis: that axis after the smallest turn that brings

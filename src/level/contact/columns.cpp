@@ -31,12 +31,20 @@ Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width)
   return slope;
 }
 
+/// Whether the tip moves along the surface in the step.
+static bool MovesSideways(const ContactView &view)
+{
+  bool moves = false;
+  for (int a = 0; a < view.geometry.Dim() - 1; ++a) moves = moves || view.tip.end[a] != view.tip.start[a];
+  return moves;
+}
+
 Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int corner, double width)
 {
   const int axes = view.geometry.Dim() - 1;
   const double kernel = CornerHat(segment.place.part, corner, axes, width), spacing = view.grid.Geometry().spacing;
   Vec3 change = kernel * segment.normal;
-  if (segment.flows) {
+  if (segment.flows && !MovesSideways(view)) {
     change = change + segment.gap * CornerHatSlope(segment.place.part, corner, axes, spacing, width);
     if (view.geometry.HasHoop()) change[0] += segment.gap * kernel / (0.5 * (segment.left + segment.right));
   }

@@ -121,6 +121,33 @@ def table(name):
     return numpy.genfromtxt(harness.ROOT / "tests" / "reference" / name, delimiter=",", skip_header=4)
 
 
+def verify_time(study):
+    """One indentation, loading and unloading, forty cells in the contact's radius, on two ranks
+
+    A cone of 70.3 degrees in a metal, at a speed that no wave comes back from the block's sides in. Boxes of four levels follow the
+    contact, so that the beginning costs little.
+    """
+    [C] = (row[3] for row in table("cone_70deg.csv") if tuple(row[:3]) == (0, 50, 1))
+    case, speed, _ = block(50e9, 1e9, 0, 70.3, 45)
+    fine = case["cell_size"] / 16
+    size, down = 2048 * fine, 1.6e-3 * speed
+    loading = DEPTH / down
+    times = [share * loading for share in (0, 0.1, 0.95, 1.05, 1.1, 1.55)]
+    fixed = {name for name in case if name.startswith(("level_1", "level_2"))}
+    result = harness.run({
+        **{name: value for name, value in case.items() if name not in fixed}, "levels": 4, "level_follow": "contact", "cell_size": 64 * fine,
+        "domain_upper": [size, size + 128 * fine], "b_upper": [size, size], "indenter_tip": [0.0, size], "indenter_times": times,
+        "indenter_velocities": [0, down, down, 0, -0.4 * down, -0.4 * down], "end_time": times[-1]}, ranks=2)
+    history = result.history
+    study.figure("time, s", result.summary["wall_seconds"])
+    study.figure("half the contact's width, finest cells", numpy.max(history["contact_half_width"]) / fine)
+    study.expect("load at the end, of the largest", history["load"][-1] / numpy.max(history["load"]), near=0, tolerance=0.05)
+    study.expect("P/h^2, of that of finite elements", curvature(history) / (C * 1e9), near=1, tolerance=0.04)
+    study.expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1, near=0,
+                 tolerance=0.05)
+    study.expect("energies less work, of it", metals.energy_left(history), near=0, tolerance=0.05)
+
+
 def expect_angle(study, chosen):
     """P/h^2 of cones of one angle in some metals, of that of finite elements; and the work."""
     for angle, exponent, modulus, sy, C in table("cone_angles.csv"):

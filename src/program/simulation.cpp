@@ -253,7 +253,7 @@ std::string Simulation::DescribeTip()
     return when + load + "are not met although the tip comes down at " + FormatRounded(indenter.by_load->largest_speed) +
            " m/s, a tenth of the speed of waves; try smaller or slower ones";
   if (height < lowest)
-    return when + load + "press the tip down to " + FormatRounded(height) + ", below " + FormatRounded(lowest) +
+    return when + load + "press the tip " + FormatRounded(lowest - height) + " m below " + FormatRounded(lowest) +
            ", to which level " + std::to_string(case_.hierarchy.tip_level) + " can hold it; try smaller ones or a larger box";
   return "";
 }

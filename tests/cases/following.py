@@ -319,10 +319,11 @@ def verify_decades(study):
     """
     size = 2**18 * 1e-9  # thirty times the contact's largest half width
     case = {**CONE, "levels": 13, "cell_size": 4096e-9, "domain_upper": f"{size},{size * 1.125}", "block_upper": f"{size},{size}",
-            "indenter_tip": f"0,{size}", "indenter_velocities": 12, "indenter_max_depth": 4500e-9, "level_cells_max": 32,
+            "indenter_tip": f"0,{size}", "indenter_velocities": 12, "indenter_max_depth": 4900e-9, "level_cells_max": 32,
             "level_cells_min": 8, "frames": 40}
     result = harness.run(case, timeout=7200)
     expect_constant(study, result, 2, "P/h2", "GPa")
+    show_cost(study, result, 2)
     study.figure("moves of boxes", len(result.summary["regrids"]))
 
 

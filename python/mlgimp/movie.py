@@ -8,7 +8,7 @@ from matplotlib import pyplot as plt
 
 from . import fields, results
 from .errors import Error, ResultError
-from .pictures import DOTS_PER_INCH, styled
+from .pictures import DOTS_PER_INCH, lab_unit, styled
 
 FRAMES_PER_SECOND = 8
 
@@ -55,15 +55,14 @@ def movie(directory, path, component="von_mises_stress", window=None):
     scale = common_scale(directory, numbers, component, window)
     figure = fields.fields([last], component, window, scale)
     axes, = (each for each in figure.axes if each.images)
-    image, = axes.images
-    factor = fields.unit_of([scale.low, scale.high], component).factor
     bounds = fields.fitted(window, 1)[0]
+    units = lab_unit(bounds, "m"), fields.unit_of([scale.low, scale.high], component)
     try:
         with writer.saving(figure, str(path), DOTS_PER_INCH):
             for number in numbers:
                 panel = fields.read_panel(directory, number)
-                values = fields.values_of(panel.points, component) * factor
-                image.set_data(fields.paint(panel.points, values, bounds, image.get_array().shape))
+                axes.clear()  # with the boxes, which may follow the contact
+                fields.draw_field(axes, panel, component, bounds, scale, units)
                 axes.set_title(panel.title)
                 writer.grab_frame()
     except (OSError, ValueError) as problem:

@@ -15,7 +15,7 @@ from matplotlib import animation
 
 import harness
 import mlgimp
-from mlgimp import fields, indentation, options, pictures, results, surface
+from mlgimp import fields, indentation, movie, options, pictures, results, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -97,6 +97,20 @@ def test_pictures(pressed, tmp_path, monkeypatch):
     monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", lambda: False)
     with pytest.raises(mlgimp.Error, match="m.mp4: ffmpeg is not installed; a movie in a .gif needs none"):
         pressed[0].movie(tmp_path / "m.mp4")
+
+
+def test_movie_shows_the_boxes_of_each_frame(pressed, tmp_path, monkeypatch):
+    read, seen = fields.read_panel, []
+
+    def with_boxes_that_follow(directory, number=None, title=None):
+        panel = read(directory, number, title)
+        return panel._replace(boxes=panel.boxes + (number or 0))
+
+    monkeypatch.setattr(fields, "read_panel", with_boxes_that_follow)
+    monkeypatch.setattr(movie.GifWriter, "grab_frame", lambda self: seen.append(self.fig.axes[0].patches[0].get_x()))
+    monkeypatch.setattr(movie.GifWriter, "finish", lambda self: None)
+    movie.movie(pressed[0].folder, tmp_path / "m.gif")
+    assert np.diff(seen) == pytest.approx([seen[1] - seen[0]] * (len(seen) - 1)) and seen[1] > seen[0]
 
 
 def test_paint():

@@ -105,6 +105,8 @@ public:
   /// The ranks with a block, ordered by block; null on others.
   MPI_Comm Comm() const { return comm_; }
   bool Participates() const { return comm_ != MPI_COMM_NULL; }
+  /// Where the level's points live: points that change levels lie for a moment on ranks without a part of the grid, too.
+  MPI_Comm PointsComm() const { return Participates() ? comm_ : PETSC_COMM_SELF; }
 
   /// Nodes by their box indices (the padding is negative or beyond the cells): those of this rank, and with its ghosts.
   const IndexBox &Owned() const { return owned_; }

@@ -13,8 +13,10 @@ namespace mlgimp
 class Points
 {
 public:
-  /// Each rank stores points of its own; they move between the ranks of `comm` by MovePoints. Collective.
+  /// Each rank stores points of its own; PETSc sees them on `comm`. Collective on it.
   PetscErrorCode Create(MPI_Comm comm, GeometryKind geometry, int loads, int history_components);
+  /// The points of this rank, as they are, in a swarm on another communicator. Collective on that.
+  PetscErrorCode MoveTo(MPI_Comm comm);
 
   int Count() const { return count_; }
   /// Changes whenever points come, go or change places in storage.
@@ -69,6 +71,8 @@ private:
     char *Of(int point) const { return data + bytes * point; }
   };
   std::vector<FieldMemory> Memory() const;
+  MPI_Comm Comm() const { return PetscObjectComm(swarm_.Object()); }
+  PetscErrorCode CreateSwarm(MPI_Comm comm);
   PetscErrorCode AccessFields();
   PetscErrorCode ReleaseFields();
   PetscErrorCode ViewSwarm(const std::string &prefix, PetscViewer viewer);
@@ -76,7 +80,6 @@ private:
   void NoteChange();
   int dim_ = 2;
 
-  MPI_Comm comm_ = MPI_COMM_NULL;
   DMHandle swarm_;
   std::array<PointFieldInfo, kPointFields> table_{};
   std::array<void *, kPointFields> data_{};

@@ -33,9 +33,9 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   geometry_ = geometry;
   world_ = world;
   PetscCall(CreateGrid(layout));
-  // Points that change levels lie for a moment on ranks without a part of the grid: all ranks have the stores.
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
-    PetscCall(store->Create(world, model_.geometry.kind, static_cast<int>(model_.loads.size()), model_.HistoryComponents()));
+    PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
+                            model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
   if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
@@ -310,6 +310,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   coupled_nodes_.clear(), coupled_places_ = {}, following_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
+  for (Points *store : {&points_, &copies_[0], &copies_[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
   PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,8 +9,8 @@ PetscErrorCode Level::View(const std::string &prefix, double time)
   PetscBool nodes = PETSC_FALSE;
   const Budgets before = budgets_;
   PetscFunctionBeginUser;
-  PetscCall(points_.View(prefix));
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(points_.View(prefix));
   PetscCall(PetscOptionsHasName(nullptr, prefix.c_str(), "-nodes_view", &nodes));
   if (nodes) {
     PetscCall(PointsToGrid(time));

@@ -12,12 +12,19 @@ namespace mlgimp
 
 PetscErrorCode Points::Create(MPI_Comm comm, GeometryKind geometry, int loads, int history_components)
 {
-  constexpr PetscDataType kPetscTypes[] = {PETSC_REAL, PETSC_ENUM, PETSC_INT64}; // by FieldType
-  static_assert(sizeof(PetscEnum) == sizeof(int), "PETSc's versions have no other name for an int of any PetscInt");
   PetscFunctionBeginUser;
   table_ = PointFieldTable(geometry, loads, history_components);
   dim_ = table_[kPosition].components;
-  comm_ = comm;
+  PetscCall(CreateSwarm(comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A swarm with the table's fields and room for `capacity_` points.
+PetscErrorCode Points::CreateSwarm(MPI_Comm comm)
+{
+  constexpr PetscDataType kPetscTypes[] = {PETSC_REAL, PETSC_ENUM, PETSC_INT64}; // by FieldType
+  static_assert(sizeof(PetscEnum) == sizeof(int), "PETSc's versions have no other name for an int of any PetscInt");
+  PetscFunctionBeginUser;
   PetscCall(DMCreate(comm, swarm_.Out()));
   PetscCall(DMSetType(swarm_, DMSWARM));
   PetscCall(DMSetDimension(swarm_, dim_));
@@ -28,7 +35,23 @@ PetscErrorCode Points::Create(MPI_Comm comm, GeometryKind geometry, int loads, i
       PetscCall(
           DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, kPetscTypes[static_cast<int>(field.type)]));
   PetscCall(DMSwarmFinalizeFieldRegister(swarm_));
-  PetscCall(DMSwarmSetLocalSizes(swarm_, 0, 0));
+  PetscCall(DMSwarmSetLocalSizes(swarm_, capacity_, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Points::MoveTo(MPI_Comm comm)
+{
+  int relation = MPI_UNEQUAL;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_compare(Comm(), comm, &relation));
+  if (relation == MPI_IDENT || relation == MPI_CONGRUENT) PetscFunctionReturn(PETSC_SUCCESS);
+  Points old; // gives its fields back, and the swarm with them, at its end
+  std::swap(old.swarm_, swarm_), std::swap(old.data_, data_), old.table_ = table_;
+  PetscCall(CreateSwarm(comm));
+  if (capacity_ == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AccessFields());
+  const std::vector<FieldMemory> before = old.Memory(), now = Memory();
+  for (std::size_t k = 0; k < now.size(); ++k) std::copy_n(before[k].data, before[k].bytes * count_, now[k].data);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,7 +130,7 @@ PetscErrorCode Points::View(const std::string &prefix)
   PetscViewerFormat format;
   PetscBool on, hdf5;
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsCreateViewer(comm_, nullptr, prefix.c_str(), "-points_view", &viewer, &format, &on));
+  PetscCall(PetscOptionsCreateViewer(Comm(), nullptr, prefix.c_str(), "-points_view", &viewer, &format, &on));
   if (!on) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscViewerPushFormat(viewer, format));
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERHDF5, &hdf5));
@@ -136,7 +159,7 @@ PetscErrorCode Points::ViewFields(const std::string &prefix, PetscViewer viewer)
     const PointFieldInfo &field = table_[k];
     VecHandle values;
     if (field.type != FieldType::kReal || field.components == 0) continue;
-    PetscCall(VecCreateMPIWithArray(comm_, field.components, PetscInt{count_} * field.components, PETSC_DETERMINE,
+    PetscCall(VecCreateMPIWithArray(Comm(), field.components, PetscInt{count_} * field.components, PETSC_DETERMINE,
                                     static_cast<double *>(data_[k]), values.Out()));
     PetscCall(PetscObjectSetName(values.Object(), (prefix + field.name).c_str()));
     PetscCall(VecView(values, viewer));

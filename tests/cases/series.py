@@ -88,3 +88,37 @@ def test_series(expect, case, ranks):
     expect("frames", len(list(result.folder.glob("points_*.h5"))), near=3, tolerance=0)
     points, series = ((result.folder / name).stat().st_size for name in ("points_000002.h5", "points.vtkhdf"))
     expect("points.vtkhdf over a frame: it repeats no numbers", series / points, at_most=0.5)
+
+
+def problems_by_vtk(folder):
+    """What VTK's own reader finds in a series that the frames in the folder have not."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+    frames, reader, wrong = sorted(folder.glob("points_*.h5")), vtkHDFReader(), []
+    reader.SetFileName(str(folder / "points.vtkhdf"))
+    for step, path in enumerate(frames):
+        reader.SetStep(step)
+        reader.Update()
+        shown = reader.GetOutputDataObject(0)
+        arrays = {shown.GetPointData().GetArrayName(k): vtk_to_numpy(shown.GetPointData().GetArray(k))
+                  for k in range(shown.GetPointData().GetNumberOfArrays())}
+        arrays["position"] = vtk_to_numpy(shown.GetPoints().GetData())
+        with h5py.File(path) as frame:
+            levels = [frame[name] for name in sorted(frame) if len(frame[name]["id"])]
+            expected = {field: numpy.concatenate([as_vtk(field, level[field][:]) for level in levels]) for field in levels[0]}
+            expected["level"] = numpy.concatenate([numpy.full(len(level["id"]), int(level.name[-1])) for level in levels])
+        wrong += [f"{path.name}: {field}" for field in expected.keys() | arrays.keys()
+                  if not numpy.array_equal(arrays.get(field), expected.get(field))]
+        if shown.GetNumberOfVerts() != len(expected["id"]):
+            wrong.append(f"{path.name}: vertices")
+    return wrong if reader.GetNumberOfSteps() == len(frames) else wrong + ["time steps"]
+
+
+def test_vtk_reads_the_series(expect):
+    vtk = pytest.importorskip("vtkmodules.vtkCommonCore", reason="VTK is not installed (python3-vtk9)")
+    if vtk.vtkVersion.GetVTKMajorVersion() * 100 + vtk.vtkVersion.GetVTKMinorVersion() < 903:
+        pytest.skip(f"VTK {vtk.vtkVersion.GetVTKVersion()} knows no PolyData over time in VTKHDF; 9.3 does")
+    for case in (LEVELS, BERKOVICH):
+        case = {name: value for name, value in case.items() if name != "end_time"}
+        wrong = problems_by_vtk(harness.run({**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0}, ranks=1).folder)
+        expect.that(f"points.vtkhdf by VTK, {case['indenter']}", not wrong, "; ".join(wrong[:5]))

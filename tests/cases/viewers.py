@@ -45,19 +45,25 @@ def compare_level(expect, folder, level, number):
     for name, (error, of) in errors.items():
         expect(f"level {number}: {name}", numpy.max(numpy.abs(error)) / numpy.abs(of).sum(), at_most=1e-12)
     expect.that(f"level {number}: there are forces", numpy.abs(force).max() > 0)
-    with h5py.File(folder / f"points_{number}.h5") as file:
+    with h5py.File(folder / f"points_{number}.h5") as file:  # in the order of the level's ranks, which is not that of all
+        orders = [numpy.lexsort(position[:].T) for position in (file[f"level_{number}_position"], level["position"])]
         for field in ("position", "stress", "mass"):
-            ours, theirs = file[f"level_{number}_{field}"][:], level[field][:]
+            ours, theirs = file[f"level_{number}_{field}"][:][orders[0]], level[field][:][orders[1]]
             expect.that(f"level {number}: {field} of the points", numpy.array_equal(ours, theirs), f"{ours.shape} {theirs.shape}")
     expect.that(f"level {number}: grid", "type: da" in (folder / f"grid_{number}.txt").read_text())
     return mass.sum()
 
 
-def test_count_of_points(expect, tmp_path):
-    """As text the points are told by their number on each rank, without the room that is kept for more."""
-    result = harness.run({**STEPS, **{f"level_{level}_points_view": None for level in range(STEPS["levels"])}}, ranks=2)
-    counts = [sum(map(int, line.split())) for line in re.findall(r"particles per rank: ([\d ]+)", result.stdout)]
-    expect.that("points of each level", counts == [level["points"] for level in result.summary["levels"]], result.stdout)
+@pytest.mark.parametrize("points_per_rank", [1, 250])
+def test_count_of_points(expect, tmp_path, points_per_rank):
+    """As text the points are told by their number on each rank that shares the level, without the room that is kept for more."""
+    files = [tmp_path / f"points_{level}.txt" for level in range(STEPS["levels"])]
+    viewers = {f"level_{level}_points_view": f"ascii:{file}" for level, file in enumerate(files)}
+    levels = harness.run({**STEPS, **viewers, "points_per_rank": points_per_rank}, ranks=3).summary["levels"]
+    counts = [[int(count) for count in re.search(r"particles per rank: ([\d ]+)", file.read_text())[1].split()] for file in files]
+    expect.that("points of each level", [sum(count) for count in counts] == [level["points"] for level in levels], f"{counts}")
+    expect.that("ranks of each level", [len(count) for count in counts] == [level["ranks"] for level in levels], f"{counts}")
+    expect.that("all levels on all ranks, or some on fewer", (min(map(len, counts)) < 3) == (points_per_rank > 1))
 
 
 @pytest.mark.parametrize("option, value, words", [

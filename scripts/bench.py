@@ -31,7 +31,7 @@ REPETITIONS = 5
 FIVE_LEVEL_STEPS = 1260  # of level 0 in the whole run of multiscale_5level.opts
 FIVE_LEVEL_GROWTH = 1.1  # time of that run over the time of as many steps like its first: contact and transfer grow
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                   OMPI_MCA_rmaps_base_oversubscribe="1")
+                   OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe")
 
 DEFAULT = {}
 USL = {"stress_update": "usl", "short_wave_viscosity": "0,0"}

@@ -20,8 +20,10 @@ ENVIRONMENT = dict(
     OMPI_ALLOW_RUN_AS_ROOT="1",
     OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
     OMPI_MCA_rmaps_base_oversubscribe="1",
+    PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe",  # the same for Open MPI 5
     OMPI_MCA_mpi_yield_when_idle="1",
     OMPI_MCA_orte_execute_quiet="1",
+    PRTE_MCA_prte_execute_quiet="1",
     OMPI_MCA_pml="ob1",
     OMPI_MCA_btl="self,vader",
     OMP_NUM_THREADS="1",
@@ -73,9 +75,9 @@ def to_arguments(options):
     for name, value in options.items():
         arguments.append("-" + name)
         if isinstance(value, (list, tuple)):
-            arguments.append(",".join(repr(v) if isinstance(v, float) else str(v) for v in value))
+            arguments.append(",".join(repr(float(v)) if isinstance(v, float) else str(v) for v in value))
         elif value is not None:
-            arguments.append(repr(value) if isinstance(value, float) else str(value))
+            arguments.append(repr(float(value)) if isinstance(value, float) else str(value))
     return arguments
 
 

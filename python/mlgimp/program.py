@@ -15,8 +15,8 @@ from .folder import read
 
 PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lies in where it is not installed
 # For Open MPI in containers and on machines with few cores; what the user has set counts more.
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
-               "OMPI_MCA_mpi_yield_when_idle": "1"}
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+               "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # Open MPI 4, 5
 BAR = 30  # characters
 MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
 

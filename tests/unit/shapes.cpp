@@ -85,8 +85,8 @@ template <class Shape> void CheckStencil(const std::string &name)
       const double *f = F + 4 * p + 2 * a, *size = half + 2 * p;
       const double place = (x[2 * p + a] - lattice.origin[a]) / kH;
       l[a] = (Shape::kUsesDeformation ? std::hypot(f[0] * size[0], f[1] * size[1]) : size[a]) / kH;
-      clamped += l[a] > 0.5 + 1e-9 || l[a] < 1e-3;
-      l[a] = std::min({std::max(l[a], 1e-3), 0.5, place - lattice.end[a][0], lattice.end[a][1] - place});
+      clamped += l[a] > kMaxHalfSize + 1e-9 || l[a] < kMinHalfSize;
+      l[a] = std::min({std::max(l[a], kMinHalfSize), kMaxHalfSize, place - lattice.end[a][0], lattice.end[a][1] - place});
       if (std::is_same_v<Shape, Linear>) l[a] = 0;
     }
     double gradient[2][2] = {};
@@ -112,6 +112,39 @@ TEST(Shapes, AlongAnAxis)
 {
   CheckAxisWeights<Linear>("linear", {0});
   CheckAxisWeights<UniformGimp>("GIMP", {0.5, 0.25, 0.125, 0.01, Random(0.02, 0.5), Random(0.02, 0.5), Random(0.02, 0.5)});
+}
+
+/// Nodes with mass of one point alone, at steps of 0.4 of the time in which the fastest wave crosses a cell: omega^2 dt^2 < 4.
+template <class Geometry> void CheckLonePoint(const std::string &name)
+{
+  constexpr int dim = Geometry::kDim;
+  constexpr double kH = 0.37, kCfl = 0.4;
+  const double anywhere[2] = {-HUGE_VAL, HUGE_VAL};
+  Lattice lattice = {{}, 1 / kH, {}, {1, 40, 1600}, {}};
+  std::vector<double> x(dim * kBlock), half(dim * kBlock), F(dim * dim * kBlock);
+  double largest = 0;
+  for (auto &end : lattice.end) std::copy_n(anywhere, 2, &end[0]);
+  for (int n = 0; n < 1000; ++n) {
+    for (double &place : x) place = kH * Random(5, 15);
+    for (double &size : half) size = kH * std::pow(10, Random(-4, -0.5));
+    for (int p = 0; p < kBlock; ++p)
+      for (int a = 0; a < dim; ++a) F[dim * (dim * p + a) + a] = 1;
+    AxisStencils<dim> stencil;
+    ComputeAxisStencils<Geometry, ContiguousGimp>(lattice, kBlock, Extents<dim>(kBlock, x.data(), half.data(), F.data()), stencil);
+    for (int p = 0; p < kBlock; ++p)
+      ForEachNodeOf(stencil, p, lattice, [&](std::ptrdiff_t, double weight, const std::array<double, dim> &slope) {
+        double square = 0;
+        for (double s : slope) square += s * s * kH * kH;
+        if (weight > 1e-9) largest = std::max(largest, kCfl * kCfl * square / weight);
+      });
+  }
+  EXPECT_LT(largest, 4) << name + ": stiffness over mass of a node times the square of a step";
+}
+
+TEST(Shapes, NodesOfAThinPointAreStable)
+{
+  CheckLonePoint<PlaneStrain>("plane strain");
+  CheckLonePoint<Spatial>("space");
 }
 
 TEST(Shapes, LeastHalfSize)

@@ -3,6 +3,7 @@ import csv
 import json
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -35,6 +36,12 @@ def environment(ranks):
     """For one run: a folder of its own for MPI's files, so that no other run disturbs it; alone it needs no daemon of MPI."""
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"} if ranks == 1 else {}
     return dict(ENVIRONMENT, TMPDIR=tempfile.mkdtemp(dir=scratch()), **alone)
+
+
+def lines_of(error):
+    """Lines on standard error but those that mpiexec adds between two lines of dashes: that of Open MPI 5 cannot be silenced."""
+    own = re.sub(r"^-{60,}\n(.*\n)*?-{60,}$\n?", "", error.replace("\0", ""), flags=re.MULTILINE).strip("\n")
+    return own.split("\n") if own else []
 
 
 class Result:

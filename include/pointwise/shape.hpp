@@ -14,6 +14,14 @@
 namespace mlgimp
 {
 
+/// Half sizes outside this range, in cells, are clamped: Evaluate divides by l, and three nodes reach no further.
+inline constexpr double kMinHalfSize = 1e-3, kMaxHalfSize = 0.5;
+
+/// The least half size of points that flow may make thin, in cells. A node that has mass of one point alone, as beyond a surface,
+/// has a stiffness over mass of up to c^2/(h l) for each axis: with steps of 0.4 h/c it is stable down to this across the
+/// surface. Points of a quarter of the usual size, which fill space beside a finer level, are larger.
+inline constexpr double kMinFlowHalfSize = 0.06;
+
 /// The index space of one rank's ghosted piece of a grid, as far as weights need it.
 struct Lattice {
   double origin[3];       ///< position of global node 0, m
@@ -22,6 +30,7 @@ struct Lattice {
   int stride[3];          ///< distance of neighbouring nodes in the ghosted array, nodes
   /// Where points end along each axis, at sides of symmetry: their places in cells from node 0.
   double end[3][2] = {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}};
+  double least_half_size = kMinHalfSize; ///< of points, in cells
 };
 
 /// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
@@ -102,11 +111,6 @@ struct ContiguousGimp : UniformGimp {
   static constexpr bool kUsesDeformation = true;
 };
 
-/// Half sizes outside this range, in cells, are clamped. Three nodes reach no further than the largest. A node that has mass of
-/// one point alone, as beyond a surface, has a stiffness over mass of up to c^2/(h l) for each axis: with steps of 0.4 h/c it is
-/// stable down to the smallest, along three axes at once (0.4^2 * 3/l < 4).
-inline constexpr double kMinHalfSize = 0.125, kMaxHalfSize = 0.5;
-
 /// Half sizes of the points in a Pack along an axis, m.
 template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<dim> &points, int p)
 {
@@ -140,7 +144,7 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
     for (int axis = 0; axis < dim; ++axis) {
       const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
       const Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
-      Pack l = Least(Most(size, Spread(kMinHalfSize)), Spread(kMaxHalfSize));
+      Pack l = Least(Most(size, Spread(grid.least_half_size)), Spread(kMaxHalfSize));
       const Pack excess = size - l, room = Least(a - grid.end[axis][0], grid.end[axis][1] - a);
       l = room > Pack{} ? Least(l, room) : l; // weights and slopes are exact then, however small the room is
       if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};

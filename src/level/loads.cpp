@@ -6,11 +6,10 @@
 namespace mlgimp
 {
 
-/// Weights of a face on the three nodes around its centre along one axis, in cells; across the axis it has no extent.
+/// Weights of a face on the three nodes around its centre along one axis.
 static AxisWeights<double> FaceWeights(double d, double l)
 {
-  constexpr double kFlat = 1e-3; // UniformGimp divides by l
-  return l < kFlat ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
+  return l < kMinHalfSize ? Linear::Evaluate(d, l) : UniformGimp::Evaluate(d, std::min(l, kMaxHalfSize));
 }
 
 /// Calls work(place, weight) for the nodes around a face.

@@ -329,7 +329,7 @@ def problem_of(words, folder, ranks, expected):
                               timeout=LONGEST)
     except subprocess.TimeoutExpired:
         return f"still running after {LONGEST} s"
-    lines = done.stderr.strip("\n").split("\n")
+    lines = harness.lines_of(done.stderr)
     if done.returncode <= 0:
         return f"exit status {done.returncode}: {done.stderr.strip()[-300:]}"
     if len(lines) != 1 or not lines[0].startswith("mlgimp: error: "):

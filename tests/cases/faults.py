@@ -195,7 +195,7 @@ def problem_of_refusal(case, damaged, ranks, folder):
     before = contents(folder)
     done = subprocess.run(harness.command(words_of({**case, "restart": damaged}, folder), ranks), capture_output=True, text=True,
                           env=harness.environment(ranks), cwd=harness.ROOT, timeout=60)
-    lines = done.stderr.strip("\n").split("\n")
+    lines = harness.lines_of(done.stderr)
     if done.returncode <= 0 or len(lines) != 1 or not lines[0].startswith(f"mlgimp: error: -restart {damaged}: must be a whole checkpoint"):
         return f"exit status {done.returncode}: " + " | ".join(lines)[:300]
     return "the folder was touched" if contents(folder) != before else ""
@@ -265,7 +265,7 @@ def problems_of_full(case, folder, ranks, file_limit=None):
     except subprocess.TimeoutExpired:
         process.kill()
         return ["still running after 60 s"], ""
-    lines = error.strip("\n").split("\n")
+    lines = harness.lines_of(error) or [""]
     problems = []
     if process.returncode <= 0 or len(lines) != 1 or not lines[0].startswith("mlgimp: error: cannot write "):
         problems.append(f"exit status {process.returncode}: " + " | ".join(lines)[:300])

@@ -140,7 +140,7 @@ def run_mutant(folder, options, ranks, last_words):
 def problem_of(folder, status, error):
     """What is wrong with an end; empty where nothing is."""
     text = error.decode(errors="replace")
-    lines = [line for line in text.split("\n") if line and not line.startswith("mlgimp: warning: ")]
+    lines = [line for line in harness.lines_of(text) if line and not line.startswith("mlgimp: warning: ")]
     if status is None:
         return "it hangs"
     if status < 0 or status > 125:

@@ -21,7 +21,7 @@ def end_of(options, ranks=1, timeout=60):
     folder = tempfile.mkdtemp(dir=harness.scratch())
     words = harness.to_arguments({**options, "output_dir": folder, "overwrite": None, "monitor": "false"})
     done = subprocess.run(harness.command(words, ranks), capture_output=True, text=True, env=harness.environment(ranks), timeout=timeout)
-    return done.returncode, done.stderr.strip("\n").split("\n") if done.stderr else [], folder
+    return done.returncode, harness.lines_of(done.stderr), folder
 
 
 def refusal(options, ranks=1):

@@ -131,7 +131,8 @@ def test_an_option_twice(tmp_path):
 def test_usage(tmp_path):
     for ranks in (1, 2):
         done = subprocess.run(harness.command([], ranks), capture_output=True, text=True, env=harness.environment(ranks), timeout=30)
-        assert done.returncode == 1 and "-options_file" in done.stderr and "-help" in done.stderr and len(done.stderr) < 500
+        text = "\n".join(harness.lines_of(done.stderr))
+        assert done.returncode == 1 and "-options_file" in text and "-help" in text and len(text) < 500
 
 
 def test_summary_is_json(tmp_path):

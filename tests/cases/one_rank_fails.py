@@ -19,7 +19,7 @@ def run_with(order, case, folder):
     begin = time.time()
     done = subprocess.run(words, capture_output=True, text=True, env={**harness.environment(RANKS), "MLGIMP_FAULT": order},
                           cwd=harness.ROOT, timeout=60)
-    return time.time() - begin, done.returncode, done.stderr.strip("\n").split("\n")
+    return time.time() - begin, done.returncode, harness.lines_of(done.stderr)
 
 
 def places_of(case, folder):

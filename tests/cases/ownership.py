@@ -54,7 +54,7 @@ def test_a_body_that_blows_up_between_levels(ranks):
             "level_1_upper": "20,18", "b_lower": "4,5", "b_upper": "9,14", "b_velocity": "40,0", "loads": "p", "p_side": "y_upper",
             "p_times": "0,0.02,0.0201", "p_pressures": "0,0,1e8", "end_time": 1, "history_interval": 10}
     result = harness.run(case, ranks=ranks, must_succeed=False)
-    lines = result.stderr.strip("\n").split("\n")
+    lines = harness.lines_of(result.stderr)
     assert result.status == 1 and len(lines) == 1 and "level" in lines[0] and "point" in lines[0], lines
     assert result.summary["status"].startswith("failed: time")
 

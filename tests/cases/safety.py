@@ -29,7 +29,7 @@ def ended(options, folder, ranks=1, **more):
     """(exit status, lines on standard error) of a run."""
     process = start(options, folder, ranks, **more)
     errors = process.communicate(timeout=60)[1]
-    return process.returncode, errors.strip("\n").split("\n") if errors else []
+    return process.returncode, harness.lines_of(errors)
 
 
 def refused(options, folder, *words, ranks=1, **more):

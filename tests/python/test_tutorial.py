@@ -39,8 +39,8 @@ def pattern(shown):
 
 
 def differ(shown, printed):
-    """What is wrong with the text printed; nothing where it is as shown."""
-    found = pattern(shown).fullmatch(printed)
+    """What is wrong with the text printed; nothing where it is as shown. Newer versions of PETSc have a colon in their help."""
+    found = pattern(shown).fullmatch(re.sub(r"^(  -\w+): <", r"\1 <", printed, flags=re.MULTILINE))
     if not found:
         return f"printed\n{printed}instead of\n{shown}"
     for want, have in zip(re.findall(NUMBER, shown), found.groups()):

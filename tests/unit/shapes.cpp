@@ -120,17 +120,18 @@ template <class Geometry> void CheckLonePoint(const std::string &name)
   constexpr int dim = Geometry::kDim;
   constexpr double kH = 0.37, kCfl = 0.4;
   const double anywhere[2] = {-HUGE_VAL, HUGE_VAL};
-  Lattice lattice = {{}, 1 / kH, {}, {1, 40, 1600}, {}};
+  Lattice lattice = {{}, 1 / kH, {}, {1, 40, 1600}, {}, kMinFlowHalfSize};
   std::vector<double> x(dim * kBlock), half(dim * kBlock), F(dim * dim * kBlock);
   double largest = 0;
   for (auto &end : lattice.end) std::copy_n(anywhere, 2, &end[0]);
   for (int n = 0; n < 1000; ++n) {
     for (double &place : x) place = kH * Random(5, 15);
-    for (double &size : half) size = kH * std::pow(10, Random(-4, -0.5));
+    for (int k = 0; k < dim * kBlock; ++k) half[k] = kH * (k % dim == n % dim ? std::pow(10, Random(-4, -0.5)) : 0.25);
     for (int p = 0; p < kBlock; ++p)
       for (int a = 0; a < dim; ++a) F[dim * (dim * p + a) + a] = 1;
     AxisStencils<dim> stencil;
-    ComputeAxisStencils<Geometry, ContiguousGimp>(lattice, kBlock, Extents<dim>(kBlock, x.data(), half.data(), F.data()), stencil);
+    ComputeAxisStencils<Geometry, ContiguousGimp>(lattice, kBlock, Extents<dim>(kBlock, x.data(), half.data(), F.data()),
+                                                  stencil);
     for (int p = 0; p < kBlock; ++p)
       ForEachNodeOf(stencil, p, lattice, [&](std::ptrdiff_t, double weight, const std::array<double, dim> &slope) {
         double square = 0;

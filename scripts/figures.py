@@ -93,6 +93,37 @@ def depths(options):
          options.picture)
 
 
+@styled
+def moves(options):
+    """Draws the load over a power of the depth against the depth, with the moves of boxes and the ends of levels."""
+    history, summary = results.read_history(options.directory), results.read_summary(options.directory)
+    if not results.has_indenter(history) or not summary.get("regrids"):
+        raise ResultError(options.directory, "this run has no boxes that follow an indenter")
+    depth = np.convolve(history["depth"], (0.5, 0.5))[:-1]  # the load of a row is the mean since the one before
+    seen = (depth > 0) & (history["contact_half_width"] >= 8 * min(level["cell_size"] for level in summary["levels"]))
+    if not seen.any():
+        raise ResultError(options.directory, "the contact stays narrower than 16 of the finest cells")
+    ratio = history["load"][seen] / depth[seen] ** options.exponent
+    figure, axes = plt.subplots(figsize=(7.5, 4.2))
+    axes.semilogx(1e9 * depth[seen], ratio / np.mean(ratio), linewidth=0.8)
+    active, drawn = {}, set()
+    for move in summary["regrids"]:
+        ends = active.get(move["level"], True) and not move["active"]
+        active[move["level"]] = move["active"]
+        place = 1e9 * np.interp(move["step"], history["step"], history["depth"])
+        label = "a level ends" if ends else "a box moves"
+        if place >= 1e9 * depth[seen][0]:
+            axes.axvline(place, color="black" if ends else "0.8", linestyle="--" if ends else "-", linewidth=0.8, zorder=0,
+                         label=None if label in drawn else label)
+            drawn.add(label)
+    width = max(0.05, 1.1 * np.max(np.abs(ratio / np.mean(ratio) - 1)))
+    axes.set_ylim(1 - width, 1 + width)
+    pictures.line_axes(axes, "depth (nm)", f"load / depth$^{{{options.exponent:g}}}$, of the mean")
+    axes.grid(False, axis="x")
+    axes.legend(loc="lower right", frameon=True)
+    save(figure, options.picture)
+
+
 def cell_percentage(levels):
     """Returns, for the first 1, 2, ... of the levels of summary.json, the cells they have in percent of those that the
     whole domain would have at the finest of them; cells under a finer level do not count. (The paper's Fig. 6b.)"""
@@ -151,6 +182,11 @@ def main(arguments=None):
     similar.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress")
     similar.add_argument("--width", type=float, default=6, help="what is seen to each side of the tip, depths (default: 6)")
     similar.set_defaults(draw=depths)
+    following = commands.add_parser("moves", help=moves.__doc__)
+    following.add_argument("picture", metavar="OUT.png")
+    following.add_argument("directory", metavar="DIR")
+    following.add_argument("--exponent", type=float, default=2, help="of the depth: 2 under a cone (default), 1 under a wedge")
+    following.set_defaults(draw=moves)
     savings = commands.add_parser("cells", help=cells.__doc__)
     savings.add_argument("picture", metavar="OUT.png")
     savings.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")

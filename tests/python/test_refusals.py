@@ -116,6 +116,10 @@ def test_levels_without_cells(made):
     assert "cell_size" in refusal(figures.main, "cells", made / "cells.png", f"{made}:run")
 
 
+def test_run_without_moves_of_boxes(made):
+    assert "no boxes that follow" in refusal(figures.main, "moves", made / "moves.png", made)
+
+
 @pytest.mark.parametrize("words", [[], ["curves"], ["load-depth"], ["load-depth", "curves.png", "no label"],
                                    ["fields", "fields.png", "made:run", "--component", "zz9"]])
 def test_command_line(words):

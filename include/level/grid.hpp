@@ -96,8 +96,8 @@ public:
   /// materials that keep sums at the cells.
   PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages = 0);
 
-  /// Gives points that are thinner than kMinFlowHalfSize the weights of points of that size.
-  void WidenThinPoints() { lattice_.least_half_size = kMinFlowHalfSize; }
+  /// Gives points of a smaller half size, in cells, the weights of points of this one.
+  void WidenThinPoints(double half_size) { lattice_.least_half_size = half_size; }
   /// Makes points end at a side of symmetry, whose nodes have this box index.
   void EndPointsAt(Side side, int node) { lattice_.end[AxisOf(side)][SignOf(side) > 0] = node; }
 

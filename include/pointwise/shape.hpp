@@ -19,7 +19,7 @@ inline constexpr double kMinHalfSize = 1e-3, kMaxHalfSize = 0.5;
 
 /// The least half size of points that flow may make thin, in cells. A node that has mass of one point alone, as beyond a surface,
 /// has a stiffness over mass of up to c^2/(h l) for each axis: with steps of 0.4 h/c it is stable down to this across the
-/// surface. Points of a quarter of the usual size, which fill space beside a finer level, are larger.
+/// surface.
 inline constexpr double kMinFlowHalfSize = 0.06;
 
 /// The index space of one rank's ghosted piece of a grid, as far as weights need it.

@@ -55,7 +55,7 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
   PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
   for (int s = 0; s < kSides; ++s)
     if (geometry_.sides.kind[s] == BoundaryKind::kSymmetry) grid->EndPointsAt(static_cast<Side>(s), geometry_.sides.node[s]);
-  if (model_.SplitsStretched()) grid->WidenThinPoints();
+  grid->WidenThinPoints(model_.LeastHalfSize());
   grid_ = std::move(grid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

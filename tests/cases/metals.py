@@ -42,6 +42,16 @@ def pressure_noise(frame, inside, cell):
     return math.sqrt(numpy.mean(noise**2)), numpy.max(numpy.abs(noise))
 
 
+@pytest.mark.parametrize("changes, widened", [
+    ({}, True), ({"m_split_stretched": "false"}, False), ({"m_model": "neo_hookean", "m_yield_stress": None, "m_hardening_modulus": None}, False),
+    ({"rod_upper": "8,16"}, False), ({"rod_points_per_cell": 3}, False)])
+def test_weights_of_thin_points(expect, changes, widened):
+    """A side a tenth of a cell off a line has points with a half size of .05 cells: where flow may thin points they are widened."""
+    case = {**COMPRESSION, "rod_upper": "8,16.1", "indenter_tip": "0,17", "max_steps": 2, **changes}
+    result = harness.run({name: value for name, value in case.items() if value is not None})
+    expect.that("half sizes that are clamped", (result.summary["clamped_half_sizes"] > 0) == widened, f"{result.summary['clamped_half_sizes']}")
+
+
 @functools.lru_cache(None)
 def punch(**more):
     return harness.run({"frames": 1, **more}, file="punch_plastic.opts")

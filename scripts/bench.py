@@ -145,7 +145,7 @@ def size_rows():
         ratios = Spread(run.nanoseconds / reference.nanoseconds for run, reference in zip(runs[name], runs["250k"]))
         row(f"{name} against 250k points", ratios, "times", 1.3)
     peak = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss  # of the largest run so far, which is this one
-    row("memory of the process, 1M points", peak / 1e6, "bytes/point", 300)
+    row("memory of the process, 1M points", peak / 1e6, "bytes/point", 290)
 
 
 def parallel_rows():
@@ -222,6 +222,20 @@ def level_wall_rows():
     row("five levels, 2 ranks, extrapolated", Spread(whole * two for _, two in times), "s", 240)
 
 
+def busy_row():
+    """Two ranks while another program spins on one of the cores, over one rank that has a core of its own."""
+    options, ratios = case("wedge_3level", max_steps=100, frames=0), []
+    for _ in range(3):
+        alone = Run(options).seconds
+        other = subprocess.Popen(["sh", "-c", "while :; do :; done"])
+        try:
+            ratios.append(Run(options, 2).seconds / alone)
+        finally:
+            other.kill()
+            other.wait()
+    row("wedge_3level, 2 ranks and another program", Spread(ratios), "times one rank's", 1.3)
+
+
 def level_balance_rows():
     """Largest over mean points of a rank and level, eight ranks, and what the balance costs."""
     for steps, goal in ((2, 1.05), (60, 1.15)):
@@ -240,6 +254,7 @@ def main():
     level_share_rows()
     level_cost_rows()
     level_wall_rows()
+    busy_row()
     level_balance_rows()
 
 

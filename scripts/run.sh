@@ -21,7 +21,6 @@ ranks=$(idle_cores)
 start="mpiexec -n $ranks"
 [ "$ranks" -gt 1 ] || start=""
 [ "$(id -u)" -ne 0 ] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}" # to programs that start on these cores later
 
 echo "wedge indentation of aluminium to 450 nm on three levels and $ranks ranks:"
 $start bin/mlgimp -options_file options/$name.opts -output_dir output/$name -overwrite -monitor

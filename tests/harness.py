@@ -22,7 +22,6 @@ ENVIRONMENT = dict(
     OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
     OMPI_MCA_rmaps_base_oversubscribe="1",
     PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe",  # the same for Open MPI 5
-    OMPI_MCA_mpi_yield_when_idle="1",
     OMPI_MCA_orte_execute_quiet="1",
     OMPI_MCA_pml="ob1",
     OMPI_MCA_btl="self,vader",

@@ -25,7 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 FLOOR_BYTES = 296  # of a point and step: what points to grid reads, 120, and what the way back reads and writes, 176
 USL_BYTES, GOAL_BYTES = 1632, 2448  # over the bandwidth: the time that a step may take, with USL and in general
 MOVED_BYTES = {"USL": 336, "default": 520, "XPIC(2)": 488}  # of a point and step, by the sweeps as they are
-INSTRUCTIONS = {"USL": 344, "default": 589, "XPIC(2)": 554}  # of a point and step, of the AVX2 build by callgrind
+INSTRUCTIONS = {"USL": 349, "default": 592, "XPIC(2)": 559}  # of a point and step, of the AVX2 build by callgrind
 ISSUED_PER_CYCLE = 6
 REPETITIONS = 5
 FIVE_LEVEL_STEPS = 1260  # of level 0 in the whole run of multiscale_5level.opts
@@ -52,6 +52,12 @@ def block(cells, steps, **other):
               "b_upper": f"{cells + 5},{cells + 5}", "b_velocity": "0.3,0.2", "gravity": "0,-5", "max_steps": steps,
               "frames": 0, "history_interval": 1000000, "monitor": "false", **other}
     return [word for name, value in values.items() for word in (f"-{name}", str(value))]
+
+
+def block_in_space(cells, steps):
+    """The same in space, eight points a cell, with two cells around it."""
+    return block(cells, steps, geometry="3d", domain_lower="0,0,0", domain_upper=f"{cells + 4},{cells + 4},{cells + 4}",
+                 b_lower="2,2,2", b_upper=f"{cells + 2},{cells + 2},{cells + 2}", b_velocity="0.3,0.2,0.1", gravity="0,-5,0")
 
 
 def case(name, **other):
@@ -144,8 +150,14 @@ def size_rows():
     for name in ("16k", "1M"):
         ratios = Spread(run.nanoseconds / reference.nanoseconds for run, reference in zip(runs[name], runs["250k"]))
         row(f"{name} against 250k points", ratios, "times", 1.3)
-    peak = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss  # of the largest run so far, which is this one
-    row("memory of the process, 1M points", peak / 1e6, "bytes/point", 290)
+    row("memory of the process, 1M points", largest_process() / 1e6, "bytes/point", 290)
+    Run(block_in_space(50, 60))
+    row("memory of the process, 1M points, space", largest_process() / 1e6, "bytes/point", 420)
+
+
+def largest_process():
+    """Memory in bytes of the largest run so far."""
+    return 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
 
 
 def parallel_rows():

@@ -32,6 +32,19 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
   }
 }
 
+/// Asks the memory for points of the next block: what weights need of them, short-wave stress, and other fields. A block's part
+/// of a field is too short for the processor to notice a stream. To be done between groups, as many requests at once would wait
+/// for each other. Always inline: GCC leaves out calls of functions that do nothing else.
+template <class Geometry, bool momentum, bool stress> [[gnu::always_inline]] inline void PrefetchNext(const Block &b, int p)
+{
+  constexpr int dim = Geometry::kDim;
+  p += kBlock;
+  Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
+  Prefetch<Geometry::kRate>(b.short_wave_stress, p);
+  if constexpr (momentum) Prefetch<dim>(b.velocity, p), Prefetch<1>(b.mass, p);
+  if constexpr (stress) Prefetch<Geometry::kStress>(b.stress, p);
+}
+
 template <int dim> Extents<dim> ExtentsOf(const PointArrays &b) { return {b.count, b.position, b.half_size, b.F}; }
 
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).

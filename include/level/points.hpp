@@ -37,7 +37,7 @@ public:
   void Copy(int source, int target);
 
   /// Reorders the points in place so that point k is the one that was at order[k].
-  void Reorder(const std::vector<int> &order);
+  void Reorder(std::vector<int> order);
 
   /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.
   const std::vector<int> &SurfacePoints();

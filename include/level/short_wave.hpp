@@ -8,6 +8,15 @@
 namespace mlgimp
 {
 
+/// Component of the strain rate of point p of a block that moves with u, with the gradient L.
+template <class Geometry> inline double StrainRate(const Row *u, const Row *L, const Row *x, int component, int p)
+{
+  constexpr int dim = Geometry::kDim;
+  const int a = Geometry::kRateAxes[component][0], b = Geometry::kRateAxes[component][1];
+  if (Geometry::kHoop && a == 2) return u[0][p] / x[0][p];
+  return a == b ? L[dim * a + a][p] : 0.5 * (L[dim * a + b][p] + L[dim * b + a][p]);
+}
+
 /// |E|^2 of the Green strain E = (F^T F - I)/2 of point p.
 template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, int p)
 {

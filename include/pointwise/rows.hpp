@@ -4,6 +4,7 @@
 #include "base/pack.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace mlgimp
 {
@@ -13,6 +14,15 @@ inline constexpr int kBlock = 64;
 
 /// One number of each point of a block, and room for a vector that begins at the last one.
 using Row = double[kBlock + kLanes];
+
+/// Asks the memory for the n components of points p to p + kLanes - 1, field [][n]; there may be no such points.
+template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field, int p)
+{
+  constexpr int kLine = 8; // numbers of a cache line
+  const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * n * static_cast<std::uintptr_t>(p);
+#pragma GCC unroll 5
+  for (int k = 0; k < n * kLanes; k += kLine) __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k));
+}
 
 /// Puts the n components of points p to p + kLanes - 1, field [n] of the first of them, into rows: by pairs of components, each
 /// of which is one load of a point.

@@ -51,6 +51,7 @@ public:
       budgets.hoop_force += SetShares(b, points, shares);
       ForEachGroup(w, b.count, [&](int p, int count) {
         const At<NodeLayout::kSums> at(w, p, view.grid.IndexSpace(), &view.grid.Sums()->mass);
+        PrefetchNext<Geometry, true, true>(b, p);
         Scatter(at, ShareOf(shares, p, count), [&](double *node, const Pack *sum) {
           Pack all[2 + 2 * dim] = {sum[0], counts * sum[0]}; // in the order of NodeSums
 #pragma GCC unroll 6
@@ -72,7 +73,7 @@ public:
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
-      GatherVelocities(view.grid, w, b.count, plan.strain_rate, motion, change);
+      GatherVelocities(view.grid, w, b, plan.strain_rate, motion, change);
       AddVelocity(b, change.u, moved);
       if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change, moved + dim);
       if (plan.scatter) ScatterRates(view.grid, w, b, plan, motion.u, moved);
@@ -227,11 +228,12 @@ private:
 
   /// Velocity of the grid at the points of a block, and its change in the step, with the gradients of both; that of the change
   /// only where asked for.
-  static void GatherVelocities(const Grid &grid, const Weights &w, int points, bool change_gradient, Motion<dim> &motion,
+  static void GatherVelocities(const Grid &grid, const Weights &w, const Block &b, bool change_gradient, Motion<dim> &motion,
                                Motion<dim> &change)
   {
-    ForEachGroup(w, points, [&](int p, int) {
+    ForEachGroup(w, b.count, [&](int p, int) {
       const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.VelocityArray());
+      PrefetchNext<Geometry, true, false>(b, p);
       constexpr int kChange = NodeLayout::Velocity(dim) / 2;
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
@@ -285,6 +287,7 @@ private:
     ForEachGroup(w, b.count, [&](int p, int) {
       const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
       const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
+      PrefetchNext<Geometry, false, true>(b, p);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
         if (plan.strain && b.average < 0) {
@@ -299,14 +302,6 @@ private:
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) StoreVector(smooth[k] + p, value(NodeLayout::StrainRate(dim) + k));
     });
-  }
-
-  /// Component of the strain rate of point p.
-  static double StrainRate(const Row *u, const Row *L, const Row *x, int component, int p)
-  {
-    const int a = Geometry::kRateAxes[component][0], b = Geometry::kRateAxes[component][1];
-    if (Geometry::kHoop && a == 2) return u[0][p] / x[0][p];
-    return a == b ? L[dim * a + a][p] : 0.5 * (L[dim * a + b][p] + L[dim * b + a][p]);
   }
 
   /// Puts the strain rates of a block in the place of its short-wave stress, and in rows; returns the power of that stress, W,
@@ -324,9 +319,9 @@ private:
       double power = 0;
 #pragma GCC unroll 6
       for (int k = 0; k < kRate; ++k) {
-        rate[k][p] = StrainRate(u, L, x, k, p);
+        rate[k][p] = StrainRate<Geometry>(u, L, x, k, p);
         power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * stress[k][p] *
-                 (rate[k][p] - StrainRate(du, dL, x, k, p));
+                 (rate[k][p] - StrainRate<Geometry>(du, dL, x, k, p));
       }
       sum += volume[p] * power;
     }

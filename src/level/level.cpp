@@ -325,20 +325,26 @@ PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The points by their nearest nodes, and by their places where these are the same.
+static std::vector<int> SortedByNode(const Grid &grid, const PointArrays &points)
+{
+  std::vector<int> start(grid.GhostedNodes() + 1, 0), key(points.count), order(points.count);
+  for (int p = 0; p < points.count; ++p) {
+    key[p] = static_cast<int>(grid.Place(grid.Nearest(points.Position(p))));
+    ++start[key[p] + 1];
+  }
+  for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
+  for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
+  return order;
+}
+
 PetscErrorCode Level::Sort()
 {
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  const PointArrays points = points_.Arrays();
-  std::vector<int> start(grid_->GhostedNodes() + 1, 0), key(points.count), order(points.count);
-  for (int p = 0; p < points.count; ++p) {
-    key[p] = static_cast<int>(grid_->Place(grid_->Nearest(points.Position(p))));
-    ++start[key[p] + 1];
-  }
-  for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-  for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
-  points_.Reorder(order);
+  std::vector<double>().swap(grid_velocity_[0]); // its memory serves the sort: no sweep has begun
+  points_.Reorder(SortedByNode(*grid_, points_.Arrays()));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 namespace mlgimp
 {
@@ -19,6 +20,9 @@ PetscErrorCode Points::Create(MPI_Comm comm, GeometryKind geometry, int loads, i
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A field's name in the swarm, which has one of its own for ids.
+static const char *SwarmName(const PointFieldInfo &field, int place) { return place == kId ? DMSwarmField_pid : field.name; }
+
 /// A swarm with the table's fields and room for `capacity_` points.
 PetscErrorCode Points::CreateSwarm(MPI_Comm comm)
 {
@@ -30,10 +34,12 @@ PetscErrorCode Points::CreateSwarm(MPI_Comm comm)
   PetscCall(DMSetDimension(swarm_, dim_));
   PetscCall(DMSwarmSetType(swarm_, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(swarm_));
-  for (const PointFieldInfo &field : table_)
-    if (field.components)
-      PetscCall(
-          DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, kPetscTypes[static_cast<int>(field.type)]));
+  for (int k = 0; k < kPointFields; ++k) {
+    const PointFieldInfo &field = table_[k];
+    if (field.components == 0 || k == kId) continue;
+    const PetscDataType type = kPetscTypes[static_cast<int>(field.type)];
+    PetscCall(DMSwarmRegisterPetscDatatypeField(swarm_, field.name, field.components, type));
+  }
   PetscCall(DMSwarmFinalizeFieldRegister(swarm_));
   PetscCall(DMSwarmSetLocalSizes(swarm_, capacity_, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -66,7 +72,7 @@ PetscErrorCode Points::AccessFields()
 {
   PetscFunctionBeginUser;
   for (int k = 0; k < kPointFields; ++k)
-    if (table_[k].components) PetscCall(DMSwarmGetField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+    if (table_[k].components) PetscCall(DMSwarmGetField(swarm_, SwarmName(table_[k], k), nullptr, nullptr, &data_[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,7 +80,7 @@ PetscErrorCode Points::ReleaseFields()
 {
   PetscFunctionBeginUser;
   for (int k = 0; k < kPointFields; ++k)
-    if (data_[k]) PetscCall(DMSwarmRestoreField(swarm_, table_[k].name, nullptr, nullptr, &data_[k]));
+    if (data_[k]) PetscCall(DMSwarmRestoreField(swarm_, SwarmName(table_[k], k), nullptr, nullptr, &data_[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,20 +173,48 @@ PetscErrorCode Points::ViewFields(const std::string &prefix, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Points::Reorder(const std::vector<int> &order)
+/// The rings in which records change places so that record k becomes what was at order[k]: each place is followed by that whose
+/// record it gets; the last of a ring, as ~place, gets that of the first.
+static std::vector<int> RingsOf(std::vector<int> order)
 {
-  std::vector<char> held;
-  for (const FieldMemory &field : Memory()) {
-    std::vector<bool> done(count_);
-    held.resize(field.bytes);
-    for (int first = 0; first < count_; ++first) { // in place: points change places in rings
-      if (done[first] || order[first] == first) continue;
-      int p = first;
-      std::memcpy(held.data(), field.Of(first), field.bytes);
-      for (; order[p] != first; p = order[p]) std::memcpy(field.Of(p), field.Of(order[p]), field.bytes), done[p] = true;
-      std::memcpy(field.Of(p), held.data(), field.bytes), done[p] = true;
-    }
+  std::vector<int> rings;
+  rings.reserve(order.size());
+  const int count = static_cast<int>(order.size());
+  for (int first = 0; first < count; ++first) {
+    int p = first;
+    if (order[first] == first || order[first] < 0) continue; // stays, or has been in a ring
+    for (int next; (next = std::exchange(order[p], -1)) != first; p = next) rings.push_back(p);
+    rings.push_back(~p);
   }
+  return rings;
+}
+
+/// Moves records in rings if they are of so many bytes; with 0, of any.
+template <std::size_t bytes> static bool MoveInRings(char *data, std::size_t record, const std::vector<int> &rings)
+{
+  if (bytes != 0 && bytes != record) return false;
+  const std::size_t size = bytes ? bytes : record; // copies of a constant size are a few instructions
+  const auto copy = [=](char *to, const char *from) { std::memcpy(to, from, size); };
+  std::vector<char> held(size);
+  for (std::size_t k = 0; k < rings.size(); ++k) {
+    int p = std::max(rings[k], ~rings[k]);
+    copy(held.data(), data + size * p);
+    for (; rings[k] >= 0; ++k) {
+      const int next = std::max(rings[k + 1], ~rings[k + 1]);
+      copy(data + size * p, data + size * next);
+      p = next;
+    }
+    copy(data + size * p, held.data());
+  }
+  return true;
+}
+
+void Points::Reorder(std::vector<int> order)
+{
+  const std::vector<int> rings = RingsOf(std::move(order));
+  for (const auto &[data, size] : Memory())
+    MoveInRings<4>(data, size, rings) || MoveInRings<8>(data, size, rings) || MoveInRings<16>(data, size, rings) ||
+        MoveInRings<24>(data, size, rings) || MoveInRings<32>(data, size, rings) || MoveInRings<0>(data, size, rings);
   NoteChange();
 }
 

@@ -15,6 +15,8 @@ idle_cores() {
          END { print count + 0 }'
 }
 ranks=$(idle_cores)
+cores=$(grep -c '^cpu[0-9]' /proc/stat 2>/dev/null) || cores=$ranks
+[ "$ranks" -ge "$cores" ] || echo "other programs keep $((cores - ranks)) of $cores cores busy: this will take longer"
 [ "$ranks" -ge 1 ] || ranks=1
 [ "$ranks" -le 4 ] || ranks=4
 

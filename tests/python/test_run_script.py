@@ -31,6 +31,7 @@ def test_busy_cores_are_left_alone(tmp_path):
     said = start_line(tmp_path, busy=2 * os.cpu_count())
     assert "and 1 ranks:" in said and "mpiexec" not in said
     assert "bin/mlgimp -options_file options/wedge_3level.opts" in said
+    assert f"of {os.cpu_count()} cores busy" in said
 
 
 def test_never_more_ranks_than_cores(tmp_path):

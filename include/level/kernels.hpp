@@ -22,14 +22,16 @@ namespace mlgimp
 struct BodyTable {
   std::vector<const Material *> material;
   std::vector<int> average;
-  const Material *only = nullptr; ///< where all bodies have the same
+  bool one_material = false; ///< all bodies have the same
 
-  const Material &Of(const PointArrays &points, int p) const { return only ? *only : *material[points.body[p]]; }
+  /// A body of the material of a point. With one material memory is left alone: no sweep needs the bodies otherwise.
+  int BodyFor(const PointArrays &points, int p) const { return one_material ? 0 : points.body[p]; }
+  const Material &Of(const PointArrays &points, int p) const { return *material[BodyFor(points, p)]; }
   /// End of the block that begins at a point: at most kBlock points of one material.
   int BlockEnd(const PointArrays &points, int start) const
   {
     const int limit = std::min(start + kBlock, points.count);
-    if (only) return limit;
+    if (one_material) return limit;
     int end = start + 1;
     while (end < limit && material[points.body[end]] == material[points.body[start]]) ++end;
     return end;

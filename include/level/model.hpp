@@ -84,7 +84,7 @@ struct Model {
       table.average.push_back(average[body.material]);
     }
     const auto &all = table.material;
-    if (std::all_of(all.begin(), all.end(), [&](auto *one) { return one == all[0]; })) table.only = all[0];
+    table.one_material = std::all_of(all.begin(), all.end(), [&](auto *one) { return one == all[0]; });
     return table;
   }
 };

@@ -28,7 +28,7 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
   for (int start = 0, end; start < view.points.count; start = end) {
     end = view.bodies.BlockEnd(view.points, start);
     work(Block{Slice(view.points, start, end), start, view.bodies.Of(view.points, start),
-               view.bodies.average[view.points.body[start]]});
+               view.bodies.average[view.bodies.BodyFor(view.points, start)]});
   }
 }
 

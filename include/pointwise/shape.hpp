@@ -206,6 +206,9 @@ inline double *Opaque(double *x)
   return x;
 }
 
+/// How far ahead along x a group asks for the nodes above it, which no group before has used.
+inline constexpr int kNodesAhead = 4;
+
 /// The stencils of a group of points as lanes of vectors, and their nodes in an array with so many components. Lanes beyond the
 /// group hold the weights of other points, or zero.
 template <int dim, int components> struct GroupStencil {
@@ -220,6 +223,7 @@ template <int dim, int components> struct GroupStencil {
       const std::ptrdiff_t beside = (k % 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[1]) +
                                     (dim == 2 ? 0 : (k / 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[2]));
       row[k] = Opaque(array + (nearest + beside) * components);
+      if (k % 3 == 2) Prefetch<1>(row[k], kNodesAhead * components);
     }
 #pragma GCC unroll 3
     for (int axis = 0; axis < dim; ++axis)

@@ -22,7 +22,7 @@ template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field
   const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * n * static_cast<std::uintptr_t>(p);
 #pragma GCC unroll 5
   for (int k = 0; k < n * kLanes; k += kLine)
-    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k)); // NOLINT(performance-no-int-to-ptr)
+    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k), 0, 0); // NOLINT(performance-no-int-to-ptr)
 }
 
 /// Puts the n components of points p to p + kLanes - 1, field [n] of the first of them, into rows: by pairs of components, each

@@ -37,8 +37,10 @@ def environment(ranks):
 
 
 def lines_of(error):
-    """Lines on standard error but those that mpiexec adds between two lines of dashes: that of Open MPI 5 cannot be silenced."""
-    own = re.sub(r"^-{60,}\n(.*\n)*?-{60,}$\n?", "", error.replace("\0", ""), flags=re.MULTILINE).strip("\n")
+    """Lines on standard error but those that mpiexec adds: between two lines of dashes, as that of Open MPI 5 cannot be silenced, and
+    warnings of its event loop as it stops the other ranks."""
+    own = re.sub(r"^-{60,}\n(.*\n)*?-{60,}$\n?", "", error.replace("\0", ""), flags=re.MULTILINE)
+    own = re.sub(r"^\[warn\] Epoll .*\n?", "", own, flags=re.MULTILINE).strip("\n")
     return own.split("\n") if own else []
 
 

@@ -45,6 +45,12 @@ template <class Geometry, bool momentum, bool stress> [[gnu::always_inline]] inl
   if constexpr (stress) Prefetch<Geometry::kStress>(b.stress, p);
 }
 
+/// Asks for the grid's velocity at the next block, also where it is about to be written: it is read before.
+template <int dim> void PrefetchMotion(const SweepView &view, const Block &b)
+{
+  for (int p = kBlock; p < 2 * kBlock; p += kLanes) Prefetch<dim>(view.grid_velocity + PointArrays::At(b.start, dim), p);
+}
+
 template <int dim> Extents<dim> ExtentsOf(const PointArrays &b) { return {b.count, b.position, b.half_size, b.F}; }
 
 /// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).

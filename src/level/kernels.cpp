@@ -263,15 +263,10 @@ private:
     StoreRows<dim>(v, b.count, b.velocity);
   }
 
-  /// Asks for the grid's velocity at the next block, also where it is about to be written: it is read before.
-  static void PrefetchMotion(const SweepView &view, const Block &b)
-  {
-    for (int p = kBlock; p < 2 * kBlock; p += kLanes) Prefetch<dim>(view.grid_velocity + PointArrays::At(b.start, dim), p);
-  }
   /// What a block moves with, from GridToPoints to the sweep that moves it; gradients where it averages its volume.
   static void KeepMotion(const SweepView &view, const Block &b, const Motion<dim> &motion)
   {
-    PrefetchMotion(view, b);
+    PrefetchMotion<dim>(view, b);
     for (int d = 0; d < dim; ++d)
       std::copy_n(motion.u[d], b.count, view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count);
     for (int k = 0; b.average >= 0 && k < kGradient; ++k)
@@ -279,7 +274,7 @@ private:
   }
   static void TakeMotion(const SweepView &view, const Block &b, Motion<dim> &motion)
   {
-    PrefetchMotion(view, b);
+    PrefetchMotion<dim>(view, b);
     for (int d = 0; d < dim; ++d)
       std::copy_n(view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count, b.count, motion.u[d]);
     for (int k = 0; b.average >= 0 && k < kGradient; ++k)

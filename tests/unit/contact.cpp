@@ -135,6 +135,24 @@ TEST(ContactSurface, SegmentsAreTheFaces)
     }
 }
 
+/// Faces of points that are drawn out reach over the side beside which they lie: there is no surface, and no width of a contact.
+TEST(ContactColumns, SurfaceEndsAtHeldSides)
+{
+  Body body;
+  ASSERT_EQ(body.Create(PETSC_COMM_SELF), 0);
+  for (const BoundaryKind kind : {BoundaryKind::kSymmetry, BoundaryKind::kFree}) {
+    ContactColumns columns;
+    double least_gap = 0;
+    SendPattern pattern = 0;
+    bool at_border = false;
+    body.sides.kind[kXLower] = kind, body.sides.node[kXLower] = 1;
+    std::vector<PressedSegment> segments = LevelSurface(body, kH, {0, -1, 0}, 0, {});
+    segments[0].left = 0.3 * kH;
+    ASSERT_EQ(columns.Sum(body.View(), 1, segments, &least_gap, &pattern, &at_border), 0);
+    EXPECT_NEAR(columns.At({1, 0, 0}).left, (kind == BoundaryKind::kSymmetry ? 1 : 0.3) * kH, 1e-12);
+  }
+}
+
 /// Hats add up to one, so that columns share the whole surface and, under equal pressures, all have the same.
 TEST(ContactColumns, PartitionOfUnity)
 {

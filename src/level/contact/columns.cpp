@@ -107,6 +107,13 @@ PetscErrorCode ContactColumns::FindBox(const ContactView &view, const std::vecto
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Where held sides end the surface along the first axis, m. Faces of points that are drawn out beside one reach beyond it.
+static double EndOfSurface(const ContactView &view, Side side)
+{
+  if (view.sides.kind[side] == BoundaryKind::kFree) return SignOf(side) * HUGE_VAL;
+  return view.grid.Coordinate(0, view.sides.node[side]);
+}
+
 void ContactColumns::Add(const ContactView &view, double width, const PressedSegment &segment)
 {
   const int dim = view.geometry.Dim(), corners = 1 << (dim - 1);
@@ -127,8 +134,8 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
       const int offset = 4 + (i & 1) - (c & 1) + 3 * ((i >> 1) - (c >> 1));
       column.share[offset] -= kernel * hat[i] * segment.normal[dim - 1];
     }
-    column.left = std::min(column.left, std::max(segment.left, x - h));
-    column.right = std::max(column.right, std::min(segment.right, x + h));
+    column.left = std::min(column.left, std::max({segment.left, x - h, EndOfSurface(view, kXLower)}));
+    column.right = std::max(column.right, std::min({segment.right, x + h, EndOfSurface(view, kXUpper)}));
   }
 }
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cone import cone_case
 from calculix import (LAW_NAMES, NEO_HOOKE, STVK, Grid, at_time, dynamic_step, element_means, graded, number_set, ramp,
                       run, value_at, write_csv)
 
@@ -327,7 +328,7 @@ def five_level_wedge(workdir, size, increment, stiffness=5e4):
 
 
 CASES = {"tension": tension_case, "pressure": pressure_case,
-         "wedge": wedge_case, "levels": levels_case}
+         "wedge": wedge_case, "levels": levels_case, "cone": cone_case}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])

@@ -1,0 +1,97 @@
+"""A rigid cone on a metal in CalculiX: a sector of two degrees of the axisymmetric block, loaded and unloaded slowly."""
+from pathlib import Path
+
+import numpy as np
+
+from calculix import Grid, graded, number_set, run, write_csv
+
+HERE = Path(__file__).resolve().parent
+HALF_ANGLE, DEPTH, BACK = np.radians(70.3), 0.2, 0.03  # depth, and how far the unloading goes, um
+SIZE = 64 * DEPTH * np.tan(HALF_ANGLE)                  # of the block, um
+MODULUS, POISSON, YIELD = 130.0, 0.3, 3.0               # GPa
+SECTOR = np.radians(1.0)                                # half of it
+REACH = 1.5                                             # radius of the surface that the cone may touch, um
+
+
+def corner(x, y, side):
+    """Coordinates of a point of the middle plane on one side (-1, 1) of the sector."""
+    return f"{x * np.cos(SECTOR):.10g},{y:.10g},{side * x * np.sin(SECTOR):.10g}"
+
+
+def body(grid):
+    """Mesh of the sector, with the motions of its two sides tied to those of an axisymmetric body, supports and material."""
+    rows, columns = range(grid.ny + 1), range(grid.nx + 1)
+    lines = ["*NODE, NSET=BODY"]
+    lines += [f"{grid.node(i, j, k)}," + corner(grid.xs[i], grid.ys[j], 2 * k - 1) for k in (0, 1) for j in rows for i in columns]
+    lines.append("*ELEMENT, TYPE=C3D8, ELSET=BODY")
+    for j in range(grid.ny):
+        for i in range(grid.nx):
+            corners = [grid.node(i + a, j + b, k) for k in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+            lines.append(f"{grid.element(i, j)}," + ",".join(map(str, corners)))
+    lines.append("*EQUATION")
+    for j in rows:
+        for i in columns:
+            first, second = grid.node(i, j, 0), grid.node(i, j, 1)
+            if i > 0:
+                lines += [f"2\n{second},1,1.,{first},1,-1.", f"2\n{second},3,1.,{first},1,{-np.tan(SECTOR):.12g}",
+                          f"2\n{first},3,1.,{first},1,{np.tan(SECTOR):.12g}"]
+            if j > 0:
+                lines.append(f"2\n{second},2,1.,{first},2,-1.")
+    lines += number_set("NSET", "AXIS", [grid.node(0, j, k) for j in rows for k in (0, 1)])
+    lines += number_set("NSET", "SIDE", [grid.node(grid.nx, j) for j in rows])
+    lines += number_set("NSET", "BOTTOM", [grid.node(i, 0, k) for i in columns for k in (0, 1)])
+    lines += number_set("NSET", "TOP", [grid.node(i, grid.ny) for i in columns if grid.xs[i] < REACH])
+    return lines + ["*BOUNDARY", "AXIS,1", "AXIS,3", "SIDE,1", "BOTTOM,2", "*MATERIAL, NAME=METAL", "*ELASTIC", f"{MODULUS},{POISSON}",
+                    "*PLASTIC", f"{YIELD},0.", "*SOLID SECTION, ELSET=BODY, MATERIAL=METAL"]
+
+
+def cone(grid, size):
+    """The rigid cone, a wedge over the narrow sector, and its frictionless contact, with a penalty by the size of the elements."""
+    first, element, slope = grid.node_count() + 1, grid.element_count() + 1, 1 / np.tan(HALF_ANGLE)
+    ends = ((-0.1, 0.0), (2.0, 0.0), (2.0, 1.0), (-0.1, 1.0))
+    lines = ["*NODE, NSET=CONE"]
+    lines += [f"{first + n + 4 * k},{x},{SIZE + slope * x + lift:.10g},{z}" for k, z in ((0, -0.2), (1, 0.2)) for n, (x, lift) in enumerate(ends)]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=CONE", f"{element}," + ",".join(str(first + n) for n in range(8)),
+              "*MATERIAL, NAME=RIGID", "*ELASTIC", f"{MODULUS},{POISSON}", "*SOLID SECTION, ELSET=CONE, MATERIAL=RIGID",
+              "*SURFACE, NAME=FACE", f"{element},S3", "*SURFACE, NAME=SKIN"]
+    lines += [f"{grid.element(i, grid.ny - 1)},S5" for i in range(grid.nx) if grid.xs[i] < REACH]
+    return lines + ["*SURFACE INTERACTION, NAME=SLIP", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{20 * MODULUS / size:g}",
+                    "*CONTACT PAIR, INTERACTION=SLIP, TYPE=SURFACE TO SURFACE", "SKIN,FACE"]
+
+
+def step(height, increments):
+    """A static step that takes the cone to a height over its first place."""
+    longest = f"{1 / increments:g}"
+    return ["*STEP, NLGEOM, INC=5000", "*STATIC", f"{longest},1.,1e-6,{longest}", "*BOUNDARY", "CONE,1,1,0.", "CONE,3,3,0.",
+            f"CONE,2,2,{height:.10g}", "*NODE PRINT, NSET=CONE, TOTALS=ONLY", "RF", "*NODE PRINT, NSET=TOP", "U", "*END STEP"]
+
+
+def press(workdir, size):
+    """Depth (um) and load (mN) of loading and unloading, and the surface's radii and heights (um) at full depth; size: of the finest
+    elements, um."""
+    across = graded(size, 1.0, SIZE, 1.12, 4.0)
+    across[0] = 0.02 * size  # a pin in place of the axis
+    grid = Grid(across, SIZE - graded(size, 0.7, SIZE, 1.12, 4.0)[::-1])
+    deck = body(grid) + cone(grid, size) + step(-DEPTH, 50) + step(BACK - DEPTH, 60)
+    data = run(workdir, f"cone_h{size:g}", deck)
+    times, loads = np.array([(time, -np.pi / SECTOR * rows[0, 1]) for time, rows in data["total", "CONE"]]).T
+    depths = np.where(times <= 1, DEPTH * times, DEPTH - BACK * (times - 1))
+    full = min(data["displacements", "TOP"], key=lambda block: abs(block[0] - 1))[1]
+    start = grid.xs[grid.xs < REACH]
+    return depths, loads, np.column_stack([start + full[:, 1] / np.cos(SECTOR), full[:, 2]])
+
+
+def cone_case(workdir):
+    """Write cone_metal.csv and cone_metal_surface.csv."""
+    runs = [press(workdir, size) for size in (0.04, 0.02)]
+    setting = ["Rigid frictionless cone, half-angle 70.3 degrees, 200 nm deep and 30 nm back, on a metal without hardening:",
+               "E 130 GPa, nu 0.3, yield stress 3 GPa (von Mises, on the Kirchhoff stress). Axisymmetric block of 64 x 64 times",
+               "200 nm tan 70.3 deg = 35.74 um, rollers below and at its side; static. C3D8 (B-bar) in a sector of 2 degrees,",
+               "square elements over 1.0 x 0.7 um below the tip, growing by 1.12 outwards to 4 um; surface-to-surface penalty."]
+    depths, coarse, _ = runs[0]
+    fine_depths, fine, surface = runs[1]
+    write_csv(HERE / "cone_metal.csv", setting + ["Load by size of the finest elements."], "depth_m,load_h40nm_N,load_h20nm_N",
+              [(1e-6 * d, 1e-3 * c, 1e-3 * f) for d, c, f in zip(depths, coarse, fine)] if np.allclose(depths, fine_depths)
+              else [(1e-6 * d, np.nan, 1e-3 * f) for d, f in zip(fine_depths, fine)])
+    write_csv(HERE / "cone_metal_surface.csv", setting + ["The surface at full depth, elements of 20 nm: 0 is its height at the start."],
+              "radius_m,height_m", 1e-6 * surface)

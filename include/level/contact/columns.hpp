@@ -52,7 +52,7 @@ struct ContactColumn {
   double area = 0;        ///< a_j = -sum_s H_j w_s n_z: projected on the plane normal to the axis, m2
   double share[9] = {};   ///< -sum_s K_j H_i w_s n_z, i = j - 1 ... j + 1 along each axis: load on column i for lambda_j = 1, m2
   double left = HUGE_VAL, right = -HUGE_VAL; ///< ends of the surface under H_j along the first axis, not
-                                               ///< beyond held sides, m
+                                             ///< beyond held sides, m
 };
 
 /// How the weighted gap of a column at a corner of its cell changes as a segment moves, m2: w_s (K_j n + g_s grad K_j), in

@@ -40,7 +40,6 @@ def body(grid):
     lines += number_set("NSET", "AXIS", [grid.node(0, j, k) for j in rows for k in (0, 1)])
     lines += number_set("NSET", "SIDE", [grid.node(grid.nx, j) for j in rows])
     lines += number_set("NSET", "BOTTOM", [grid.node(i, 0, k) for i in columns for k in (0, 1)])
-    lines += number_set("NSET", "TOP", [grid.node(i, grid.ny) for i in columns if grid.xs[i] < REACH])
     return lines + ["*BOUNDARY", "AXIS,1", "AXIS,3", "SIDE,1", "BOTTOM,2", "*MATERIAL, NAME=METAL", "*ELASTIC", f"{MODULUS},{POISSON}",
                     "*PLASTIC", f"{YIELD},0.", "*SOLID SECTION, ELSET=BODY, MATERIAL=METAL"]
 
@@ -63,12 +62,11 @@ def step(height, increments):
     """A static step that takes the cone to a height over its first place."""
     longest = f"{1 / increments:g}"
     return ["*STEP, NLGEOM, INC=5000", "*STATIC", f"{longest},1.,1e-6,{longest}", "*BOUNDARY", "CONE,1,1,0.", "CONE,3,3,0.",
-            f"CONE,2,2,{height:.10g}", "*NODE PRINT, NSET=CONE, TOTALS=ONLY", "RF", "*NODE PRINT, NSET=TOP", "U", "*END STEP"]
+            f"CONE,2,2,{height:.10g}", "*NODE PRINT, NSET=CONE, TOTALS=ONLY", "RF", "*END STEP"]
 
 
 def press(workdir, size):
-    """Depth (um) and load (mN) of loading and unloading, and the surface's radii and heights (um) at full depth; size: of the finest
-    elements, um."""
+    """Rows of depth (m) and load (N) of loading and unloading; size: of the finest elements, um."""
     across = graded(size, 1.0, SIZE, 1.12, 4.0)
     across[0] = 0.02 * size  # a pin in place of the axis
     grid = Grid(across, SIZE - graded(size, 0.7, SIZE, 1.12, 4.0)[::-1])
@@ -76,22 +74,15 @@ def press(workdir, size):
     data = run(workdir, f"cone_h{size:g}", deck)
     times, loads = np.array([(time, -np.pi / SECTOR * rows[0, 1]) for time, rows in data["total", "CONE"]]).T
     depths = np.where(times <= 1, DEPTH * times, DEPTH - BACK * (times - 1))
-    full = min(data["displacements", "TOP"], key=lambda block: abs(block[0] - 1))[1]
-    start = grid.xs[grid.xs < REACH]
-    return depths, loads, np.column_stack([start + full[:, 1] / np.cos(SECTOR), full[:, 2]])
+    return np.column_stack([1e-6 * depths, 1e-3 * loads])
 
 
 def cone_case(workdir):
-    """Write cone_metal.csv and cone_metal_surface.csv."""
-    runs = [press(workdir, size) for size in (0.04, 0.02)]
-    setting = ["Rigid frictionless cone, half-angle 70.3 degrees, 200 nm deep and 30 nm back, on a metal without hardening:",
+    """Write cone_metal.csv."""
+    coarse, fine = (press(workdir, size) for size in (0.04, 0.02))
+    write_csv(HERE / "cone_metal.csv",
+              ["Rigid frictionless cone, half-angle 70.3 degrees, 200 nm deep and 30 nm back, on a metal without hardening:",
                "E 130 GPa, nu 0.3, yield stress 3 GPa (von Mises, on the Kirchhoff stress). Axisymmetric block of 64 x 64 times",
                "200 nm tan 70.3 deg = 35.74 um, rollers below and at its side; static. C3D8 (B-bar) in a sector of 2 degrees,",
-               "square elements over 1.0 x 0.7 um below the tip, growing by 1.12 outwards to 4 um; surface-to-surface penalty."]
-    depths, coarse, _ = runs[0]
-    fine_depths, fine, surface = runs[1]
-    write_csv(HERE / "cone_metal.csv", setting + ["Load by size of the finest elements."], "depth_m,load_h40nm_N,load_h20nm_N",
-              [(1e-6 * d, 1e-3 * c, 1e-3 * f) for d, c, f in zip(depths, coarse, fine)] if np.allclose(depths, fine_depths)
-              else [(1e-6 * d, np.nan, 1e-3 * f) for d, f in zip(fine_depths, fine)])
-    write_csv(HERE / "cone_metal_surface.csv", setting + ["The surface at full depth, elements of 20 nm: 0 is its height at the start."],
-              "radius_m,height_m", 1e-6 * surface)
+               "square elements over 1.0 x 0.7 um below the tip, growing by 1.12 outwards to 4 um; surface-to-surface penalty.",
+               "Load by size of the finest elements."], "depth_m,load_h40nm_N,load_h20nm_N", np.column_stack([coarse, fine[:, 1]]))

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from cone import cone_case
 from calculix import (LAW_NAMES, NEO_HOOKE, STVK, Grid, at_time, dynamic_step, element_means, graded, number_set, ramp,
                       run, value_at, write_csv)
+from cone import cone_case
 
 HERE = Path(__file__).resolve().parent
 SILICON, ALUMINIUM = (170.0, 0.18, 2.33), (70.0, 0.33, 2.70)  # Young's modulus, Poisson's ratio, density

@@ -86,6 +86,15 @@ std::vector<PressedSegment> LevelSurface(const Body &body, double start, Vec3 no
   return segments;
 }
 
+/// Sums up the columns under segments of this rank alone.
+PetscErrorCode SumColumns(Body &body, double width, const std::vector<PressedSegment> &segments, ContactColumns *columns)
+{
+  SendPattern pattern = 0;
+  bool at_border = false;
+  double least_gap = HUGE_VAL;
+  return columns->Sum(body.View(), width, segments, &least_gap, &pattern, &at_border);
+}
+
 } // namespace
 
 /// In three dimensions faces enclose the point, too.
@@ -138,18 +147,17 @@ TEST(ContactSurface, SegmentsAreTheFaces)
 /// Faces of points that are drawn out reach over the side beside which they lie: there is no surface, and no width of a contact.
 TEST(ContactColumns, SurfaceEndsAtHeldSides)
 {
-  Body body;
-  ASSERT_EQ(body.Create(PETSC_COMM_SELF), 0);
-  for (const BoundaryKind kind : {BoundaryKind::kSymmetry, BoundaryKind::kFree}) {
+  for (const bool held : {true, false}) {
+    Body body;
     ContactColumns columns;
-    double least_gap = 0;
-    SendPattern pattern = 0;
-    bool at_border = false;
-    body.sides.kind[kXLower] = kind, body.sides.node[kXLower] = 1;
+    ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
+    body.sides.kind[kXLower] = body.sides.kind[kXUpper] = held ? BoundaryKind::kSymmetry : BoundaryKind::kFree;
+    body.sides.node[kXLower] = 1, body.sides.node[kXUpper] = 5;
     std::vector<PressedSegment> segments = LevelSurface(body, kH, {0, -1, 0}, 0, {});
-    segments[0].left = 0.3 * kH;
-    ASSERT_EQ(columns.Sum(body.View(), 1, segments, &least_gap, &pattern, &at_border), 0);
-    EXPECT_NEAR(columns.At({1, 0, 0}).left, (kind == BoundaryKind::kSymmetry ? 1 : 0.3) * kH, 1e-12);
+    segments.front().left = 0.3 * kH, segments.back().right = 5.6 * kH;
+    ASSERT_EQ(SumColumns(body, 1, segments, &columns), PETSC_SUCCESS);
+    EXPECT_NEAR(columns.At({1, 0, 0}).left, (held ? 1 : 0.3) * kH, 1e-12);
+    EXPECT_NEAR(columns.At({5, 0, 0}).right, (held ? 5 : 5.6) * kH, 1e-12);
   }
 }
 
@@ -172,10 +180,7 @@ TEST(ContactColumns, PartitionOfUnity)
         area -= segments.back().area * normal[dim - 1];
       }
       ContactColumns columns;
-      SendPattern pattern = 0;
-      bool at_border = false;
-      double least_gap = HUGE_VAL;
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
+      ASSERT_EQ(SumColumns(body, width, segments, &columns), PETSC_SUCCESS);
       ForEach(columns.Box(), [&](Index at) {
         const ContactColumn &column = columns.At(at);
         sum += column.area;
@@ -201,11 +206,8 @@ TEST(ContactColumns, MeanOfALinearGap)
       const Vec3 slope = {0.3, dim == 3 ? -0.2 : 0.0, 0};
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
-      SendPattern pattern = 0;
-      bool at_border = false;
-      double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 2 * kH, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0.1, slope);
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
+      ASSERT_EQ(SumColumns(body, width, segments, &columns), PETSC_SUCCESS);
       for (int i = 3; i < 5; ++i)
         for (int j = dim == 3 ? 3 : 0; j < (dim == 3 ? 5 : 1); ++j) {
           const ContactColumn &column = columns.At({i, j, 0});
@@ -226,11 +228,8 @@ TEST(ContactColumns, FullArea)
       const int dim = body.geometry.Dim();
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       ContactColumns columns;
-      SendPattern pattern = 0;
-      bool at_border = false;
-      double least_gap = HUGE_VAL;
       const auto segments = LevelSurface(body, 0, dim == 3 ? Vec3{0, 0, -1} : Vec3{0, -1, 0}, 0, {});
-      ASSERT_EQ(columns.Sum(body.View(), width, segments, &least_gap, &pattern, &at_border), PETSC_SUCCESS);
+      ASSERT_EQ(SumColumns(body, width, segments, &columns), PETSC_SUCCESS);
       for (int i = 0; i < 5; ++i) {
         const Index at = {i, dim == 3 ? 2 : 0, 0};
         const ContactColumn &column = columns.At(at);

@@ -119,6 +119,8 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
   const int dim = view.geometry.Dim(), corners = 1 << (dim - 1);
   const double h = view.grid.Geometry().spacing;
   const CellPlace &place = segment.place;
+  const double left = std::max(segment.left, EndOfSurface(view, kXLower)),
+               right = std::min(segment.right, EndOfSurface(view, kXUpper));
   double hat[4];
   for (int c = 0; c < corners; ++c) hat[c] = CornerHat(place.part, c, dim - 1);
   for (int c = 0; c < corners; ++c) {
@@ -134,8 +136,8 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
       const int offset = 4 + (i & 1) - (c & 1) + 3 * ((i >> 1) - (c >> 1));
       column.share[offset] -= kernel * hat[i] * segment.normal[dim - 1];
     }
-    column.left = std::min(column.left, std::max({segment.left, x - h, EndOfSurface(view, kXLower)}));
-    column.right = std::max(column.right, std::min({segment.right, x + h, EndOfSurface(view, kXUpper)}));
+    column.left = std::min(column.left, std::max(left, x - h));
+    column.right = std::max(column.right, std::min(right, x + h));
   }
 }
 

@@ -14,6 +14,16 @@ typedef double Pack __attribute__((vector_size(32)));
 typedef double HalfPack __attribute__((vector_size(16)));
 inline constexpr int kLanes = 4;
 
+/// As many doubles as one register holds, and the number of registers.
+#ifdef __AVX512VL__
+typedef double WidePack __attribute__((vector_size(64)));
+inline constexpr int kRegisters = 32;
+#else
+typedef Pack WidePack;
+inline constexpr int kRegisters = 16;
+#endif
+inline constexpr int kWideLanes = sizeof(WidePack) / sizeof(double);
+
 /// The doubles at x, which need not be aligned.
 template <class Vector = Pack> inline Vector LoadVector(const double *x)
 {
@@ -64,30 +74,21 @@ inline int CountEqual(Pack lanes, double x)
 inline HalfPack Low(Pack x) { return __builtin_shufflevector(x, x, 0, 1); }
 inline HalfPack High(Pack x) { return __builtin_shufflevector(x, x, 2, 3); }
 
+/// As many lanes from the first one on as a Vector has.
+template <class Vector> inline Vector First(Pack x)
+{
+  if constexpr (sizeof(Vector) == sizeof(Pack))
+    return x;
+  else
+    return Low(x);
+}
+
 inline Pack Join(HalfPack low, HalfPack high) { return __builtin_shufflevector(low, high, 0, 1, 2, 3); }
 
-/// (a0, b0, a2, b2) and (a1, b1, a3, b3); and their sum.
+/// (a0, b0, a2, b2), (a1, b1, a3, b3), (a0, b1, a2, b3) and (a1, b0, a3, b2).
 inline Pack EvenLanes(Pack a, Pack b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
 inline Pack OddLanes(Pack a, Pack b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
-inline Pack AddNeighbours(Pack a, Pack b)
-{
-#ifdef __AVX__
-  return _mm256_hadd_pd(a, b);
-#else
-  return EvenLanes(a, b) + OddLanes(a, b);
-#endif
-}
-
-/// The sums over the lanes of two vectors, and of four.
-inline HalfPack SumLanes(Pack a, Pack b)
-{
-  const Pack pairs = AddNeighbours(a, b);
-  return Low(pairs) + High(pairs);
-}
-inline Pack SumLanes(Pack a, Pack b, Pack c, Pack d)
-{
-  const Pack ab = AddNeighbours(a, b), cd = AddNeighbours(c, d);
-  return __builtin_shufflevector(ab, cd, 2, 3, 4, 5) + __builtin_shufflevector(ab, cd, 0, 1, 6, 7);
-}
+inline Pack Alternate(Pack a, Pack b) { return __builtin_shufflevector(a, b, 0, 5, 2, 7); }
+inline Pack Swapped(Pack a, Pack b) { return __builtin_shufflevector(a, b, 1, 4, 3, 6); }
 
 } // namespace mlgimp

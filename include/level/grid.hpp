@@ -75,8 +75,8 @@ struct NodeLayout {
   static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show
   static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
   static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
-  static constexpr int Projected(int dim) { return dim == 2 ? 2 : 4; }  ///< place of the projection among the rates
-  static constexpr int StrainRate(int dim) { return dim == 2 ? 4 : 8; } ///< place of the strain rate among them
+  static constexpr int StrainRate(int dim) { return dim; }             ///< place of the strain rate among the rates
+  static constexpr int Projected(int dim) { return dim == 2 ? 6 : 9; } ///< place of the projection among them
 };
 
 /// Memory of nodal arrays: with 64-byte alignment no node lies across two cache lines.
@@ -99,7 +99,11 @@ public:
   /// Gives points of a smaller half size, in cells, the weights of points of this one.
   void WidenThinPoints(double half_size) { lattice_.least_half_size = half_size; }
   /// Makes points end at a side of symmetry, whose nodes have this box index.
-  void EndPointsAt(Side side, int node) { lattice_.end[AxisOf(side)][SignOf(side) > 0] = node; }
+  void EndPointsAt(Side side, int node)
+  {
+    lattice_.end[AxisOf(side)][SignOf(side) > 0] = node;
+    lattice_.has_ends = true;
+  }
 
   const GridGeometry &Geometry() const { return geometry_; }
   const GridLayout &Layout() const { return layout_; }

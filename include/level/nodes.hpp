@@ -75,13 +75,10 @@ double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, boo
 
 // What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
 
-/// Adds gravity and damping, m g - damping p, to the nodal forces.
-void AddBodyForces(const Grid &grid, const NodalSettings &settings);
-
 /// Of owned nodes at the start of the step, the part that points of this level have in them, J.
 double KineticEnergy(const Grid &grid, const NodalSettings &settings);
 
-/// v = p/m + dt f/m; velocity := (v, dv).
+/// Adds gravity and damping, m g - damping p, to the nodal forces f; v = p/m + dt f/m; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
 /// Holds the velocities of nodes at the sides, adding up the impulse on the body.

@@ -41,7 +41,7 @@ template <class Geometry, bool momentum, bool stress> [[gnu::always_inline]] inl
   p += kBlock;
   Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
   Prefetch<Geometry::kRate>(b.short_wave_stress, p);
-  if constexpr (momentum) Prefetch<dim>(b.velocity, p), Prefetch<1>(b.mass, p);
+  if constexpr (momentum) Prefetch<dim>(b.velocity, p);
   if constexpr (stress) Prefetch<Geometry::kStress>(b.stress, p);
 }
 
@@ -53,10 +53,10 @@ template <int dim> void PrefetchMotion(const SweepView &view, const Block &b)
 
 template <int dim> Extents<dim> ExtentsOf(const PointArrays &b) { return {b.count, b.position, b.half_size, b.F}; }
 
-/// Current volumes J m / rho0, m3 (of the thickness that the masses were made with).
-template <class Geometry> void Volumes(const Block &b, const Extents<Geometry::kDim> &points, double *volume)
+/// Current volumes J m / rho0 with a sign, m3 (of the thickness that the masses were made with).
+template <class Geometry> void Volumes(const Block &b, const Extents<Geometry::kDim> &points, int sign, double *volume)
 {
-  const double inverse_density = 1 / b.material.Density();
+  const double inverse_density = sign / b.material.Density();
   const Row *const F = points.F, *const x = points.x;
   const double *const mass = b.mass, *const radius = b.initial_radius;
 #pragma omp simd
@@ -133,7 +133,7 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
 {
   double growth[kBlock], volume[kBlock];
   VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
-  Volumes<Geometry>(b, points, volume);
+  Volumes<Geometry>(b, points, 1, volume);
   for (int p = 0; p < b.count; ++p) {
     CellSums &cell = grid.Cell(CellOf<Geometry::kDim>(grid.IndexSpace(), points.x, p), b.average);
     cell.mass += b.mass[p];
@@ -157,7 +157,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
   const double settling = kSettling * dt / dim;
   VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
-  Volumes<Geometry>(b, points, volume);
+  Volumes<Geometry>(b, points, 1, volume);
   for (int p = 0; p < b.count; ++p) {
     const CellSums &cell = grid.Cell(CellOf<dim>(grid.IndexSpace(), points.x, p), b.average);
     mean[p] = cell.growth;
@@ -189,27 +189,23 @@ template <class Geometry>
 void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, const Motion<Geometry::kDim> &motion,
                    Budgets &budgets, PointFailure &failure)
 {
-  constexpr int dim = Geometry::kDim, size = Geometry::kGradient;
-  alignas(64) double hoop[kBlock], hoop_ratio[kBlock] = {}, plastic[kBlock] = {};
+  constexpr int dim = Geometry::kDim;
+  alignas(64) double hoop[kBlock], hoop_ratio[kBlock], plastic[kBlock];
   Row *const F = points.F;
   const Row *const x = points.x, *const u = motion.u;
   const double *const radius = b.initial_radius;
-  double largest = AdvanceDeformation<Geometry>(b.count, dt, motion.L, F);
+  const double largest = AdvanceDeformation<Geometry>(b.count, dt, motion.L, F);
+  double largest_hoop = 0;
   if constexpr (Geometry::kHoop) {
-#pragma omp simd reduction(max : largest)
+#pragma omp simd reduction(max : largest_hoop)
     for (int p = 0; p < b.count; ++p) {
       const double r = x[0][p] + dt * u[0][p];
       hoop[p] = r / radius[p];
       hoop_ratio[p] = r / x[0][p];
-      largest = std::max(largest, std::abs(hoop_ratio[p] - 1));
+      largest_hoop = std::max(largest_hoop, std::abs(hoop_ratio[p] - 1));
     }
   }
-  double sum = 0; // finite only if all of F is
-#pragma omp simd reduction(+ : sum)
-  for (int p = 0; p < b.count; ++p)
-#pragma GCC unroll 9
-    for (int k = 0; k < size; ++k) sum += F[k][p];
-  if (!(largest <= kLargestStrainIncrement) || !std::isfinite(sum))
+  if (!(largest <= kLargestStrainIncrement) || largest_hoop > kLargestStrainIncrement)
     RecordStrain<Geometry>(b, dt, motion.L, F, hoop_ratio, failure);
   StoreRows<dim * dim>(F, b.count, b.F);
   const MaterialBatch batch = {b.count,
@@ -221,6 +217,7 @@ void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, c
                                b.stress,
                                b.history,
                                b.history_components};
+  if (b.material.HistorySize()) std::fill_n(plastic, b.count, 0.0);
   b.material.UpdateStress(batch, plastic);
   if (b.material.HistorySize())
     for (int p = 0; p < b.count; ++p) budgets.plastic_work += plastic[p] * b.mass[p] / b.material.Density();
@@ -234,17 +231,17 @@ void Move(const PointArrays &b, Extents<dim> &points, const Grid &grid, double d
     const double h = grid.Geometry().spacing, lower = grid.Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
     const double upper = lower + (grid.Ghosted().Size(axis) - 2) * h;
     const auto inside = [=](double x) { return x >= lower && x < upper; }; // false for a NaN
-    double *const x = points.x[axis], target[kBlock], lost = 0;
+    double *const x = points.x[axis], lost = 0;
     const double *const velocity = u[axis];
 #pragma omp simd reduction(+ : lost)
     for (int p = 0; p < b.count; ++p) {
-      target[p] = x[p] + dt * velocity[p];
-      lost += inside(target[p]) ? 0.0 : 1.0;
-      x[p] = inside(target[p]) ? target[p] : x[p];
+      const double target = x[p] + dt * velocity[p];
+      lost += inside(target) ? 0.0 : 1.0;
+      x[p] = inside(target) ? target : x[p];
     }
-    for (int p = 0; lost > 0 && p < b.count; ++p)
-      if (!inside(target[p]))
-        Record(failure, std::isfinite(target[p]) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, p);
+    for (int p = 0; lost > 0 && p < b.count; ++p) // b.position still has the places of before
+      if (const double target = b.position[dim * p + axis] + dt * velocity[p]; !inside(target))
+        Record(failure, std::isfinite(target) ? PointFailure::kLeftGrid : PointFailure::kNotFinite, b, p);
   }
   StoreRows<dim>(points.x, b.count, b.position);
 }

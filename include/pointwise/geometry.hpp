@@ -20,12 +20,12 @@ inline int UpAxis(GeometryKind kind) { return kind == GeometryKind::kSpatial ? 2
 
 /// Components that a point stores: F by rows; stress as xx, yy, zz, xy and in space yz, xz; the strain rate and the
 /// short-wave stress of which the kernels keep what is not zero, in the order of the stress: kRateAxes are the axes of each
-/// component, kInStress its place in the stress.
+/// component.
 struct PlaneStrain {
   static constexpr GeometryKind kKind = GeometryKind::kPlaneStrain;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< rate: xx, yy, xy
   static constexpr bool kHoop = false;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}}, kInStress[kRate] = {0, 1, 3};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}};
 };
 
 /// x is the radius, y the axis; zz is the hoop direction, with F_zz = r/R.
@@ -33,15 +33,14 @@ struct Axisymmetric {
   static constexpr GeometryKind kKind = GeometryKind::kAxisymmetric;
   static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< rate: xx, yy, zz, xy
   static constexpr bool kHoop = true;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}}, kInStress[kRate] = {0, 1, 2, 3};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}};
 };
 
 struct Spatial {
   static constexpr GeometryKind kKind = GeometryKind::kSpatial;
   static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< rate: as the stress
   static constexpr bool kHoop = false;
-  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}},
-                       kInStress[kRate] = {0, 1, 2, 3, 4, 5};
+  static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 };
 
 /// The same at run time.

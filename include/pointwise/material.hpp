@@ -128,14 +128,15 @@ template <class Geometry> inline double Determinant(const Row *F, int p)
     return Determinant(LoadGradient<Geometry>(F, p, 1));
 }
 
-/// Advances F <- (I + dt L) F; returns the largest |dt L| met (row sums). L, F: rows of `count` points.
+/// Advances F <- (I + dt L) F; returns the largest |dt L| met (row sums), no number where any of L is none. L, F: rows of `count`
+/// points.
 /// As L is taken where the points are before they move, this is the exact gradient of the step's motion x + dt v(x);
 /// exp(dt L) would be off by a first-order error. det F stays positive while |dt L| < 1/2.
 template <class Geometry> double AdvanceDeformation(int count, double dt, const Row *L, Row *F)
 {
   constexpr int n = Geometry::kDim;
-  double largest = 0;
-#pragma omp simd reduction(max : largest)
+  double largest = 0, total = 0; // a maximum loses what is no number
+#pragma omp simd reduction(max : largest) reduction(+ : total)
   for (int p = 0; p < count; ++p) {
     double old[n * n];
 #pragma GCC unroll 9
@@ -152,9 +153,10 @@ template <class Geometry> double AdvanceDeformation(int count, double dt, const 
         row += std::abs(L[n * i + j][p]);
       }
       largest = std::max(largest, row);
+      total += row;
     }
   }
-  return dt * largest;
+  return std::isfinite(total) ? dt * largest : NAN;
 }
 
 } // namespace mlgimp

@@ -22,7 +22,7 @@ template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field
   const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * n * static_cast<std::uintptr_t>(p);
 #pragma GCC unroll 5
   for (int k = 0; k < n * kLanes; k += kLine)
-    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k), 0, 0); // NOLINT(performance-no-int-to-ptr)
+    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k)); // NOLINT(performance-no-int-to-ptr)
 }
 
 /// Puts the n components of points p to p + kLanes - 1, field [n] of the first of them, into rows: by pairs of components, each
@@ -30,6 +30,12 @@ template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field
 template <int n> inline void LoadLanes(const double *field, int p, Row *rows)
 {
   if constexpr (n == 1) return StoreVector(rows[0] + p, LoadVector(field));
+  if constexpr (n == 3) {
+    const Pack first = LoadVector(field), second = LoadVector(field + 4), third = LoadVector(field + 8);
+    const Pack a = Join(Low(first), High(second)), b = Join(High(first), Low(third)), c = Join(Low(second), High(third));
+    StoreVector(rows[0] + p, Alternate(a, b)), StoreVector(rows[1] + p, Swapped(a, c)), StoreVector(rows[2] + p, Alternate(b, c));
+    return;
+  }
 #pragma GCC unroll 5
   for (int k = 0; k + 1 < n; k += 2) {
     const Pack even = Join(LoadVector<HalfPack>(field + k), LoadVector<HalfPack>(field + 2 * n + k)),
@@ -61,6 +67,12 @@ template <int n> inline void StoreRows(const Row *rows, int count, double *field
   int p = 0;
   for (; p + kLanes <= count; p += kLanes) {
     double *const f = field + n * p;
+    if constexpr (n == 3) {
+      const Pack x = LoadVector(rows[0] + p), y = LoadVector(rows[1] + p), z = LoadVector(rows[2] + p);
+      const Pack a = EvenLanes(x, y), b = Alternate(z, x), c = OddLanes(y, z);
+      StoreVector(f, Join(Low(a), Low(b))), StoreVector(f + 4, Join(Low(c), High(a))), StoreVector(f + 8, Join(High(b), High(c)));
+      continue;
+    }
 #pragma GCC unroll 5
     for (int k = 0; k + 1 < n; k += 2) {
       const Pack first = LoadVector(rows[k] + p), second = LoadVector(rows[k + 1] + p), even = EvenLanes(first, second),

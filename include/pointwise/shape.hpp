@@ -1,7 +1,6 @@
 // Shape functions: the weights and slopes of a block of material points on the nodes around them (paper's Eq. 6).
 //
-// A point is served by the three nodes per direction around its nearest node. The sweeps gather sums from a point's nodes
-// and scatter its share to them by the functions below, in two dimensions and in three.
+// A point is served by the three nodes per direction around its nearest node.
 #pragma once
 
 #include "pointwise/rows.hpp"
@@ -31,6 +30,7 @@ struct Lattice {
   /// Where points end along each axis, at sides of symmetry: their places in cells from node 0.
   double end[3][2] = {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}};
   double least_half_size = kMinHalfSize; ///< of points, in cells
+  bool has_ends = false;                 ///< whether there are such sides
 };
 
 /// Weights of a block of points along each axis. The weight of a node is the product of its axes' weights w, the
@@ -38,7 +38,7 @@ struct Lattice {
 /// and above the nearest one. Weights of no point are zero.
 template <int dim> struct AxisStencils {
   alignas(64) Row w[dim][3] = {};
-  Row node = {};                  ///< nearest node, place in the ghosted array: a whole number
+  Row node = {};                  ///< nearest node, place in the ghosted array: a whole number; -1 beyond the points
   alignas(64) Row g[dim][3] = {}; ///< 1/m
 };
 
@@ -68,7 +68,7 @@ template <class Real> struct AxisWeights {
 /// Completes a pair of outer weights and slopes: weights add up to one, slopes to zero.
 template <class Real> inline AxisWeights<Real> Complete(Real w_below, Real w_above, Real g_below, Real g_above)
 {
-  return {{w_below, 1 - w_below - w_above, w_above}, {g_below, -g_below - g_above, g_above}};
+  return {{w_below, 1 - w_below - w_above, w_above}, {g_below, -(g_below + g_above), g_above}};
 }
 
 /// Centres of the parts of a point below and above its nearest node, in cells from the node.
@@ -129,7 +129,7 @@ template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<di
 /// radius, so that a uniform stress leaves no force. A point ends at the axis and at sides of symmetry: one that reached beyond
 /// by rounding or strain would alone give mass to nodes there, whose stiffness over mass grows like its inverse size.
 /// Returns the number of half sizes that had to be clamped, where it `counts`.
-template <class Geometry, class Shape, bool counts = true>
+template <class Geometry, class Shape, bool counts, bool ends>
 int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
                         AxisStencils<Geometry::kDim> &stencils)
 {
@@ -145,8 +145,11 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
       const Pack x = LoadVector(points.x[axis] + p), a = (x - grid.origin[axis]) * inverse_h, nearest = Floor(a + 0.5);
       const Pack size = HalfSizes<Shape, dim>(axis, points, p) * inverse_h;
       Pack l = Least(Most(size, Spread(grid.least_half_size)), Spread(kMaxHalfSize));
-      const Pack excess = size - l, room = Least(a - grid.end[axis][0], grid.end[axis][1] - a);
-      l = room > Pack{} ? Least(l, room) : l; // weights and slopes are exact then, however small the room is
+      const Pack excess = size - l;
+      if constexpr (ends) {
+        const Pack room = Least(a - grid.end[axis][0], grid.end[axis][1] - a);
+        l = room > Pack{} ? Least(l, room) : l; // weights and slopes are exact then, however small the room is
+      }
       if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};
       AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l, inverse_h);
       place += nearest * grid.stride[axis];
@@ -166,7 +169,15 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
     StoreVector(stencils.node + p, place);
     if constexpr (counts) clamped += FirstLanes(off, count - p);
   }
+  StoreVector(stencils.node + count, Spread(-1)); // no group goes beyond
   return static_cast<int>(clamped[0] + clamped[1] + clamped[2] + clamped[3]);
+}
+template <class Geometry, class Shape, bool counts = true>
+int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
+                        AxisStencils<Geometry::kDim> &stencils)
+{
+  return grid.has_ends ? ComputeAxisStencils<Geometry, Shape, counts, true>(grid, count, points, stencils)
+                       : ComputeAxisStencils<Geometry, Shape, counts, false>(grid, count, points, stencils);
 }
 
 /// Calls work(node, weight, slopes) for the nodes of point p of a block: place in the ghosted array, S, and the derivatives
@@ -193,115 +204,8 @@ template <int dim, class Work> void ForEachNodeOf(const AxisStencils<dim> &block
 template <int dim, class Work> [[gnu::flatten]] void ForEachGroup(const AxisStencils<dim> &block, int points, Work work)
 {
   for (int first = 0, count; first < points; first += count) {
-    count = std::min(CountEqual(LoadVector(block.node + first), block.node[first]), points - first);
+    count = CountEqual(LoadVector(block.node + first), block.node[first]);
     work(first, count);
-  }
-}
-
-/// A place of which the compiler knows no more than that: else it finds out the distances of all nodes before the loop over
-/// groups, and loads each of them from memory where an address with a constant in it would do.
-inline double *Opaque(double *x)
-{
-  __asm__("" : "+r"(x));
-  return x;
-}
-
-/// How far ahead along x a group asks for the nodes above it, which no group before has used.
-inline constexpr int kNodesAhead = 4;
-
-/// The stencils of a group of points as lanes of vectors, and their nodes in an array with so many components. Lanes beyond the
-/// group hold the weights of other points, or zero.
-template <int dim, int components> struct GroupStencil {
-  Pack w[dim][3], g[dim][3];
-  double *row[dim == 2 ? 3 : 9]; ///< the middle nodes of the rows along x, those of the second axis fastest
-
-  GroupStencil(const AxisStencils<dim> &block, int first, const Lattice &grid, double *array)
-  {
-    const auto nearest = static_cast<std::ptrdiff_t>(block.node[first]);
-#pragma GCC unroll 9
-    for (int k = 0; k < (dim == 2 ? 3 : 9); ++k) {
-      const std::ptrdiff_t beside = (k % 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[1]) +
-                                    (dim == 2 ? 0 : (k / 3 - 1) * static_cast<std::ptrdiff_t>(grid.stride[2]));
-      row[k] = Opaque(array + (nearest + beside) * components);
-      if (k % 3 == 2) Prefetch<1>(row[k], kNodesAhead * components);
-    }
-#pragma GCC unroll 3
-    for (int axis = 0; axis < dim; ++axis)
-#pragma GCC unroll 3
-      for (int k = 0; k < 3; ++k)
-        w[axis][k] = LoadVector(block.w[axis][k] + first), g[axis][k] = LoadVector(block.g[axis][k] + first);
-  }
-};
-
-/// Sums of nodal values times weights, and times the slopes along each axis.
-template <int axes> struct Gathered {
-  Pack value{}, slope[axes]{};
-};
-
-/// Sums one component of the nodes of a group: rows along x first, then over the rows, so that products of weights are never
-/// formed. Without `with_slope`, slopes stay zero. above: number of the layer that a sum along fewer axes is in.
-template <int axes, bool with_slope = true, int dim, int components>
-inline Gathered<axes> Gather(const GroupStencil<dim, components> &at, int component, int above = 0)
-{
-  constexpr int axis = axes - 1;
-  Gathered<axes> sum;
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) {
-    Pack value;
-    if constexpr (axis == 0) {
-      value = Spread(at.row[above][(k - 1) * components + component]);
-    } else {
-      const Gathered<axis> inner = Gather<axis, with_slope>(at, component, 3 * above + k);
-      value = inner.value;
-#pragma GCC unroll 3
-      for (int a = 0; with_slope && a < axis; ++a)
-        sum.slope[a] = k == 0 ? at.w[axis][k] * inner.slope[a] : sum.slope[a] + at.w[axis][k] * inner.slope[a];
-    }
-    sum.value = k == 0 ? at.w[axis][k] * value : sum.value + at.w[axis][k] * value; // zero would be one more addition
-    if constexpr (with_slope) sum.slope[axis] = k == 0 ? at.g[axis][k] * value : sum.slope[axis] + at.g[axis][k] * value;
-  }
-  return sum;
-}
-
-/// What a group of points adds to its nodes: S value in each of `values` components, and S value + grad S . flux in each of
-/// `fluxes` others. Lanes beyond the group are zero.
-template <int axes, int values, int fluxes> struct Share {
-  Pack value[values + fluxes], flux[fluxes + 1][axes]; // one more: there are no arrays of nothing
-};
-
-/// Calls add(node, sums [values + fluxes]) for the nodes of a group, with what each lane adds to it; products by rows as in
-/// Gather.
-template <int axes, int values, int fluxes, int dim, int components, class Add>
-inline void Scatter(const GroupStencil<dim, components> &at, const Share<axes, values, fluxes> &share, Add add, int above = 0)
-{
-  constexpr int axis = axes - 1;
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) {
-    Share<axis == 0 ? 1 : axis, values, fluxes> inner;
-#pragma GCC unroll 9
-    for (int c = 0; c < values + fluxes; ++c) inner.value[c] = at.w[axis][k] * share.value[c];
-#pragma GCC unroll 3
-    for (int c = 0; c < fluxes; ++c) inner.value[values + c] += at.g[axis][k] * share.flux[c][axis];
-    if constexpr (axis == 0) {
-      add(at.row[above] + (k - 1) * components, inner.value);
-    } else {
-#pragma GCC unroll 3
-      for (int c = 0; c < fluxes; ++c)
-#pragma GCC unroll 3
-        for (int a = 0; a < axis; ++a) inner.flux[c][a] = at.w[axis][k] * share.flux[c][a];
-      Scatter<axis>(at, inner, add, 3 * above + k);
-    }
-  }
-}
-
-/// Adds the sums over the lanes of n vectors to the doubles at `node`; where n is odd, zero to the next one.
-template <int n> inline void AddSums(double *node, const Pack *x)
-{
-  if constexpr (n == 1 || n == 2) {
-    StoreVector(node, LoadVector<HalfPack>(node) + SumLanes(x[0], n == 2 ? x[1] : Pack{}));
-  } else {
-    StoreVector(node, LoadVector(node) + SumLanes(x[0], x[1], x[2], n == 3 ? Pack{} : x[3]));
-    if constexpr (n > 4) AddSums<n - 4>(node + 4, x + 4);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "level/kernels.hpp"
 
 #include "base/pack.hpp"
+#include "level/node_shares.hpp"
 #include "level/point_blocks.hpp"
 #include "level/short_wave.hpp"
 
@@ -15,19 +16,6 @@ namespace mlgimp
 namespace
 {
 
-/// Place of the component (i, j) among those of the strain rate.
-template <class Geometry> constexpr int PlaceInRate(int i, int j)
-{
-  int place = 0;
-  while (Geometry::kRateAxes[place][0] != std::min(i, j) || Geometry::kRateAxes[place][1] != std::max(i, j)) ++place;
-  return place;
-}
-
-/// What the points of a block add to the NodeSums of their nodes: S times mass and momentum, S body + grad S . force.
-template <class Geometry> struct NodeShares {
-  alignas(64) Row mass, momentum[Geometry::kDim], force[Geometry::kRate], body[Geometry::kDim] = {};
-};
-
 /// The sweeps in a geometry with a shape function.
 template <class Geometry, class Shape> class SweepKernels : public Kernels
 {
@@ -35,48 +23,36 @@ template <class Geometry, class Shape> class SweepKernels : public Kernels
   using Weights = AxisStencils<dim>;
   template <int components> using At = GroupStencil<dim, components>;
   using AtRates = At<NodeLayout::Rates(dim)>;
-  using Shares = NodeShares<Geometry>;
 
 public:
   void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const override
   {
     Weights w;
-    Shares shares;
-    const double counts = view.owned ? 1 : 0;
+    NodeShares<Geometry> shares;
     budgets.hoop_force = 0;
     ForEachBlock(view, [&](const Block &b) {
       const Extents<dim> points = ExtentsOf<dim>(b);
       budgets.clamped_sizes += SetWeights<true>(view, b, points, w);
-      SetBodyForces(b, acceleration, time, shares);
-      budgets.hoop_force += SetShares(b, points, shares);
-      ForEachGroup(w, b.count, [&](int p, int count) {
-        const At<NodeLayout::kSums> at(w, p, view.grid.IndexSpace(), &view.grid.Sums()->mass);
-        PrefetchNext<Geometry, true, true>(b, p);
-        Scatter(at, ShareOf(shares, p, count), [&](double *node, const Pack *sum) {
-          Pack all[2 + 2 * dim] = {sum[0], counts * sum[0]}; // in the order of NodeSums
-#pragma GCC unroll 6
-          for (int k = 0; k < 2 * dim; ++k) all[2 + k] = sum[1 + k];
-          if constexpr (dim == 3)
-            AddSums<8>(node, all);
-          else
-            AddSums<4>(node, all), AddSums<2>(node + offsetof(NodeSums, force) / sizeof(double), all + 4);
-        });
-      });
+      budgets.hoop_force += shares.Set(b, points, view.owned);
+      if (acceleration) shares.AddBodyForces(b, acceleration, time);
+      if (NodeShares<Geometry>::kHasBody || acceleration)
+        shares.template AddTo<true>(view.grid, w, b);
+      else
+        shares.template AddTo<false>(view.grid, w, b);
     });
   }
 
   void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
-    Motion<dim> motion, change;         // with the new velocity, and by how much that is new
-    alignas(64) Row moved[dim + kRate]; // velocities of the points and their strain rates
+    Motion<dim> motion, change; // with the new velocity, and by how much that is new
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
       GatherVelocities(view.grid, w, b, plan.strain_rate, motion, change);
-      AddVelocity(b, change.u, moved);
-      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change, moved + dim);
-      if (plan.scatter) ScatterRates(view.grid, w, b, plan, motion.u, moved);
+      AddVelocity(b, change.u);
+      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
+      if (plan.scatter) (plan.project ? ScatterRates<true> : ScatterRates<false>)(view.grid, w, b, motion.u);
       if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
       if (plan.move)
@@ -116,12 +92,14 @@ public:
   {
     if constexpr (dim == 2) {
       Weights w;
-      Row F[4], stress[4];
+      alignas(64) double shares[8 * kBlock];
       ForEachBlock(view, [&](const Block &b) {
         SetWeights<false>(view, b, ExtentsOf<dim>(b), w);
-        LoadRows<4>(b.F, b.count, F), LoadRows<4>(b.stress, b.count, stress);
-        ScatterTimesMass<4, 0>(view.grid, w, b, F, 0, 0);
-        ScatterTimesMass<4, 0>(view.grid, w, b, stress, 4, 0);
+        for (int p = 0; p < b.count; ++p) {
+          StoreVector(shares + 8 * p, b.mass[p] * LoadVector(b.F + 4 * p));
+          StoreVector(shares + 8 * p + 4, b.mass[p] * LoadVector(b.stress + 4 * p));
+        }
+        AddToRates(view.grid, w, b.count, shares);
       });
     }
   }
@@ -168,64 +146,6 @@ private:
     SetWeights<false>(view, one, ExtentsOf<dim>(one), w);
   }
 
-  static void SetBodyForces(const Block &b, const BodyAcceleration &acceleration, double time, Shares &shares)
-  {
-    if (!acceleration && !Geometry::kHoop) return; // they stay zero
-    double a[dim * kBlock] = {};
-    if (acceleration) acceleration(time, b.count, b.id, b.position, a);
-    for (int d = 0; d < dim; ++d)
-      for (int p = 0; p < b.count; ++p) shares.body[d][p] = b.mass[p] * a[dim * p + d];
-  }
-
-  /// The shares of a block but for its body forces. In axisymmetry returns the radial force of the hoop stress,
-  /// -sum V (sigma_zz + s_zz)/r, N.
-  static double SetShares(const Block &b, const Extents<dim> &points, Shares &shares)
-  {
-    alignas(64) double volume[kBlock];
-    alignas(64) Row stress[Geometry::kStress], s[kRate], v[dim];
-    Row *const force = shares.force, *const momentum = shares.momentum;
-    const double *const mass = shares.mass;
-    double hoop_force = 0;
-    LoadRows<1>(b.mass, b.count, &shares.mass);
-    LoadRows<Geometry::kStress>(b.stress, b.count, stress);
-    LoadRows<kRate>(b.short_wave_stress, b.count, s);
-    LoadRows<dim>(b.velocity, b.count, v);
-    Volumes<Geometry>(b, points, volume);
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p) {
-#pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k) force[k][p] = -volume[p] * (stress[Geometry::kInStress[k]][p] + s[k][p]);
-#pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) momentum[d][p] = mass[p] * v[d][p];
-    }
-    if constexpr (Geometry::kHoop) {
-      double *const body = shares.body[0];
-      const double *const x = points.x[0];
-#pragma omp simd reduction(+ : hoop_force)
-      for (int p = 0; p < b.count; ++p) {
-        const double hoop = force[2][p] / x[p];
-        body[p] += hoop, hoop_force += hoop;
-      }
-    }
-    return hoop_force;
-  }
-
-  /// The shares of a group.
-  static Share<dim, 1 + dim, dim> ShareOf(const Shares &shares, int p, int count)
-  {
-    Share<dim, 1 + dim, dim> share;
-    const auto lanes = [&](const double *row) { return FirstLanes(LoadVector(row + p), count); };
-    share.value[0] = lanes(shares.mass);
-#pragma GCC unroll 3
-    for (int d = 0; d < dim; ++d) {
-      share.value[1 + d] = lanes(shares.momentum[d]);
-      share.value[1 + dim + d] = lanes(shares.body[d]);
-#pragma GCC unroll 3
-      for (int a = 0; a < dim; ++a) share.flux[d][a] = lanes(shares.force[PlaceInRate<Geometry>(d, a)]);
-    }
-    return share;
-  }
-
   /// Velocity of the grid at the points of a block, and its change in the step, with the gradients of both; that of the change
   /// only where asked for.
   static void GatherVelocities(const Grid &grid, const Weights &w, const Block &b, bool change_gradient, Motion<dim> &motion,
@@ -252,15 +172,11 @@ private:
     for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
   }
 
-  /// Leaves the new velocities also in rows.
-  static void AddVelocity(const PointArrays &b, const Row *change, Row *v)
+  static void AddVelocity(const PointArrays &b, const Row *change)
   {
-    LoadRows<dim>(b.velocity, b.count, v);
-#pragma omp simd
     for (int p = 0; p < b.count; ++p)
 #pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) v[d][p] += change[d][p];
-    StoreRows<dim>(v, b.count, b.velocity);
+      for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
   }
 
   /// What a block moves with, from GridToPoints to the sweep that moves it; gradients where it averages its volume.
@@ -306,15 +222,14 @@ private:
     });
   }
 
-  /// Puts the strain rates of a block in the place of its short-wave stress, and in rows; returns the power of that stress, W,
+  /// Puts the strain rates of a block in the place of its short-wave stress; returns the power of that stress, W,
   /// with the velocity of the points on the nodes. The new one holds what the points never get of its short waves.
-  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change,
-                               Row *rate)
+  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change)
   {
     alignas(64) double volume[kBlock], sum = 0;
-    alignas(64) Row stress[kRate];
+    alignas(64) Row stress[kRate], rate[kRate];
     const Row *const x = points.x, *const u = motion.u, *const L = motion.L, *const du = change.u, *const dL = change.L;
-    Volumes<Geometry>(b, points, volume);
+    Volumes<Geometry>(b, points, 1, volume);
     LoadRows<kRate>(b.short_wave_stress, b.count, stress);
 #pragma omp simd reduction(+ : sum)
     for (int p = 0; p < b.count; ++p) {
@@ -331,32 +246,35 @@ private:
     return sum;
   }
 
-  /// Adds momentum, and what the plan asks for of momentum with the grid's velocity u and mass times strain rate, to `rates`.
-  static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const GridToPointsPlan &plan, const Row *u,
-                           const Row *moved)
+  /// Adds momentum and mass times the strain rate kept, which the short-wave viscosity needs, to `rates`, and where it is
+  /// projected momentum with the grid's velocity u.
+  template <bool project> static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const Row *u)
   {
-    if (plan.strain_rate)
-      ScatterTimesMass<dim, kRate>(grid, w, b, moved, 0, NodeLayout::StrainRate(dim));
-    else
-      ScatterTimesMass<dim, 0>(grid, w, b, moved, 0, 0);
-    if (plan.project) ScatterTimesMass<dim, 0>(grid, w, b, u, NodeLayout::Projected(dim), 0);
+    constexpr int n = NodeLayout::Rates(dim);
+    alignas(64) double shares[kBlock * n];
+    for (int p = 0; p < b.count; ++p) {
+      const double mass = b.mass[p], *const v = b.velocity + dim * p, *const D = b.short_wave_stress + kRate * p;
+      double *const share = shares + n * p;
+      const auto of_grid = [=](int axis) { return project ? u[axis][p] : 0; };
+      if constexpr (dim == 2) {
+        StoreVector(share, mass * Join(LoadVector<HalfPack>(v), LoadVector<HalfPack>(D)));
+        StoreVector(share + 4, mass * Pack{D[2], Geometry::kHoop ? D[3] : 0, of_grid(0), of_grid(1)});
+      } else {
+        StoreVector(share, mass * Pack{v[0], v[1], v[2], D[0]});
+        StoreVector(share + 4, mass * LoadVector(D + 1));
+        StoreVector(share + 8, mass * Pack{D[5], of_grid(0), of_grid(1), of_grid(2)});
+        StoreVector(share + 12, Pack{});
+      }
+    }
+    AddToRates(grid, w, b.count, shares);
   }
 
-  /// Adds n values of a block, times mass, to the components of `rates` from `first` on, and m more from `second` on.
-  template <int n, int m>
-  static void ScatterTimesMass(const Grid &grid, const Weights &w, const PointArrays &b, const Row *x, int first, int second)
+  /// Adds shares of a block to `rates`.
+  static void AddToRates(const Grid &grid, const Weights &w, int count, const double *shares)
   {
-    alignas(64) Row mass;
-    LoadRows<1>(b.mass, b.count, &mass);
-    ForEachGroup(w, b.count, [&](int p, int count) {
-      const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
-      Share<dim, n + m, 0> group;
-#pragma GCC unroll 9
-      for (int k = 0; k < n + m; ++k) group.value[k] = FirstLanes(LoadVector(mass + p) * LoadVector(x[k] + p), count);
-      Scatter(at, group, [=](double *node, const Pack *sum) {
-        AddSums<n>(node + first, sum);
-        if constexpr (m > 0) AddSums<m>(node + second, sum + n);
-      });
+    constexpr int n = NodeLayout::Rates(dim);
+    ForEachGroup(w, count, [&](int first, int points) {
+      AddToNodes<dim, n>(w, first, points, grid.IndexSpace(), grid.RatesArray(), shares);
     });
   }
 

@@ -122,7 +122,6 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(grid_->ShareSums());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
-  if (nodal_.HasBodyForces()) AddBodyForces(*grid_, nodal_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

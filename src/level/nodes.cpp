@@ -48,16 +48,6 @@ template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryCo
 
 } // namespace
 
-void AddBodyForces(const Grid &grid, const NodalSettings &settings)
-{
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
-    NodeSums &node = grid.Sums()[place];
-    if (node.mass == 0) return;
-    for (int axis = 0; axis < dim; ++axis)
-      node.force[axis] += node.mass * settings.gravity[axis] - settings.damping * node.momentum[axis];
-  });
-}
-
 double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 {
   double energy = 0;
@@ -72,10 +62,14 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
+  const bool body_forces = settings.HasBodyForces();
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
-    const NodeSums &node = grid.Sums()[place];
+    NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+    if (body_forces)
+      for (int axis = 0; axis < dim; ++axis)
+        node.force[axis] += node.mass * settings.gravity[axis] - settings.damping * node.momentum[axis];
     for (int axis = 0; axis < dim; ++axis) {
       change[axis] = dt * node.force[axis] * inverse_mass;
       velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
@@ -99,38 +93,27 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
   });
 }
 
-/// The part of damping in AddBodyWork.
-static void AddDampingWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
-{
-  Vec3 impulse{};
-  double work = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
-    const NodeSums &node = grid.Sums()[place];
-    const auto [velocity, change] = grid.Velocity(place);
-    if (node.mass == 0) return;
-    for (int axis = 0; axis < dim; ++axis) {
-      impulse[axis] -= node.owned_mass / node.mass * node.momentum[axis];
-      work += node.owned_mass * (velocity[axis] - change[axis]) * (velocity[axis] - 0.5 * change[axis]);
-    }
-  });
-  budgets.damping_impulse += dt * settings.damping * impulse;
-  budgets.damping_work += dt * settings.damping * work;
-}
-
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
 {
-  Vec3 way{}; // of the mass, by the step
-  double mass = 0;
+  Vec3 way{}, momentum{}; // of the mass, by the step; at its start
+  double mass = 0, damped = 0;
   ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass == 0) return;
+    const double owned = node.owned_mass / node.mass;
     mass += node.owned_mass;
-    for (int axis = 0; axis < dim; ++axis) way[axis] += node.owned_mass * (velocity[axis] - 0.5 * change[axis]);
+    for (int axis = 0; axis < dim; ++axis) {
+      const double mean = velocity[axis] - 0.5 * change[axis];
+      way[axis] += node.owned_mass * mean;
+      momentum[axis] += owned * node.momentum[axis];
+      damped += node.owned_mass * (velocity[axis] - change[axis]) * mean;
+    }
   });
   budgets.gravity_impulse += dt * mass * settings.gravity;
   budgets.external_work += dt * Dot(way, settings.gravity);
-  if (settings.damping > 0) AddDampingWork(grid, settings, dt, budgets);
+  budgets.damping_impulse += -dt * settings.damping * momentum;
+  budgets.damping_work += dt * settings.damping * damped;
 }
 
 double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates)

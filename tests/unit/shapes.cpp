@@ -67,7 +67,7 @@ template <class Shape> void CheckAxisWeights(const std::string &name, const std:
 template <class Shape> void CheckStencil(const std::string &name)
 {
   constexpr double kH = 0.37;
-  const Lattice lattice = {{-1.3, 2.1, 0}, 1 / kH, {-2, 3, 0}, {1, 40, 0}, {{5, HUGE_VAL}, {-HUGE_VAL, 15}}};
+  const Lattice lattice = {{-1.3, 2.1, 0}, 1 / kH, {-2, 3, 0}, {1, 40, 0}, {{5, HUGE_VAL}, {-HUGE_VAL, 15}}, kMinHalfSize, true};
   double x[2 * kBlock], half[2 * kBlock], F[4 * kBlock], largest = 0;
   int clamped = 0;
   AxisStencils<2> stencil;

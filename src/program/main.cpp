@@ -58,6 +58,8 @@ static void ChooseLayersOfMpi()
   PrepareHdf5();
   // Halos are small: copying them through shared memory takes less than asking the kernel to copy, which containers forbid.
   setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
+  // A process by itself needs no daemon beside it, which would start others if it asked for them.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
 }
 
 /// The words of a command line as main gets them; PETSc keeps the pointers.

@@ -37,10 +37,10 @@ template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, i
   return square;
 }
 
-/// |E|^2 of (b_e - I)/2.
-template <class Geometry> double ElasticStrainSquared(const double *elastic)
+/// |E|^2 of (b_e - I)/2 of point p.
+template <class Geometry> double ElasticStrainSquared(const Row *elastic, int p)
 {
-  const Sym3 strain = 0.5 * (LoadStress<Geometry>(elastic) - Sphere(1));
+  const Sym3 strain = 0.5 * (StressIn<Geometry>(elastic, p) - Sphere(1));
   return Contract(strain, strain);
 }
 
@@ -52,10 +52,10 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
   const Row *const F = points.F, *const x = points.x;
   const double *const radius = b.initial_radius;
   if (b.material.IsMetal()) {
-    const double *const history = b.history;
-    const int stride = b.history_components;
+    alignas(64) Row elastic[Geometry::kStress];
+    LoadRows<Geometry::kStress>(b.history, b.count, elastic, b.history_components);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(history + stride * p);
+    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(elastic, p);
   } else {
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) strength[p] = GreenStrainSquared<Geometry>(F, Geometry::kHoop ? x[0][p] / radius[p] : 1, p);

@@ -109,6 +109,20 @@ template <class Geometry> inline Mat3 LoadGradient(const Row *a, int p, double z
   return LoadGradient<Geometry, sizeof(Row) / sizeof(double)>(a[0] + p, zz);
 }
 
+/// The symmetric tensor of a point in rows [kStress].
+template <class Geometry> inline Sym3 StressIn(const Row *a, int p)
+{
+  if constexpr (Geometry::kDim == 3)
+    return {a[0][p], a[1][p], a[2][p], a[3][p], a[4][p], a[5][p]};
+  else
+    return {a[0][p], a[1][p], a[2][p], a[3][p], 0, 0};
+}
+template <class Geometry> inline void PutStress(const Sym3 &s, int p, Row *a)
+{
+  a[0][p] = s.xx, a[1][p] = s.yy, a[2][p] = s.zz, a[3][p] = s.xy;
+  if constexpr (Geometry::kDim == 3) a[4][p] = s.yz, a[5][p] = s.xz;
+}
+
 /// The deformation gradient of a point in an array [count][kGradient], or in rows, with F_zz = hoop[p] in axisymmetry.
 template <class Geometry> inline Mat3 GradientOf(const double *F, const double *hoop, int p)
 {

@@ -118,7 +118,7 @@ public:
   {
     Weights w;
     Motion<dim> motion;
-    alignas(64) Row projected[dim], smooth[kRate];
+    alignas(64) Row projected[dim] = {}, smooth[kRate] = {};
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);

@@ -39,21 +39,20 @@ public:
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
     Flow flow = {};
+    alignas(64) Row elastic[kS] = {}, stress[kS] = {}; // b_e and Cauchy's stress
     const MaterialBatch b = batch;
     const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
+    LoadRows<kS>(b.history, b.count, elastic, b.history_stride);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, flow);
+    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, elastic, flow);
     for (int p = 0; p < b.count; ++p)
-      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(LoadStress<Geometry>(History(b, p)), 1), p, mu2, flow);
+      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(StressIn<Geometry>(elastic, p), 1), p, mu2, flow);
     const bool flows = Return(b, flow, dissipated);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow);
-    if (!flows) return;
-#pragma omp simd
-    for (int p = 0; p < b.count; ++p) FinishElastic(b, p, flow);
-    for (int p = 0; p < b.count; ++p)
-      if (!(flow.norm2[p] <= kLargestNorm2) && flow.kept[p] < 1)
-        StoreStress<Geometry>(flow.scale[p] * ExponentialOfLarge(2 * flow.kept[p] * flow.Deviator(p)), History(b, p));
+    for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow, stress);
+    if (flows) UpdateElastic(b.count, flow, elastic);
+    StoreRows<kS>(stress, b.count, b.stress);
+    StoreRows<kS>(elastic, b.count, b.history, b.history_stride);
   }
 
   void StoredEnergy(int count, const double *, const double *, const double *, const double *history, int stride,
@@ -88,24 +87,17 @@ private:
 
   /// The trial state of a block, by components; stress: von Mises', Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) double deviator[kS][kBlock], mean[kBlock], scale[kBlock], norm2[kBlock], stress[kBlock], kept[kBlock];
-    Sym3 Deviator(int p) const
-    {
-      Sym3 e = {deviator[0][p], deviator[1][p], deviator[2][p], deviator[3][p], 0, 0};
-      if constexpr (kS == 6) e.yz = deviator[4][p], e.xz = deviator[5][p];
-      return e;
-    }
+    alignas(64) Row deviator[kS], mean, scale, norm2, stress, kept;
+    Sym3 Deviator(int p) const { return StressIn<Geometry>(deviator, p); }
   };
 
   static double *History(const MaterialBatch &b, int p) { return b.history + b.history_stride * p; }
 
   [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu2, Flow &flow)
   {
-    const Sym3 &d = e.deviator;
-    flow.deviator[0][p] = d.xx, flow.deviator[1][p] = d.yy, flow.deviator[2][p] = d.zz, flow.deviator[3][p] = d.xy;
-    if constexpr (kS == 6) flow.deviator[4][p] = d.yz, flow.deviator[5][p] = d.xz;
+    PutStress<Geometry>(e.deviator, p, flow.deviator);
     flow.mean[p] = e.mean, flow.scale[p] = e.scale, flow.norm2[p] = e.norm2;
-    flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(d, d)), flow.kept[p] = 1;
+    flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(e.deviator, e.deviator)), flow.kept[p] = 1;
   }
 
   /// I + dt L, with the growth along z where the geometry has no L_zz.
@@ -117,13 +109,12 @@ private:
   }
 
   /// b_e := (I + dt L) b_e (I + dt L)^T, and its logarithm.
-  [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Flow &flow)
+  [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Row *elastic, Flow &flow)
   {
-    double *const history = b.history + b.history_stride * p;
     const Mat3 increment = Increment(b.dt, LoadGradient<Geometry>(b.L, p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
-    const Sym3 elastic = Push(increment, LoadStress<Geometry>(history));
-    StoreStress<Geometry>(elastic, history);
-    Set(LogarithmicStrain(elastic), p, mu2, flow);
+    const Sym3 trial = Push(increment, StressIn<Geometry>(elastic, p));
+    PutStress<Geometry>(trial, p, elastic);
+    Set(LogarithmicStrain(trial), p, mu2, flow);
   }
 
   /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows.
@@ -147,20 +138,29 @@ private:
   }
 
   /// Cauchy stress (2 mu kept e' + (3 lambda + 2 mu) mean I)/J.
-  [[gnu::always_inline]] static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow)
+  [[gnu::always_inline]] static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow,
+                                                  Row *stress)
   {
     const double inverse_J = 1 / Determinant(GradientOf<Geometry>(b.F, b.hoop, p));
     const double shear = mu2 * flow.kept[p] * inverse_J;
-    StoreStress<Geometry>(shear * flow.Deviator(p) + Sphere(bulk3 * flow.mean[p] * inverse_J), b.stress + kS * p);
+    PutStress<Geometry>(shear * flow.Deviator(p) + Sphere(bulk3 * flow.mean[p] * inverse_J), p, stress);
   }
 
   /// b_e = exp(2 (kept e' + mean I)) where the point flows.
-  [[gnu::always_inline]] static void FinishElastic(const MaterialBatch &b, int p, const Flow &flow)
+  [[gnu::always_inline]] static void FinishElastic(int p, const Flow &flow, Row *elastic)
   {
-    double *const history = b.history + b.history_stride * p;
     const double share = flow.kept[p] < 1 ? 1 : 0;
     const Sym3 after = flow.scale[p] * Exponential(2 * flow.kept[p] * flow.Deviator(p));
-    StoreStress<Geometry>(share * after + (1 - share) * LoadStress<Geometry>(history), history);
+    PutStress<Geometry>(share * after + (1 - share) * StressIn<Geometry>(elastic, p), p, elastic);
+  }
+
+  static void UpdateElastic(int count, const Flow &flow, Row *elastic)
+  {
+#pragma omp simd
+    for (int p = 0; p < count; ++p) FinishElastic(p, flow, elastic);
+    for (int p = 0; p < count; ++p)
+      if (!(flow.norm2[p] <= kLargestNorm2) && flow.kept[p] < 1)
+        PutStress<Geometry>(flow.scale[p] * ExponentialOfLarge(2 * flow.kept[p] * flow.Deviator(p)), p, elastic);
   }
 
   static double Energy(const Elasticity &law, const LogStrain &e)

@@ -38,7 +38,7 @@ WARNINGS   := -Wall -Wextra -Wpedantic -Wno-psabi -Wno-pass-failed
 # The packages are asked once, when something is built: by then they have been installed.
 INCLUDES    = $(eval INCLUDES := -Iinclude $$(shell $(PKG_CONFIG) --cflags $(PACKAGES)))$(INCLUDES)
 LIBRARIES   = $(eval LIBRARIES := $$(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis $(RUN_PATH))$(LIBRARIES)
-FLAGS       = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math $(WARNINGS) $(INCLUDES) -MMD -MP
+FLAGS       = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math -fno-signed-zeros $(WARNINGS) $(INCLUDES) -MMD -MP
 
 SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp src/*/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=$(BUILD)/%.o)

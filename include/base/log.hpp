@@ -1,4 +1,4 @@
-// A logarithm that loops over points can vectorise.
+// Logarithms and exponentials that loops over points can vectorise.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,21 @@ namespace mlgimp
                           zz * (2.857142874366239149e-01 + zz * (1.818357216161805012e-01 + zz * 1.479819860511658591e-01)));
   const double even = zz * (3.999999999940941908e-01 + zz * (2.222219843214978396e-01 + zz * 1.531383769920937332e-01));
   return k * kLn2Upper - ((s * (f - (odd + even)) - k * kLn2Lower) - f);
+}
+
+/// atanh(s)/s for s^2 <= 0.01.
+[[gnu::always_inline]] inline double AtanhRatio(double s2)
+{
+  double sum = 1.0 / 15;
+#pragma GCC unroll 7
+  for (int k = 13; k > 0; k -= 2) sum = sum * s2 + 1.0 / k;
+  return sum;
+}
+
+/// exp(x) - 1, to round-off for |x| < 0.005. By products, which cost less than divisions.
+[[gnu::always_inline]] inline double SmallGrowth(double x)
+{
+  return x * (1 + x * (1.0 / 2) * (1 + x * (1.0 / 3) * (1 + x * (1.0 / 4) * (1 + x * (1.0 / 5)))));
 }
 
 } // namespace mlgimp

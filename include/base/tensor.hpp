@@ -82,14 +82,30 @@ inline Sym3 SymmetricPart(const Mat3 &a)
           a.zx * b.zx + a.zy * b.zy + a.zz * b.zz, a.xx * b.yx + a.xy * b.yy + a.xz * b.yz,
           a.yx * b.zx + a.yy * b.zy + a.yz * b.zz, a.xx * b.zx + a.xy * b.zy + a.xz * b.zz};
 }
-/// a s a^T.
-[[gnu::always_inline]] inline Sym3 Push(const Mat3 &a, const Sym3 &s)
+/// a s a^T. in_plane: of what has z to itself only zz is not zero.
+template <bool in_plane = false> [[gnu::always_inline]] inline Sym3 Push(const Mat3 &a, const Sym3 &s)
 {
+  if constexpr (in_plane) {
+    const double xx = a.xx * s.xx + a.xy * s.xy, xy = a.xx * s.xy + a.xy * s.yy; // a s
+    const double yx = a.yx * s.xx + a.yy * s.xy, yy = a.yx * s.xy + a.yy * s.yy;
+    return {xx * a.xx + xy * a.xy, yx * a.yx + yy * a.yy, a.zz * a.zz * s.zz, xx * a.yx + xy * a.yy, 0, 0};
+  }
   const Mat3 product = {
       a.xx * s.xx + a.xy * s.xy + a.xz * s.xz, a.xx * s.xy + a.xy * s.yy + a.xz * s.yz, a.xx * s.xz + a.xy * s.yz + a.xz * s.zz,
       a.yx * s.xx + a.yy * s.xy + a.yz * s.xz, a.yx * s.xy + a.yy * s.yy + a.yz * s.yz, a.yx * s.xz + a.yy * s.yz + a.yz * s.zz,
       a.zx * s.xx + a.zy * s.xy + a.zz * s.xz, a.zx * s.xy + a.zy * s.yy + a.zz * s.yz, a.zx * s.xz + a.zy * s.yz + a.zz * s.zz};
   return SymmetricProduct(product, a);
+}
+
+/// a b of symmetric tensors with the same principal axes. in_plane: as above.
+template <bool in_plane> [[gnu::always_inline]] inline Sym3 CoaxialProduct(const Sym3 &a, const Sym3 &b)
+{
+  if constexpr (in_plane)
+    return {a.xx * b.xx + a.xy * b.xy, a.xy * b.xy + a.yy * b.yy, a.zz * b.zz, a.xx * b.xy + a.xy * b.yy, 0, 0};
+  else
+    return {a.xx * b.xx + a.xy * b.xy + a.xz * b.xz, a.xy * b.xy + a.yy * b.yy + a.yz * b.yz,
+            a.xz * b.xz + a.yz * b.yz + a.zz * b.zz, a.xx * b.xy + a.xy * b.yy + a.xz * b.yz,
+            a.xy * b.xz + a.yy * b.yz + a.yz * b.zz, a.xx * b.xz + a.xy * b.yz + a.xz * b.zz};
 }
 
 } // namespace mlgimp

@@ -79,7 +79,6 @@ struct SweepView {
   const Grid &grid;
   PointArrays points;
   double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s, by blocks
-  double *gradient;      ///< [count][dim*dim] its gradient, likewise, of points whose material averages its volume, 1/s
   const BodyTable &bodies;
   bool owned = true; ///< false for copies of another level's points: they act, but do not count
 };

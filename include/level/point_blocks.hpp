@@ -1,7 +1,6 @@
 // What the sweeps do with a block of points by itself: volumes, strain and stress, motion.
 #pragma once
 
-#include "base/log.hpp"
 #include "level/kernels.hpp"
 
 #include <algorithm>
@@ -11,9 +10,6 @@ namespace mlgimp
 {
 
 inline constexpr double kLargestStrainIncrement = 0.5; ///< of one step; det F stays positive below it
-/// Of the difference between a point's relative volume and the mean of its cell a share goes with strain: all but 1/e of it while
-/// a point is strained by a fourth. With 3 cones show what points brought from other cells, with 10 cutting wedges gain energy.
-inline constexpr double kSettling = 4;
 
 /// Consecutive points of one material, as arrays of their own.
 struct Block : PointArrays {
@@ -42,7 +38,10 @@ template <class Geometry, bool momentum, bool stress> [[gnu::always_inline]] inl
   Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
   Prefetch<Geometry::kRate>(b.short_wave_stress, p);
   if constexpr (momentum) Prefetch<dim>(b.velocity, p);
-  if constexpr (stress) Prefetch<Geometry::kStress>(b.stress, p);
+  if constexpr (stress) {
+    Prefetch<Geometry::kStress>(b.stress, p);
+    if (b.history) Prefetch<Geometry::kStress + 1>(b.history, p, b.history_components);
+  }
 }
 
 /// Asks for the grid's velocity at the next block, also where it is about to be written: it is read before.
@@ -97,91 +96,12 @@ template <int dim> struct Motion {
   alignas(64) Row u[dim], L[dim * dim];
 };
 
-/// Growth of volume of the points of a block in a step, det(I + dt L) - 1, in axisymmetry with that along the hoop.
-template <class Geometry>
-void VolumeGrowth(const Block &b, const Row *x, double dt, const Motion<Geometry::kDim> &motion, double *growth)
+inline double Dot(const double *a, const double *b, int count)
 {
-  constexpr int dim = Geometry::kDim;
-  const Row *const L = motion.L, *const u = motion.u;
-#pragma omp simd
-  for (int p = 0; p < b.count; ++p) {
-    const double first = dt * (L[0][p] + L[dim + 1][p] + (dim == 3 ? L[8][p] : 0));
-    double second = L[0][p] * L[dim + 1][p] - L[1][p] * L[dim][p], third = 0;
-    if constexpr (dim == 3) {
-      second += L[0][p] * L[8][p] - L[2][p] * L[6][p] + L[4][p] * L[8][p] - L[5][p] * L[7][p];
-      third = dt * dt * dt * Determinant<Geometry>(L, p);
-    }
-    growth[p] = first + dt * dt * second + third;
-    if constexpr (Geometry::kHoop) growth[p] += (1 + growth[p]) * dt * u[0][p] / x[0][p];
-  }
-}
-
-/// Place of the cell that the centre of point p of a block lies in.
-template <int dim> std::ptrdiff_t CellOf(const Lattice &grid, const Row *x, int p)
-{
-  std::ptrdiff_t cell = 0;
-  for (int axis = 0; axis < dim; ++axis)
-    cell += (static_cast<int>(std::floor((x[axis][p] - grid.origin[axis]) * grid.inverse_spacing)) - grid.first[axis]) *
-            static_cast<std::ptrdiff_t>(grid.stride[axis]);
-  return cell;
-}
-
-/// Adds mass, growth of volume and relative volume of a block to its cells.
-template <class Geometry>
-void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
-               const Motion<Geometry::kDim> &motion)
-{
-  double growth[kBlock], volume[kBlock];
-  VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
-  Volumes<Geometry>(b, points, 1, volume);
-  for (int p = 0; p < b.count; ++p) {
-    CellSums &cell = grid.Cell(CellOf<Geometry::kDim>(grid.IndexSpace(), points.x, p), b.average);
-    cell.mass += b.mass[p];
-    cell.growth += b.mass[p] * growth[p];
-    cell.relative_volume += b.material.Density() * volume[p];
-  }
-}
-
-/// Against locking: the gradients of L become those with the mean growth of volume over the points of the cell,
-/// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g, q = kSettling dt |D|; I + dt L
-/// keeps its form in the plane, or in space. The last factor is of points that come from other cells: without it they keep what
-/// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact would feel
-/// it. Adds up the work of the stress on the difference.
-template <class Geometry>
-void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
-                   Motion<Geometry::kDim> &motion, Budgets &budgets)
-{
-  constexpr int dim = Geometry::kDim;
-  constexpr double kLeast = 0.1; // below it the strain is refused, by a message that a logarithm of less would spoil
-  double growth[kBlock], mean[kBlock], difference[kBlock], volume[kBlock], work = 0;
-  const double exponent = (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
-  const double settling = kSettling * dt / dim;
-  VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
-  Volumes<Geometry>(b, points, 1, volume);
-  for (int p = 0; p < b.count; ++p) {
-    const CellSums &cell = grid.Cell(CellOf<dim>(grid.IndexSpace(), points.x, p), b.average);
-    mean[p] = cell.growth;
-    difference[p] = b.faces[p] ? 0 : cell.relative_volume * b.mass[p] / (b.material.Density() * volume[p]) - 1;
-  }
-  const double *const stress = b.stress;
-  Row *const L = motion.L;
-#pragma omp simd reduction(+ : work)
-  for (int p = 0; p < b.count; ++p) {
-    const double ratio = std::max(1 + mean[p], kLeast) / std::max(1 + growth[p], kLeast);
-    double square = 0; // |D|^2
-#pragma GCC unroll 9
-    for (int k = 0; k < dim * dim; ++k) {
-      const double D = 0.5 * (L[k][p] + L[k % dim * dim + k / dim][p]);
-      square += D * D;
-    }
-    const double stretch = exponent * Log(ratio) + settling * std::sqrt(square) * difference[p]; // of a step: small
-    const double excess = stretch * (1 + stretch / 2 * (1 + stretch / 3 * (1 + stretch / 4 * (1 + stretch / 5))));
-#pragma GCC unroll 9
-    for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));
-    const double *const s = stress + Geometry::kStress * p;
-    work -= volume[p] * excess * (s[0] + s[1] + (dim == 3 ? s[2] : 0)); // of the part I/dt, beside which L is small
-  }
-  budgets.averaging_work += work;
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int p = 0; p < count; ++p) sum += a[p] * b[p];
+  return sum;
 }
 
 /// Advances F, stress and internal variables of a block. In axisymmetry its motion gives F_zz = r/R at the end of the step.
@@ -219,8 +139,7 @@ void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, c
                                b.history_components};
   if (b.material.HistorySize()) std::fill_n(plastic, b.count, 0.0);
   b.material.UpdateStress(batch, plastic);
-  if (b.material.HistorySize())
-    for (int p = 0; p < b.count; ++p) budgets.plastic_work += plastic[p] * b.mass[p] / b.material.Density();
+  if (b.material.HistorySize()) budgets.plastic_work += Dot(plastic, b.mass, b.count) / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.

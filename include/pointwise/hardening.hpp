@@ -152,6 +152,13 @@ template <class Law> double PlasticIncrement(const Law &law, double q, double th
   return d;
 }
 
+/// The same of a straight line, without branches.
+inline double PlasticIncrement(const LinearHardening &law, double q, double three_mu, const FlowState &state)
+{
+  const double excess = q - law.At(state.plastic_strain, 0, 0).stress;
+  return excess > 0 ? excess * (1 / (three_mu + law.modulus)) : 0; // the quotient is the same for all points
+}
+
 /// Plastic work of the step per volume, J/m3, by the trapezoidal rule at the step's rate.
 template <class Law> double PlasticWork(const Law &law, double d, const FlowState &state)
 {

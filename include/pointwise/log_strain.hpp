@@ -1,7 +1,8 @@
 // Logarithmic strain of metals: the logarithm and the exponential of tensors, in loops that vectorise.
 //
-// A function of a tensor y without trace is c0 I + c1 y + c2 y^2, as y^3 = (y:y/2) y + det(y) I: the powers of a series need
-// no tensors. Elastic strains of metals are small, and some fifteen terms give all digits; large ones go by principal values.
+// In the plane both are functions of the two by two of x and y, and of zz by itself. In space a function of a tensor y without
+// trace is c0 I + c1 y + c2 y^2, as y^3 = (y:y/2) y + det(y) I: the powers of a series need no tensors. Elastic strains of metals
+// are small, and few terms give all digits; large ones go by principal values.
 #pragma once
 
 #include "base/log.hpp"
@@ -17,10 +18,36 @@ namespace mlgimp
 struct LogStrain {
   Sym3 deviator; ///< e'
   double mean;   ///< tr/3
-  double scale;  ///< exp(2 mean)
-  double norm2;  ///< y:y of y = b/(tr b/3) - I: where it is above kLargestNorm2, LogarithmicStrain is not to be used
+  double norm2;  ///< about 4 e':e'; where it is above kLargestNorm2, LogarithmicStrain is not to be used
 };
-inline constexpr double kLargestNorm2 = 0.01;
+inline constexpr double kLargestNorm2 = 0.01, kThird = 1.0 / 3;
+
+/// Where b has the plane's components only: by ln b = (ln det)/2 I + atanh(s) n, with n the deviator of the two by two
+/// over its size, s its size over half its trace; and by the ratio of those two and zz.
+[[gnu::always_inline]] inline LogStrain LogarithmicStrainInPlane(const Sym3 &b)
+{
+  const double middle = 0.5 * (b.xx + b.yy), d = 0.5 * (b.xx - b.yy);
+  const double radius2 = d * d + b.xy * b.xy, determinant = middle * middle - radius2, zz2 = b.zz * b.zz;
+  const double sum = determinant + zz2, inverse_both = 1 / (middle * sum), inverse = sum * inverse_both; // one division
+  const double s2 = radius2 * inverse * inverse, ratio = (determinant - zz2) * middle * inverse_both;
+  const double shear = 0.5 * AtanhRatio(s2) * inverse, e = 0.5 * kThird * ratio * AtanhRatio(ratio * ratio);
+  return {{e + shear * d, e - shear * d, -2 * e, shear * b.xy, 0, 0},
+          0.5 * kThird * Log(determinant * b.zz),
+          2 * s2 + 2 * kThird * ratio * ratio};
+}
+
+/// exp(a) of a tensor of the plane without trace.
+[[gnu::always_inline]] inline Sym3 ExponentialInPlane(const Sym3 &a)
+{
+  const double middle = 0.5 * (a.xx + a.yy), d = 0.5 * (a.xx - a.yy), q2 = d * d + a.xy * a.xy;
+  double even = 1, odd = 1, both = 1; // cosh q, sinh(q)/q, exp(middle)
+#pragma GCC unroll 5
+  for (int k = 10; k > 0; k -= 2) even = 1 + even * q2 * (1.0 / (k * (k - 1))), odd = 1 + odd * q2 * (1.0 / (k * (k + 1)));
+#pragma GCC unroll 10
+  for (int k = 10; k > 0; --k) both = 1 + both * middle * (1.0 / k);
+  const double spread = both * odd;
+  return {both * even + spread * d, both * even - spread * d, 1 / (both * both), spread * a.xy, 0, 0};
+}
 
 /// y y for a symmetric y.
 inline Sym3 Square(const Sym3 &y)
@@ -36,13 +63,14 @@ struct PowerOf {
   PowerOf Next(double half, double determinant) const { return {determinant * c2, c0 + half * c2, c1}; }
 };
 
-/// From the series of ln(1 + y).
-[[gnu::always_inline]] inline LogStrain LogarithmicStrain(const Sym3 &b)
+/// From the series of ln(1 + y), y = b/(tr b/3) - I.
+template <bool in_plane> [[gnu::always_inline]] inline LogStrain LogarithmicStrain(const Sym3 &b)
 {
+  if constexpr (in_plane) return LogarithmicStrainInPlane(b);
   constexpr int kTerms = 14;
-  const double third = Trace(b) / 3;
+  const double third = kThird * Trace(b);
   const Sym3 y = (1 / third) * b - Sphere(1), square = Square(y);
-  const double norm2 = Trace(square), determinant = (Contract(square, y)) / 3;
+  const double norm2 = Trace(square), determinant = kThird * Contract(square, y);
   PowerOf power = {0, 1, 0};
   double c0 = 0, c1 = 1, c2 = 0;
 #pragma GCC unroll 14
@@ -51,17 +79,17 @@ struct PowerOf {
     const double factor = (k % 2 ? 1.0 : -1.0) / k;
     c0 += factor * power.c0, c1 += factor * power.c1, c2 += factor * power.c2;
   }
-  const double rest = c0 + c2 * norm2 / 3; // of order y^2
-  const double grown = 1 + rest * (1 + rest / 2 * (1 + rest / 3 * (1 + rest / 4 * (1 + rest / 5))));
-  return {0.5 * (c1 * y + c2 * (square - Sphere(norm2 / 3))), 0.5 * (Log(third) + rest), third * grown, norm2};
+  const double rest = c0 + c2 * (kThird * norm2); // of order y^2
+  return {0.5 * (c1 * y + c2 * (square - Sphere(kThird * norm2))), 0.5 * (Log(third) + rest), norm2};
 }
 
 /// exp(a) of a tensor without trace, a:a at most kLargestNorm2 or little more.
-[[gnu::always_inline]] inline Sym3 Exponential(const Sym3 &a)
+template <bool in_plane> [[gnu::always_inline]] inline Sym3 Exponential(const Sym3 &a)
 {
+  if constexpr (in_plane) return ExponentialInPlane(a);
   constexpr int kTerms = 11;
   const Sym3 square = Square(a);
-  const double half = 0.5 * Trace(square), determinant = Contract(square, a) / 3;
+  const double half = 0.5 * Trace(square), determinant = kThird * Contract(square, a);
   PowerOf power = {0, 1, 0};
   double c0 = 1, c1 = 1, c2 = 0, factor = 1;
 #pragma GCC unroll 11
@@ -79,7 +107,7 @@ inline LogStrain LogarithmicStrainOfLarge(const Sym3 &b, double norm2)
   const Spectrum spectrum = Decompose(b);
   const Vec3 e = {0.5 * Log(spectrum.value[0]), 0.5 * Log(spectrum.value[1]), 0.5 * Log(spectrum.value[2])};
   const double mean = (e[0] + e[1] + e[2]) / 3;
-  return {spectrum.Compose(e - Vec3{mean, mean, mean}), mean, std::exp(2 * mean), norm2};
+  return {spectrum.Compose(e - Vec3{mean, mean, mean}), mean, norm2};
 }
 inline Sym3 ExponentialOfLarge(const Sym3 &a)
 {

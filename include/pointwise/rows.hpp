@@ -15,11 +15,11 @@ inline constexpr int kBlock = 64;
 /// One number of each point of a block, and room for a vector that begins at the last one.
 using Row = double[kBlock + kLanes];
 
-/// Asks the memory for the n components of points p to p + kLanes - 1, field [][n]; there may be no such points.
-template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field, int p)
+/// Asks the memory for n components of points p to p + kLanes - 1, field [][stride]; there may be no such points.
+template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field, int p, int stride = n)
 {
   constexpr int kLine = 8; // numbers of a cache line
-  const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * n * static_cast<std::uintptr_t>(p);
+  const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * stride * static_cast<std::uintptr_t>(p);
 #pragma GCC unroll 5
   for (int k = 0; k < n * kLanes; k += kLine)
     __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k)); // NOLINT(performance-no-int-to-ptr)

@@ -152,9 +152,16 @@ std::vector<int> FindParents(Level &level, const std::vector<int> &points, doubl
   return parents;
 }
 
-/// Points with an edge that has grown longer than a cell, and than twice the usual, along an axis of their undeformed box. A
-/// child beyond the grid would be lost: such a point stays whole.
-static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, int axis)
+/// Half an edge of a point's box, m.
+static Vec3 HalfEdge(const PointArrays &a, int p, int axis)
+{
+  const double *const F = a.F + PointArrays::At(p, a.dim * a.dim), half_size = a.half_size[PointArrays::At(p, a.dim) + axis];
+  return {half_size * F[axis], half_size * F[a.dim + axis], a.dim == 3 ? half_size * F[6 + axis] : 0};
+}
+
+/// Points with an edge that has grown longer than a cell, and than twice the usual, along one of `axes` of their undeformed box.
+/// A child beyond the grid would be lost: such a point stays whole.
+static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, const std::vector<int> &axes)
 {
   const GridGeometry &grid = level.Geometry().grid;
   const PointArrays a = level.PointStore().Arrays();
@@ -165,16 +172,18 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
       if (!(x[d] > grid.lower[d] && x[d] < grid.lower[d] + grid.cells[d] * grid.spacing)) return false;
     return true;
   };
-  for (int p = 0; p < a.count; ++p) {
-    if (!model.materials[model.bodies[a.body[p]].material]->SplitsStretched()) continue;
-    Vec3 along{};
-    along[axis] = a.HalfSize(p)[axis];
-    const Vec3 edge = a.Deform(p, along); // half of it
-    const double most = grid.spacing * std::max(0.5, 1.0 / model.bodies[a.body[p]].points_per_cell);
-    if (Norm(edge) <= most || !numbers.CanSplit(a.id[p])) continue;
-    if (a.initial_radius && a.Position(p)[0] < 0.75 * std::abs(edge[0])) continue; // a child on the axis would have no mass
-    if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);
+  std::vector<double> most2; // of half an edge of a body's points, m2
+  for (const Body &body : model.bodies) {
+    const double most = grid.spacing * std::max(0.5, 1.0 / body.points_per_cell);
+    most2.push_back(model.materials[body.material]->SplitsStretched() ? most * most : HUGE_VAL);
   }
+  for (int p = 0; p < a.count; ++p)
+    for (int axis : axes) {
+      const Vec3 edge = HalfEdge(a, p, axis);
+      if (Dot(edge, edge) <= most2[a.body[p]] || !numbers.CanSplit(a.id[p])) continue;
+      if (a.initial_radius && a.Position(p)[0] < 0.75 * std::abs(edge[0])) continue; // a child on the axis would have no mass
+      if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);
+    }
   return found;
 }
 
@@ -184,13 +193,13 @@ PetscErrorCode SplitStretched(MPI_Comm world, Level &level, const PointNumbers &
   int any = 0;
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
-  for (int axis = 0; axis < dim && !any; ++axis) any = !FindStretched(level, numbers, axis).empty();
+  any = !FindStretched(level, numbers, dim == 3 ? std::vector<int>{0, 1, 2} : std::vector<int>{0, 1}).empty();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world));
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   for (int axis = 0; axis < dim; ++axis) {
     Index parts{1, 1, 1};
     parts[axis] = 2;
-    std::vector<int> points = FindStretched(level, numbers, axis);
+    std::vector<int> points = FindStretched(level, numbers, {axis});
     const std::vector<int> parents = points;
     PetscCall(level.SampleVelocity(parents, &samples));
     PetscCall(SplitPoints(level, {parts, numbers}, parents, samples, &points, &level.Totals()));

@@ -62,6 +62,38 @@ void EndAtAxis(const PointArrays &a, int p)
     for (int k = 0; k < a.dim; ++k) a.F[a.dim * (a.dim * p + i) + k] *= k == far ? shrink : 1 / shrink;
 }
 
+/// Whether a box may be sheared by more than kMostShear, which is quick: |F| over the product of the |F e_i| is the sine of the
+/// angle between two edges times, in space, that of the third with their plane.
+bool MayBeSheared(const PointArrays &a, int p)
+{
+  const double *const F = a.F + PointArrays::At(p, a.dim * a.dim);
+  double lengths2 = 1;
+  for (int j = 0; j < a.dim; ++j) {
+    double length2 = 0;
+    for (int i = 0; i < a.dim; ++i) length2 += F[a.dim * i + j] * F[a.dim * i + j];
+    lengths2 *= length2;
+  }
+  const double volume = Determinant(F, a.dim);
+  return volume * volume * (1 + kMostShear * kMostShear) < lengths2;
+}
+
+/// Makes the edges of a box perpendicular where one is shifted too far, the longest first; volume stays.
+void Straighten(const PointArrays &a, int p)
+{
+  const auto order = OrderOfEdges(a, p);
+  Vec3 edge[3];
+  bool sheared = false;
+  for (int k = 0; k < a.dim; ++k) {
+    Vec3 shift{};
+    const Vec3 whole = HalfEdge(a, p, order[k]);
+    for (int i = 0; i < k; ++i) shift = shift + Dot(whole, edge[i]) / Dot(edge[i], edge[i]) * edge[i];
+    edge[k] = whole - shift;
+    sheared = sheared || Norm(shift) > kMostShear * Norm(edge[k]);
+  }
+  for (int k = 0; sheared && k < a.dim; ++k)
+    for (int i = 0; i < a.dim; ++i) a.F[a.dim * (a.dim * p + i) + order[k]] = edge[k][i] / a.HalfSize(p)[order[k]];
+}
+
 } // namespace
 
 void StraightenBoxes(const Model &model, const PointArrays &a)
@@ -69,18 +101,7 @@ void StraightenBoxes(const Model &model, const PointArrays &a)
   for (int p = 0; p < a.count; ++p) {
     if (!Flows(model, a, p) || IsAtEdge(a, p)) continue;
     if (a.initial_radius) EndAtAxis(a, p);
-    const auto order = OrderOfEdges(a, p);
-    Vec3 edge[3];
-    bool sheared = false;
-    for (int k = 0; k < a.dim; ++k) {
-      Vec3 shift{};
-      const Vec3 whole = HalfEdge(a, p, order[k]);
-      for (int i = 0; i < k; ++i) shift = shift + Dot(whole, edge[i]) / Dot(edge[i], edge[i]) * edge[i];
-      edge[k] = whole - shift;
-      sheared = sheared || Norm(shift) > kMostShear * Norm(edge[k]);
-    }
-    for (int k = 0; sheared && k < a.dim; ++k)
-      for (int i = 0; i < a.dim; ++i) a.F[a.dim * (a.dim * p + i) + order[k]] = edge[k][i] / a.HalfSize(p)[order[k]];
+    if (MayBeSheared(a, p)) Straighten(a, p);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "level/kernels.hpp"
 
 #include "base/pack.hpp"
+#include "level/cell_average.hpp"
 #include "level/node_shares.hpp"
 #include "level/point_blocks.hpp"
 #include "level/short_wave.hpp"
@@ -19,7 +20,7 @@ namespace
 /// The sweeps in a geometry with a shape function.
 template <class Geometry, class Shape> class SweepKernels : public Kernels
 {
-  static constexpr int dim = Geometry::kDim, kGradient = Geometry::kGradient, kRate = Geometry::kRate;
+  static constexpr int dim = Geometry::kDim, kRate = Geometry::kRate;
   using Weights = AxisStencils<dim>;
   template <int components> using At = GroupStencil<dim, components>;
   using AtRates = At<NodeLayout::Rates(dim)>;
@@ -118,7 +119,7 @@ public:
   {
     Weights w;
     Motion<dim> motion;
-    alignas(64) Row projected[dim] = {}, smooth[kRate] = {};
+    alignas(64) Row projected[dim], smooth[kRate];
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
@@ -179,37 +180,34 @@ private:
       for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
   }
 
-  /// What a block moves with, from GridToPoints to the sweep that moves it; gradients where it averages its volume.
+  /// What a block moves with, from GridToPoints to the sweep that moves it.
   static void KeepMotion(const SweepView &view, const Block &b, const Motion<dim> &motion)
   {
     PrefetchMotion<dim>(view, b);
     for (int d = 0; d < dim; ++d)
       std::copy_n(motion.u[d], b.count, view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count);
-    for (int k = 0; b.average >= 0 && k < kGradient; ++k)
-      std::copy_n(motion.L[k], b.count, view.gradient + PointArrays::At(b.start, kGradient) + k * b.count);
   }
   static void TakeMotion(const SweepView &view, const Block &b, Motion<dim> &motion)
   {
     PrefetchMotion<dim>(view, b);
     for (int d = 0; d < dim; ++d)
       std::copy_n(view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count, b.count, motion.u[d]);
-    for (int k = 0; b.average >= 0 && k < kGradient; ++k)
-      std::copy_n(view.gradient + PointArrays::At(b.start, kGradient) + k * b.count, b.count, motion.L[k]);
   }
 
   /// Gradient of the second velocity; projected velocity; strain rate of the nodes. Before the points' own velocity is known
-  /// the second one is what they move with; points that average their volume have the gradient of the new one.
+  /// the second one is what they move with; points that average their volume follow the gradient of the new one, as before.
   static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
                           Row *projected, Row *smooth)
   {
     ForEachGroup(w, b.count, [&](int p, int) {
       const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
+      const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.VelocityArray());
       const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
       PrefetchNext<Geometry, false, true>(b, p);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        if (plan.strain && b.average < 0) {
-          const Gathered<dim> sum = Gather<dim>(at, d);
+        if (plan.strain) {
+          const Gathered<dim> sum = b.average < 0 ? Gather<dim>(at, d) : Gather<dim>(new_velocity, d);
 #pragma GCC unroll 3
           for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
         }

@@ -82,9 +82,7 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     if (!owned && stores[k]->Count() == 0) continue;
     const PointArrays points = stores[k]->Arrays();
     grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
-    if (model_.VolumeAverages() > 0) gradient_[k].resize(grid_velocity_[k].size() * points.dim);
-    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), gradient_[k].data(), bodies_, owned}, owned ? budgets_ : discarded,
-          failure);
+    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? budgets_ : discarded, failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
@@ -369,7 +367,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   }
   const PointArrays arrays = points_.Arrays();
   for (std::size_t k = 0; k < points.size(); ++k)
-    kernels_->TensorsAt({*grid_, arrays, nullptr, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
+    kernels_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,7 +13,7 @@ PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector
   samples->resize(points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   const PointArrays arrays = points_.Arrays();
-  const SweepView view = {*grid_, arrays, nullptr, nullptr, bodies_};
+  const SweepView view = {*grid_, arrays, nullptr, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -24,7 +24,7 @@ PetscErrorCode Level::FindVelocities()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   grid_->ClearSums();
-  kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, nullptr, bodies_}, {}, time_, discarded);
+  kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, bodies_}, {}, time_, discarded);
   PetscCall(grid_->ShareSums());
   UpdateVelocities(*grid_, nodal_, 0);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, discarded);
@@ -42,7 +42,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
-    kernels_->PointsToGrid({*grid_, one, nullptr, nullptr, bodies_}, {}, time_, discarded);
+    kernels_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, discarded);
   }
   PetscCall(grid_->ShareSums());
   PetscFunctionReturn(PETSC_SUCCESS);

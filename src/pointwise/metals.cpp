@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace mlgimp
 {
@@ -18,6 +19,7 @@ template <class Hardening, class Geometry> class Metal : public Material
 {
   static constexpr int kS = Geometry::kStress, kStrain = kS, kHeat = kS + 1;
   static constexpr int kHistory = kS + 1 + Hardening::kThermal;
+  static constexpr bool kInPlane = Geometry::kDim == 2;
 
 public:
   explicit Metal(const MaterialConstants &c)
@@ -38,21 +40,22 @@ public:
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
-    Flow flow = {};
-    alignas(64) Row elastic[kS] = {}, stress[kS] = {}; // b_e and Cauchy's stress
+    Flow flow;
+    alignas(64) Row history[kHistory], stress[kS]; // internal variables, of which b_e are the first; Cauchy's stress
     const MaterialBatch b = batch;
     const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
-    LoadRows<kS>(b.history, b.count, elastic, b.history_stride);
+    LoadRows<kHistory>(b.history, b.count, history, b.history_stride);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, elastic, flow);
-    for (int p = 0; p < b.count; ++p)
-      if (!(flow.norm2[p] <= kLargestNorm2)) Set(LogarithmicStrainOfLarge(StressIn<Geometry>(elastic, p), 1), p, mu2, flow);
-    const bool flows = Return(b, flow, dissipated);
+    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, history, flow);
+    flow.large = AnyLarge(b.count, flow.norm2);
+    for (int p = 0; flow.large && p < b.count; ++p)
+      if (IsLarge(flow.norm2[p])) Set(LogarithmicStrainOfLarge(StressIn<Geometry>(history, p), 1), p, mu2, flow);
+    const bool flows = Return(b, history, flow, dissipated);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow, stress);
-    if (flows) UpdateElastic(b.count, flow, elastic);
+    if (flows) UpdateElastic(b.count, flow, history);
     StoreRows<kS>(stress, b.count, b.stress);
-    StoreRows<kS>(elastic, b.count, b.history, b.history_stride);
+    StoreRows<kHistory>(history, b.count, b.history, b.history_stride);
   }
 
   void StoredEnergy(int count, const double *, const double *, const double *, const double *history, int stride,
@@ -87,16 +90,25 @@ private:
 
   /// The trial state of a block, by components; stress: von Mises', Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) Row deviator[kS], mean, scale, norm2, stress, kept;
+    alignas(64) Row deviator[kS], mean, norm2, stress, kept;
+    bool large; ///< whether any strain is too large for the series
     Sym3 Deviator(int p) const { return StressIn<Geometry>(deviator, p); }
   };
 
-  static double *History(const MaterialBatch &b, int p) { return b.history + b.history_stride * p; }
+  /// Also true of what is no number.
+  static bool IsLarge(double norm2) { return !(norm2 <= kLargestNorm2); }
+  static bool AnyLarge(int count, const double *norm2)
+  {
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (int p = 0; p < count; ++p) any |= IsLarge(norm2[p]);
+    return any;
+  }
 
   [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu2, Flow &flow)
   {
     PutStress<Geometry>(e.deviator, p, flow.deviator);
-    flow.mean[p] = e.mean, flow.scale[p] = e.scale, flow.norm2[p] = e.norm2;
+    flow.mean[p] = e.mean, flow.norm2[p] = e.norm2;
     flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(e.deviator, e.deviator)), flow.kept[p] = 1;
   }
 
@@ -112,27 +124,27 @@ private:
   [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Row *elastic, Flow &flow)
   {
     const Mat3 increment = Increment(b.dt, LoadGradient<Geometry>(b.L, p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
-    const Sym3 trial = Push(increment, StressIn<Geometry>(elastic, p));
+    const Sym3 trial = Push<kInPlane>(increment, StressIn<Geometry>(elastic, p));
     PutStress<Geometry>(trial, p, elastic);
-    Set(LogarithmicStrain(trial), p, mu2, flow);
+    Set(LogarithmicStrain<kInPlane>(trial), p, mu2, flow);
   }
 
   /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows.
-  bool Return(const MaterialBatch &b, Flow &flow, double *dissipated) const
+  bool Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
   {
-    const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt;
-    bool any = false;
+    const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
+    const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt, heating = heating_;
+    int any = 0;
+#pragma omp simd reduction(| : any)
     for (int p = 0; p < b.count; ++p) {
-      double *const history = History(b, p);
-      const FlowState state = {history[kStrain], Hardening::kThermal ? history[kHeat] : 0, rate};
-      const double plastic = PlasticIncrement(hardening_, flow.stress[p], mu3, state);
-      if (!(plastic > 0)) continue;
-      const double work = PlasticWork(hardening_, plastic, state);
-      any = true;
-      flow.kept[p] = 1 - mu3 * plastic / flow.stress[p];
-      history[kStrain] += plastic;
-      if constexpr (Hardening::kThermal) history[kHeat] += heating_ * work;
+      const FlowState state = {history[kStrain][p], Hardening::kThermal ? history[kHeat][p] : 0, rate};
+      const double plastic = PlasticIncrement(law, flow.stress[p], mu3, state);
+      const double work = plastic > 0 ? PlasticWork(law, plastic, state) : 0;
+      flow.kept[p] = plastic > 0 ? 1 - mu3 * plastic / flow.stress[p] : 1;
+      history[kStrain][p] += plastic;
+      if constexpr (Hardening::kThermal) history[kHeat][p] += heating * work;
       dissipated[p] += work;
+      any |= plastic > 0;
     }
     return any;
   }
@@ -146,21 +158,20 @@ private:
     PutStress<Geometry>(shear * flow.Deviator(p) + Sphere(bulk3 * flow.mean[p] * inverse_J), p, stress);
   }
 
-  /// b_e = exp(2 (kept e' + mean I)) where the point flows.
-  [[gnu::always_inline]] static void FinishElastic(int p, const Flow &flow, Row *elastic)
-  {
-    const double share = flow.kept[p] < 1 ? 1 : 0;
-    const Sym3 after = flow.scale[p] * Exponential(2 * flow.kept[p] * flow.Deviator(p));
-    PutStress<Geometry>(share * after + (1 - share) * StressIn<Geometry>(elastic, p), p, elastic);
-  }
-
+  /// b_e := b_e exp(-2 (1 - kept) e'): the mean strain stays.
   static void UpdateElastic(int count, const Flow &flow, Row *elastic)
   {
 #pragma omp simd
-    for (int p = 0; p < count; ++p) FinishElastic(p, flow, elastic);
-    for (int p = 0; p < count; ++p)
-      if (!(flow.norm2[p] <= kLargestNorm2) && flow.kept[p] < 1)
-        PutStress<Geometry>(flow.scale[p] * ExponentialOfLarge(2 * flow.kept[p] * flow.Deviator(p)), p, elastic);
+    for (int p = 0; p < count; ++p) {
+      const double lost = IsLarge(flow.norm2[p]) ? 0 : 1 - flow.kept[p];
+      Multiply(Exponential<kInPlane>(-2 * lost * flow.Deviator(p)), p, elastic);
+    }
+    for (int p = 0; flow.large && p < count; ++p)
+      if (IsLarge(flow.norm2[p])) Multiply(ExponentialOfLarge(-2 * (1 - flow.kept[p]) * flow.Deviator(p)), p, elastic);
+  }
+  [[gnu::always_inline]] static void Multiply(const Sym3 &factor, int p, Row *elastic)
+  {
+    PutStress<Geometry>(CoaxialProduct<kInPlane>(StressIn<Geometry>(elastic, p), factor), p, elastic);
   }
 
   static double Energy(const Elasticity &law, const LogStrain &e)
@@ -170,7 +181,7 @@ private:
   /// -1 where the strain is too large for the series.
   [[gnu::always_inline]] static double EnergyOf(const Elasticity &law, const double *history)
   {
-    const LogStrain e = LogarithmicStrain(LoadStress<Geometry>(history));
+    const LogStrain e = LogarithmicStrain<kInPlane>(LoadStress<Geometry>(history));
     return e.norm2 <= kLargestNorm2 ? Energy(law, e) : -1;
   }
 

@@ -1,0 +1,122 @@
+// Against locking: the growth of volume of points becomes the mean over those of their cell.
+#pragma once
+
+#include "base/log.hpp"
+#include "level/point_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+/// Of the difference between a point's relative volume and the mean of its cell a share goes with strain: all but 1/e of it while
+/// a point is strained by a fourth. With 3 cones show what points brought from other cells, with 10 cutting wedges gain energy.
+inline constexpr double kSettling = 4;
+
+/// Growth of volume of the points of a block in a step, det(I + dt L) - 1, in axisymmetry with that along the hoop.
+template <class Geometry>
+void VolumeGrowth(const Block &b, const Row *x, double dt, const Motion<Geometry::kDim> &motion, double *growth)
+{
+  constexpr int dim = Geometry::kDim;
+  const Row *const L = motion.L, *const u = motion.u;
+#pragma omp simd
+  for (int p = 0; p < b.count; ++p) {
+    const double first = dt * (L[0][p] + L[dim + 1][p] + (dim == 3 ? L[8][p] : 0));
+    double second = L[0][p] * L[dim + 1][p] - L[1][p] * L[dim][p], third = 0;
+    if constexpr (dim == 3) {
+      second += L[0][p] * L[8][p] - L[2][p] * L[6][p] + L[4][p] * L[8][p] - L[5][p] * L[7][p];
+      third = dt * dt * dt * Determinant<Geometry>(L, p);
+    }
+    growth[p] = first + dt * dt * second + third;
+    if constexpr (Geometry::kHoop) growth[p] += (1 + growth[p]) * dt * u[0][p] / x[0][p];
+  }
+}
+
+/// Place of the cells that the centres of points lie in.
+template <int dim> void FindCells(const Lattice &grid, const Row *x, int count, int *cell)
+{
+  std::fill_n(cell, count, 0);
+  for (int axis = 0; axis < dim; ++axis) {
+    const double origin = grid.origin[axis], inverse_spacing = grid.inverse_spacing;
+    const int first = grid.first[axis], stride = static_cast<int>(grid.stride[axis]);
+#pragma omp simd
+    for (int p = 0; p < count; ++p)
+      cell[p] += (static_cast<int>(std::floor((x[axis][p] - origin) * inverse_spacing)) - first) * stride;
+  }
+}
+
+/// What the average needs of the points of a block: growth of volume in the step, current volume, cell.
+template <class Geometry> struct CellParts {
+  CellParts(const Block &b, const Extents<Geometry::kDim> &points, const Lattice &grid, double dt,
+            const Motion<Geometry::kDim> &motion)
+  {
+    VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
+    Volumes<Geometry>(b, points, 1, volume);
+    FindCells<Geometry::kDim>(grid, points.x, b.count, cell);
+  }
+  alignas(64) double growth[kBlock], volume[kBlock];
+  alignas(64) int cell[kBlock];
+};
+
+/// Adds mass, growth of volume and relative volume of a block to its cells.
+template <class Geometry>
+void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
+               const Motion<Geometry::kDim> &motion)
+{
+  const CellParts<Geometry> parts(b, points, grid.IndexSpace(), dt, motion);
+  const double density = b.material.Density();
+  for (int p = 0; p < b.count; ++p) {
+    CellSums &cell = grid.Cell(parts.cell[p], b.average);
+    cell.mass += b.mass[p];
+    cell.growth += b.mass[p] * parts.growth[p];
+    cell.relative_volume += density * parts.volume[p];
+  }
+}
+
+/// The gradients of L become those with the mean growth of volume over the points of the cell,
+/// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g, q = kSettling dt |D|; I + dt L
+/// keeps its form in the plane, or in space. The last factor is of points that come from other cells: without it they keep what
+/// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact would feel
+/// it. Adds up the work of the stress on the difference.
+template <class Geometry>
+void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
+                   Motion<Geometry::kDim> &motion, Budgets &budgets)
+{
+  constexpr int dim = Geometry::kDim;
+  constexpr double kLeast = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
+  const CellParts<Geometry> parts(b, points, grid.IndexSpace(), dt, motion);
+  alignas(64) double mean[kBlock], mean_J[kBlock];
+  for (int p = 0; p < b.count; ++p) {
+    const CellSums &cell = grid.Cell(parts.cell[p], b.average);
+    mean[p] = cell.growth, mean_J[p] = cell.relative_volume;
+  }
+  const double exponent = 2 * (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
+  const double settling = kSettling * dt / dim, specific_volume = 1 / b.material.Density();
+  const double *const stress = b.stress, *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
+  const int *const faces = b.faces;
+  Row *const L = motion.L;
+  double work = 0;
+#pragma omp simd reduction(+ : work)
+  for (int p = 0; p < b.count; ++p) {
+    // ln((1 + mean)/(1 + growth)) = 2 atanh s; with one division.
+    const double sum = std::max(2 + mean[p] + growth[p], kLeast), inverse = 1 / (sum * volume[p]);
+    const double s = (mean[p] - growth[p]) * volume[p] * inverse;
+    double square = 0; // |D|^2
+#pragma GCC unroll 9
+    for (int k = 0; k < dim * dim; ++k) {
+      const double D = 0.5 * (L[k][p] + L[k % dim * dim + k / dim][p]);
+      square += D * D;
+    }
+    const double difference = faces[p] ? 0 : mean_J[p] * (specific_volume * mass[p]) * (sum * inverse) - 1;
+    const double stretch = exponent * s * AtanhRatio(s * s) + settling * std::sqrt(square) * difference;
+    const double excess = SmallGrowth(stretch);
+#pragma GCC unroll 9
+    for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));
+    const double *const sigma = stress + Geometry::kStress * p;
+    work -= volume[p] * excess * (sigma[0] + sigma[1] + (dim == 3 ? sigma[2] : 0)); // of the part I/dt, beside which L is small
+  }
+  budgets.averaging_work += work;
+}
+
+} // namespace mlgimp

@@ -14,8 +14,9 @@ namespace mlgimp
 /// box beside the axis grows across it, without a place for its children, and contact would take it for surface far away.
 void StraightenBoxes(const Model &model, const PointArrays &points);
 
-/// Gives points of such metals whose centres have come into the indenter an outer face, that which faces it most: flow mixes the
-/// rows of points next to the surface, and those without a face would go through it. tip: the indenter's, m.
+/// Gives points of such metals an outer face, that which faces the indenter most, where its centre comes into the indenter: flow
+/// mixes the rows of points next to the surface, and those without a face would go through it. Were the point's own centre waited
+/// for, its face would lie deep in the indenter at once, and contact would drive it out in one step. tip: the indenter's, m.
 void ExposePoints(const Model &model, Points &points, Vec3 tip);
 
 } // namespace mlgimp

@@ -59,12 +59,12 @@ struct Model {
   {
     return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->SplitsStretched(); });
   }
-  /// Half size that points have at least in their weights, in cells. Undeformed points of a quarter of the size, which fill space
-  /// beside a finer level, keep their own.
+  /// Half size that points have at least in their weights, in cells: half that of undeformed ones, so that those of a quarter,
+  /// which lie beside a finer level, still fill space, twofold.
   double LeastHalfSize() const
   {
     double least = SplitsStretched() ? kMinFlowHalfSize : kMinHalfSize;
-    for (const Body &body : bodies) least = std::min(least, 0.24 * 0.5 / body.points_per_cell);
+    for (const Body &body : bodies) least = std::min(least, 0.5 * 0.5 / body.points_per_cell);
     return least;
   }
   /// Number of materials that average the growth of volume over cells.

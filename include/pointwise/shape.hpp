@@ -16,10 +16,10 @@ namespace mlgimp
 /// Half sizes outside this range, in cells, are clamped: Evaluate divides by l, and three nodes reach no further.
 inline constexpr double kMinHalfSize = 1e-3, kMaxHalfSize = 0.5;
 
-/// The least half size of points that flow may make thin, in cells. A node that has mass of one point alone, as beyond a surface,
-/// has a stiffness over mass of up to c^2/(h l) for each axis: with steps of 0.4 h/c it is stable down to this across the
-/// surface.
-inline constexpr double kMinFlowHalfSize = 0.06;
+/// The least half size of points that flow may make thin, in cells. Nodes that have mass of one point alone, as beyond a surface,
+/// give it a stiffness over mass of up to c^2/(h l) for each axis along which they lie beyond: with steps of 0.4 h/c it is stable
+/// down to this where it is thin across two, as at the edge of a lip.
+inline constexpr double kMinFlowHalfSize = 0.125;
 
 /// The index space of one rank's ghosted piece of a grid, as far as weights need it.
 struct Lattice {

@@ -112,13 +112,19 @@ void ExposePoints(const Model &model, Points &points, Vec3 tip)
   for (int p = 0; p < a.count; ++p) {
     if (a.faces[p] || !Flows(model, a, p)) continue;
     const SurfaceGap gap = model.indenter->Gap(a.Position(p), tip);
-    if (gap.distance >= 0) continue;
-    double most = 0;
+    double reach = 0, most = 0;
+    for (int axis = 0; axis < a.dim; ++axis) reach = std::max(reach, Norm(HalfEdge(a, p, axis)));
+    if (gap.distance >= reach) continue;
+    double outermost = gap.distance;
+    int bit = 0;
     for (int s = 0; s < 2 * a.dim; ++s) {
       const Face face = PointFace(a, p, static_cast<Side>(s));
       const double facing = -Dot(face.area_normal, gap.normal) / Norm(face.area_normal);
-      if (facing > most) most = facing, a.faces[p] = OuterFaceBit(static_cast<Side>(s));
+      if (facing > most)
+        most = facing, outermost = model.indenter->Gap(face.center, tip).distance, bit = OuterFaceBit(static_cast<Side>(s));
     }
+    if (outermost >= 0) continue;
+    a.faces[p] = bit;
     any = true;
   }
   if (any) points.NoteSurface();

@@ -1,8 +1,8 @@
 // The axis-aligned manufactured solution (see manufactured.cpp) across the borders of finer levels, in the plane and in space:
 // order of convergence.
 //
-// Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells, in space to half as
-// many.
+// Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells; with "table -N" those
+// in space.
 #include "simulation/setup.hpp"
 
 #include <cmath>
@@ -162,7 +162,7 @@ PetscErrorCode TableRows(const Case &levels, const Scheme &scheme, int first_n, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Up to n cells along each axis of the square, or for a negative n of the cube, there with levels up to half as many.
+/// Up to n cells along each axis of the square, or for a negative n of the cube.
 PetscErrorCode Table(int n)
 {
   const std::vector<Case> plane = {kOne,
@@ -177,10 +177,9 @@ PetscErrorCode Table(int n)
   PetscFunctionBeginUser;
   std::printf("| levels | ratio | scheme | n | max error | order | rms error | order | points split |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-  if (n < 0) {
-    PetscCall(TableRows(kSpace, kDefaultScheme, 8, -n));
-    PetscCall(TableRows(kSpaceInside, kDefaultScheme, 8, -n / 2));
-  } else
+  if (n < 0)
+    for (const Case &levels : {kSpace, kSpaceInside}) PetscCall(TableRows(levels, kDefaultScheme, 8, -n));
+  else
     for (const Case &levels : plane)
       for (const Scheme &scheme : {kUsl, kXpic10, kDefaultScheme}) PetscCall(TableRows(levels, scheme, 16, n));
   PetscFunctionReturn(PETSC_SUCCESS);

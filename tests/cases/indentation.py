@@ -208,7 +208,7 @@ def verify_pyramids(study):
 
 # ---- the width of the kernel ----
 
-WEDGE_LOADS = {50: 454e-6, 100: 921e-6, 200: 1859e-6}  # N by nm, half of the workpiece: finite elements of 31 nm
+WEDGE_LOADS = {depth: 9.45e3 * depth * 1e-9 for depth in (50, 100, 200)}  # N by nm, half of the workpiece: tests/reference/wedge_touch.py
 BOTH_HALVES = {"domain_lower": "-31e-6,0", "level_1_lower": "-16e-6,24e-6", "level_2_lower": "-8e-6,32e-6",
                "workpiece_lower": "-30e-6,0", "boundary_x_lower": "free"}
 CYLINDER = {**BLOCK, **pressed(0.6, 64), "domain_lower": "0,0", "domain_upper": "64,68", "boundary_x_lower": "symmetry",
@@ -219,8 +219,8 @@ CYLINDER = {**BLOCK, **pressed(0.6, 64), "domain_lower": "0,0", "domain_upper": 
 def verify_contact_width(study):
     """Half width of the kernel of a contact pressure
 
-    Wedge of 70.3 degrees on three levels, 125 nm: load against finite elements of 31 nm, for a tip on a column of nodes, a quarter
-    of a cell and half a cell beside it. Cylinder and sphere of Hertz at half widths of six to eight cells.
+    Wedge of 70.3 degrees on three levels, 125 nm: load against the straight line that finite elements of 31 nm have, for a tip on a
+    column of nodes, a quarter of a cell and half a cell beside it. Cylinder and sphere of Hertz at half widths of six to eight cells.
     """
     cells = []
     for shift in (0, 0.25, 0.5):

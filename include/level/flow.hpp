@@ -7,11 +7,12 @@
 namespace mlgimp
 {
 
-/// Takes the shear out of boxes of metals that split (`SplitsStretched`) where it is more than kMostShear: of the edges of such a
-/// box, each becomes its part normal to those before it, the longest first, those across outer faces last. Boxes keep their
-/// volumes, and faces their planes and areas: they are shifted along themselves. Of F a metal's stress takes det F alone. Points
-/// at an edge of the body stay. In axisymmetry edges end at the axis, and volumes stay: by the velocity's slope at its centre a
-/// box beside the axis grows across it, without a place for its children, and contact would take it for surface far away.
+/// Takes the shear out of boxes with outer faces of metals that split (`SplitsStretched`) where it is more than kMostShear: of
+/// the edges of such a box, each becomes its part normal to those before it, the longest first, those across outer faces last.
+/// Boxes keep their volumes, and faces their planes and areas: they are shifted along themselves. Of F a metal's stress takes det
+/// F alone. Points at an edge of the body stay, and those within it. In axisymmetry edges end at the axis, and volumes stay: by
+/// the velocity's slope at its centre a box beside the axis grows across it, without a place for its children, and contact would
+/// take it for surface far away.
 void StraightenBoxes(const Model &model, const PointArrays &points);
 
 /// Gives points of such metals an outer face, that which faces the indenter most, where its centre comes into the indenter: flow

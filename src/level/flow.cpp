@@ -101,7 +101,7 @@ void StraightenBoxes(const Model &model, const PointArrays &a)
   for (int p = 0; p < a.count; ++p) {
     if (!Flows(model, a, p) || IsAtEdge(a, p)) continue;
     if (a.initial_radius) EndAtAxis(a, p);
-    if (MayBeSheared(a, p)) Straighten(a, p);
+    if (a.faces[p] && MayBeSheared(a, p)) Straighten(a, p);
   }
 }
 

@@ -68,8 +68,8 @@ struct CellSums {
 };
 
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
-/// velocity of the second extrapolation, momentum or velocity of the projection for XPIC, strain rate (xx, yy, xy, zz in two
-/// dimensions, xx, yy, zz, xy, yz, xz in three).
+/// velocity of the second extrapolation, strain rate (xx, yy, xy in the plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz,
+/// xz in space), momentum or velocity of the projection for XPIC.
 struct NodeLayout {
   static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
   static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show

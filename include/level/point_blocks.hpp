@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mlgimp
 {
@@ -96,14 +97,6 @@ template <int dim> struct Motion {
   alignas(64) Row u[dim], L[dim * dim];
 };
 
-inline double Dot(const double *a, const double *b, int count)
-{
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
-  for (int p = 0; p < count; ++p) sum += a[p] * b[p];
-  return sum;
-}
-
 /// Advances F, stress and internal variables of a block. In axisymmetry its motion gives F_zz = r/R at the end of the step.
 template <class Geometry>
 void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, const Motion<Geometry::kDim> &motion,
@@ -139,7 +132,8 @@ void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, c
                                b.history_components};
   if (b.material.HistorySize()) std::fill_n(plastic, b.count, 0.0);
   b.material.UpdateStress(batch, plastic);
-  if (b.material.HistorySize()) budgets.plastic_work += Dot(plastic, b.mass, b.count) / b.material.Density();
+  if (b.material.HistorySize())
+    budgets.plastic_work += std::transform_reduce(plastic, plastic + b.count, b.mass, 0.0) / b.material.Density();
 }
 
 /// Moves the points of a block; a point that would leave this rank's nodes stays and is recorded as a failure.

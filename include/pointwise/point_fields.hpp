@@ -123,6 +123,12 @@ struct PointArrays {
       for (int j = 0; j < dim; ++j) deformed[i] += f[dim * i + j] * a[j];
     return deformed;
   }
+  /// Half an edge of its deformed box, along an axis of the undeformed one, m.
+  Vec3 HalfEdge(int p, int axis) const
+  {
+    const double *const f = F + At(p, dim * dim), half = half_size[At(p, dim) + axis];
+    return {half * f[axis], half * f[dim + axis], dim == 3 ? half * f[6 + axis] : 0};
+  }
 
 private:
   Vec3 Load(const double *field, int p) const

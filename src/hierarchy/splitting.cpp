@@ -152,13 +152,6 @@ std::vector<int> FindParents(Level &level, const std::vector<int> &points, doubl
   return parents;
 }
 
-/// Half an edge of a point's box, m.
-static Vec3 HalfEdge(const PointArrays &a, int p, int axis)
-{
-  const double *const F = a.F + PointArrays::At(p, a.dim * a.dim), half_size = a.half_size[PointArrays::At(p, a.dim) + axis];
-  return {half_size * F[axis], half_size * F[a.dim + axis], a.dim == 3 ? half_size * F[6 + axis] : 0};
-}
-
 /// Points with an edge that has grown longer than a cell, and than twice the usual, along one of `axes` of their undeformed box.
 /// A child beyond the grid would be lost: such a point stays whole.
 static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, const std::vector<int> &axes)
@@ -179,7 +172,7 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
   }
   for (int p = 0; p < a.count; ++p)
     for (int axis : axes) {
-      const Vec3 edge = HalfEdge(a, p, axis);
+      const Vec3 edge = a.HalfEdge(p, axis);
       if (Dot(edge, edge) <= most2[a.body[p]] || !numbers.CanSplit(a.id[p])) continue;
       if (a.initial_radius && a.Position(p)[0] < 0.75 * std::abs(edge[0])) continue; // a child on the axis would have no mass
       if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);

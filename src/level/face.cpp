@@ -9,12 +9,10 @@ static Vec3 Cross(Vec3 a, Vec3 b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[
 Face PointFace(const PointArrays &points, int p, Side side)
 {
   const int dim = points.dim;
-  const double *F = points.F + PointArrays::At(p, dim * dim), *l0 = points.half_size + PointArrays::At(p, dim);
   const int axis = AxisOf(side);
   Vec3 edge[3] = {{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}; // half edges of the deformed point
   Face face;
-  for (int b = 0; b < dim; ++b)
-    for (int a = 0; a < dim; ++a) edge[b][a] = F[dim * a + b] * l0[b];
+  for (int b = 0; b < dim; ++b) edge[b] = points.HalfEdge(p, b);
   face.center = points.Position(p) + SignOf(side) * edge[axis];
   face.area_normal = 4.0 * SignOf(side) * Cross(edge[(axis + 1) % 3], edge[(axis + 2) % 3]);
   for (int b = 0, k = 0; b < dim; ++b)

@@ -19,14 +19,6 @@ bool Flows(const Model &model, const PointArrays &a, int p)
   return material.IsMetal() && material.SplitsStretched();
 }
 
-/// Half the edge of a box along an axis of its undeformed shape, m.
-Vec3 HalfEdge(const PointArrays &a, int p, int axis)
-{
-  Vec3 along{};
-  along[axis] = a.HalfSize(p)[axis];
-  return a.Deform(p, along);
-}
-
 int FacesAcross(const PointArrays &a, int p, int axis)
 {
   return a.faces[p] & (OuterFaceBit(static_cast<Side>(2 * axis)) | OuterFaceBit(static_cast<Side>(2 * axis + 1)));
@@ -37,7 +29,7 @@ std::array<int, 3> OrderOfEdges(const PointArrays &a, int p)
 {
   std::array<int, 3> order = {0, 1, 2};
   double length[3];
-  for (int axis = 0; axis < a.dim; ++axis) length[axis] = FacesAcross(a, p, axis) ? 0 : Norm(HalfEdge(a, p, axis));
+  for (int axis = 0; axis < a.dim; ++axis) length[axis] = FacesAcross(a, p, axis) ? 0 : Norm(a.HalfEdge(p, axis));
   std::stable_sort(order.begin(), order.begin() + a.dim, [&](int i, int j) { return length[i] > length[j]; });
   return order;
 }
@@ -54,7 +46,7 @@ bool IsAtEdge(const PointArrays &a, int p)
 /// the axis.
 void EndAtAxis(const PointArrays &a, int p)
 {
-  const double r = a.Position(p)[0], reach[2] = {std::abs(HalfEdge(a, p, 0)[0]), std::abs(HalfEdge(a, p, 1)[0])};
+  const double r = a.Position(p)[0], reach[2] = {std::abs(a.HalfEdge(p, 0)[0]), std::abs(a.HalfEdge(p, 1)[0])};
   const int far = reach[1] > reach[0];
   const double shrink = std::max(r / reach[far], reach[1 - far] / r);
   if (!(shrink < 1)) return;
@@ -85,7 +77,7 @@ void Straighten(const PointArrays &a, int p)
   bool sheared = false;
   for (int k = 0; k < a.dim; ++k) {
     Vec3 shift{};
-    const Vec3 whole = HalfEdge(a, p, order[k]);
+    const Vec3 whole = a.HalfEdge(p, order[k]);
     for (int i = 0; i < k; ++i) shift = shift + Dot(whole, edge[i]) / Dot(edge[i], edge[i]) * edge[i];
     edge[k] = whole - shift;
     sheared = sheared || Norm(shift) > kMostShear * Norm(edge[k]);
@@ -113,7 +105,7 @@ void ExposePoints(const Model &model, Points &points, Vec3 tip)
     if (a.faces[p] || !Flows(model, a, p)) continue;
     const SurfaceGap gap = model.indenter->Gap(a.Position(p), tip);
     double reach = 0, most = 0;
-    for (int axis = 0; axis < a.dim; ++axis) reach = std::max(reach, Norm(HalfEdge(a, p, axis)));
+    for (int axis = 0; axis < a.dim; ++axis) reach = std::max(reach, Norm(a.HalfEdge(p, axis)));
     if (gap.distance >= reach) continue;
     double outermost = gap.distance;
     int bit = 0;

@@ -44,7 +44,7 @@ def pressure_noise(frame, inside, cell):
 
 @pytest.mark.parametrize("changes, widened", [
     ({}, True), ({"m_split_stretched": "false"}, False), ({"m_model": "neo_hookean", "m_yield_stress": None, "m_hardening_modulus": None}, False),
-    ({"rod_upper": "8,16"}, False), ({"rod_points_per_cell": 6}, False)])
+    ({"rod_upper": "8,16"}, False), ({"rod_points_per_cell": 3}, True), ({"rod_points_per_cell": 6}, False)])
 def test_weights_of_thin_points(expect, changes, widened):
     """A side a tenth of a cell off a line has points with a half size of .05 cells: where flow may thin points they are widened, to half of the
     undeformed ones at most: six a cell keep theirs."""

@@ -90,16 +90,20 @@ TEST(Flow, StraightBoxesKeepVolumesAndFaces)
   }
 }
 
-TEST(Flow, LittleShearAndElasticBoxesStay)
+TEST(Flow, LittleShearElasticBoxesAndThoseWithinStay)
 {
   for (int dim : {2, 3}) {
-    Boxes little(dim, 20), elastic(dim, 20);
-    Shear(elastic, 6);
-    const std::vector<double> F = little.F, of_elastic = elastic.F;
+    Boxes little(dim, 20), elastic(dim, 20), within(dim, 20);
+    for (Boxes *boxes : {&little, &elastic})
+      for (int &faces : boxes->faces) faces = OuterFaceBit(static_cast<Side>(2 * dim - 1));
+    for (Boxes *boxes : {&elastic, &within}) Shear(*boxes, 6);
+    const std::vector<double> F = little.F, of_elastic = elastic.F, of_within = within.F;
     StraightenBoxes(ModelOf("j2", dim), little.Arrays());
     StraightenBoxes(ModelOf("neo_hookean", dim), elastic.Arrays());
+    StraightenBoxes(ModelOf("j2", dim), within.Arrays());
     EXPECT_EQ(little.F, F) << dim;
     EXPECT_EQ(elastic.F, of_elastic) << dim;
+    EXPECT_EQ(within.F, of_within) << dim;
   }
 }
 

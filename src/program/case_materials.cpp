@@ -50,6 +50,17 @@ void CheckHardening(const OptionReader &reader, const std::string &prefix, const
     reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
 }
 
+/// MPa or GPa typed for Pa would be a metal that flows away without a word.
+void WarnOfSoftness(OptionReader &reader, const std::string &prefix, const Constants &c)
+{
+  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals have 1e-5
+  const bool table = c.hardening == "table";
+  const double yield = table ? c.flow_stresses.front() : c.yield_stress;
+  if (yield < kSoftest * c.youngs_modulus)
+    Warn(reader.Comm(), prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) +
+                            ": is less than a millionth of Young's modulus; is it in Pa?");
+}
+
 void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)
 {
   std::vector<std::string> names, known;
@@ -65,7 +76,9 @@ void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c
   if (c->hardening == "table" || reader.Help()) ReadTable(reader, prefix, c);
   if (c->hardening == "johnson_cook" || reader.Help())
     reader.Flag({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
-  if (!reader.Help()) CheckHardening(reader, prefix, *c);
+  if (reader.Help()) return;
+  CheckHardening(reader, prefix, *c);
+  WarnOfSoftness(reader, prefix, *c);
 }
 
 /// Share of its own growth of volume that a point keeps: enough to resist what the mean of its cell does not see, too little to

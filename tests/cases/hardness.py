@@ -10,7 +10,7 @@ from mlgimp import load_depth, oliver_pharr
 
 POISSON, DEPTH, CELLS = 0.3, 200e-9, 16  # CELLS: finest ones in the contact's radius without pile-up, at full depth
 TRANSITS = 12  # of waves through the block, in the slow part of the unloading
-CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2), (0.3, 10, 0.3), (0.1, 50, 2)}  # exponent, E, sy in GPa
+CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2)}  # exponent, E and yield stress, GPa
 ANGLED = {50: {(0, 50, 1), (0, 90, 0.5), (0.3, 130, 1)}, 60: {(0, 210, 1.8), (0.3, 10, 0.3)}, 80: {(0, 50, 1), (0.5, 50, 0.2)}}
 PYRAMIDS = {(0.1, 10, 0.1), (0.3, 50, 2), (0, 210, 0.3)}
 

@@ -1,0 +1,67 @@
+// What is done to the velocities of nodes.
+#include "level/nodes.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace mlgimp;
+
+namespace
+{
+
+constexpr double kFull = 2; // kg
+
+/// A grid of 4 x 4 cells of 0.5 m whose nodes have a mass, a velocity (3, -4) and a change of it (1, 2), m/s.
+PetscErrorCode Fill(Grid *grid, double mass)
+{
+  const GridGeometry shape = {{0, 0, 0}, 0.5, {4, 4}, 1};
+  GridLayout layout;
+  PetscFunctionBeginUser;
+  for (int axis = 0; axis < 3; ++axis) layout.widths[axis] = {shape.Nodes(axis)};
+  layout.ranks = {0};
+  PetscCall(grid->Create(PETSC_COMM_SELF, shape, layout));
+  ForEach(grid->Ghosted(), [&](Index node) {
+    const std::ptrdiff_t place = grid->Place(node);
+    const auto [velocity, change] = grid->Velocity(place);
+    grid->Sums()[place].mass = mass;
+    velocity[0] = 3, velocity[1] = -4, change[0] = 1, change[1] = 2;
+  });
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The velocity of a node along y when light nodes of such a mass have been restrained.
+double Restrained(double mass, Index node, bool hoop, const CoupledPlaces &coupled = {})
+{
+  NodalSettings settings;
+  settings.full_mass = kFull, settings.mass_cutoff = kEmptyNode * kFull;
+  Grid grid;
+  EXPECT_EQ(Fill(&grid, mass), PETSC_SUCCESS);
+  RestrainLightNodes(grid, settings, hoop, coupled);
+  EXPECT_EQ(grid.Velocity(grid.Place(node)).change[1], 2);
+  return grid.Velocity(grid.Place(node)).velocity[1];
+}
+
+TEST(LightNodes, KeepTheirVelocityBeforeTheStep)
+{
+  const double light = kLightNode * kFull;
+  EXPECT_NEAR(Restrained(light, {1, 1, 0}, false), -4 - 0.5 * 2, 1e-14);
+  EXPECT_NEAR(Restrained(1e-9 * light, {1, 1, 0}, false), -4 - 2, 1e-8);
+  EXPECT_NEAR(Restrained(kFull, {1, 1, 0}, false), -4, 2.1 * kLightNode);
+  EXPECT_EQ(Restrained(0.5 * kEmptyNode * kFull, {1, 1, 0}, false), -4) << "an empty node has no velocity";
+}
+
+TEST(LightNodes, AreLightForTheirRadius)
+{
+  const double light = kLightNode * kFull;
+  EXPECT_NEAR(Restrained(3 * light, {3, 1, 0}, true), -4 - 0.5 * 2, 1e-14);
+  EXPECT_NEAR(Restrained(light / 6, {0, 1, 0}, true), -4 - 0.5 * 2, 1e-14);
+}
+
+TEST(LightNodes, AreLeftAloneWhereAnotherLevelMovesThem)
+{
+  CoupledPlaces coupled;
+  coupled.blended = {{2, 1, 0}};
+  EXPECT_EQ(Restrained(1e-6, {2, 1, 0}, false, coupled), -4);
+  EXPECT_NE(Restrained(1e-6, {1, 1, 0}, false, coupled), -4);
+}
+
+} // namespace

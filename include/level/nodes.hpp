@@ -37,15 +37,11 @@ struct BoundaryConditions {
 
 /// Of the mass of a full cell of the lightest material: nodes with less are empty, and the forces on them are lost.
 inline constexpr double kEmptyNode = 1e-24;
-/// Of the mass of a full cell: a node with less strains points by less than half of the change of its velocity, see
-/// RestrainLightNodes. From 1e-5 to 1e-2 indentations of metals are the same within 0.6 %.
-inline constexpr double kLightNode = 1e-3;
 
 /// Settings of the nodal update.
 struct NodalSettings {
   Vec3 gravity{};         ///< m/s2
   double damping = 0;     ///< 1/s
-  double full_mass = 0;   ///< of a cell of the lightest material, in axisymmetry one cell from the axis, kg
   double mass_cutoff = 0; ///< nodes with less are skipped, kg
   double xpic_fraction = 0;
   int xpic_order = 2;
@@ -90,12 +86,6 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
-
-/// The velocities of nodes become p/m + dv m/(m + kLightNode m_full), with m_full in proportion to the radius, where no other
-/// level has a part in them; the changes dv, of which alone points get momentum, stay. For points that strain by the new
-/// velocity, with no second extrapolation: what the forces of body and contact on a node leave of each other is divided by its
-/// mass, however small, and the average over the cell makes such a node's strain that of all points near it.
-void RestrainLightNodes(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);

@@ -44,8 +44,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   nodal_ = model_.nodal;
   nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
   const double h = geometry.grid.spacing;
-  nodal_.full_mass = density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
-  nodal_.mass_cutoff = kEmptyNode * nodal_.full_mass;
+  nodal_.mass_cutoff = kEmptyNode * density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,7 +152,6 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
-  if (model_.VolumeAverages() > 0) RestrainLightNodes(*grid_, nodal_, model_.geometry.HasHoop(), coupled_places_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

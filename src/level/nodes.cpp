@@ -177,25 +177,6 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
   return impulse;
 }
 
-void RestrainLightNodes(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled)
-{
-  constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
-  const int dim = grid.Geometry().dim;
-  std::vector<std::ptrdiff_t> places = coupled.held;
-  std::vector<Vec3> kept;
-  for (const Index node : coupled.blended) places.push_back(grid.Place(node));
-  for (const std::ptrdiff_t place : places) std::copy_n(grid.Velocity(place).velocity, dim, kept.emplace_back().data());
-  ForEach(grid.Ghosted(), [&](Index node) {
-    const std::ptrdiff_t place = grid.Place(node);
-    const double share = hoop ? std::max(grid.Coordinate(0, node[0]) / grid.Geometry().spacing, kAtAxis) : 1;
-    const double light = kLightNode * share * settings.full_mass, mass = grid.Sums()[place].mass;
-    if (mass <= settings.mass_cutoff) return;
-    const auto [velocity, change] = grid.Velocity(place);
-    for (int axis = 0; axis < dim; ++axis) velocity[axis] -= light / (mass + light) * change[axis];
-  });
-  for (std::size_t k = 0; k < places.size(); ++k) std::copy_n(kept[k].data(), dim, grid.Velocity(places[k]).velocity);
-}
-
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
@@ -227,8 +208,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
-    const double mass = grid.Sums()[place].mass;
-    const auto [updated, change] = grid.Velocity(place);
+    const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     if (mass <= settings.mass_cutoff) {
       std::fill_n(velocity, components, 0.0);
@@ -237,8 +217,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     const double inverse_mass = 1 / mass;
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
     for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
-      const double unrestrained = grid.Sums()[place].momentum[axis] * inverse_mass + change[axis]; // which momentum needs
-      projected[axis] = unrestrained + (settings.xpic_order == 1 ? 0 : updated[axis] - projected[axis]);
+      projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
       velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];

@@ -1,6 +1,5 @@
-// Parts of contact: segments of faces, columns of the grid under them, and the equations on any number of ranks.
-#include "level/contact/columns.hpp"
-#include "level/contact/system.hpp"
+// What contact makes of faces: their segments, and the columns of the grid under them.
+#include "contact_body.hpp"
 #include "level/face.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +17,6 @@ namespace
 std::mt19937 generator(20240607);
 double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
 
-constexpr double kH = 0.25; // m
 constexpr GeometryKind kKinds[] = {GeometryKind::kPlaneStrain, GeometryKind::kAxisymmetric, GeometryKind::kSpatial};
 
 /// One point somewhere off the axis, with all faces outer ones.
@@ -40,37 +38,8 @@ struct OnePoint {
   }
 };
 
-/// A grid of 16 x 16 cells on all ranks of a communicator, in columns of blocks, and what contact sees of it.
-struct Body {
-  Grid grid;
-  ContactGroup group;
-  Points points;
-  BodyTable bodies;
-  BoundaryConditions sides;
-  Indenter indenter;
-  Geometry geometry;
-
-  PetscErrorCode Create(MPI_Comm comm)
-  {
-    PetscMPIInt size;
-    const GridGeometry shape = {{0, 0, 0}, kH, {16, 16}, 1};
-    GridLayout layout;
-    PetscFunctionBeginUser;
-    PetscCallMPI(MPI_Comm_size(comm, &size));
-    layout.widths[1] = {shape.Nodes(1)};
-    for (int rank = 0; rank < size; ++rank) {
-      layout.widths[0].push_back(shape.Nodes(0) * (rank + 1) / size - shape.Nodes(0) * rank / size);
-      layout.ranks.push_back(rank);
-    }
-    PetscCall(grid.Create(comm, shape, layout));
-    PetscCall(group.Create(grid, kAllNodes));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  ContactView View() { return {grid, group, points, bodies, sides, indenter, geometry, 0, 0, 1e-3}; }
-};
-
 /// Segments that cover a level surface up to the fifth column along each axis, from the first one or from minus the fifth.
-std::vector<PressedSegment> LevelSurface(const Body &body, double start, Vec3 normal, double gap, Vec3 slope)
+std::vector<PressedSegment> LevelSurface(const PressedBody &body, double start, Vec3 normal, double gap, Vec3 slope)
 {
   constexpr int kParts = 40; // of a cell
   const int dim = body.geometry.Dim();
@@ -87,7 +56,7 @@ std::vector<PressedSegment> LevelSurface(const Body &body, double start, Vec3 no
 }
 
 /// Sums up the columns under segments of this rank alone.
-PetscErrorCode SumColumns(Body &body, double width, const std::vector<PressedSegment> &segments, ContactColumns *columns)
+PetscErrorCode SumColumns(PressedBody &body, double width, const std::vector<PressedSegment> &segments, ContactColumns *columns)
 {
   SendPattern pattern = 0;
   bool at_border = false;
@@ -148,7 +117,7 @@ TEST(ContactSurface, SegmentsAreTheFaces)
 TEST(ContactColumns, SurfaceEndsAtHeldSides)
 {
   for (const bool held : {true, false}) {
-    Body body;
+    PressedBody body;
     ContactColumns columns;
     ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
     body.sides.kind[kXLower] = body.sides.kind[kXUpper] = held ? BoundaryKind::kSymmetry : BoundaryKind::kFree;
@@ -166,7 +135,7 @@ TEST(ContactColumns, PartitionOfUnity)
 {
   for (GeometryKind kind : kKinds)
     for (double width : {1.0, 0.6}) {
-      Body body;
+      PressedBody body;
       body.geometry = {kind, 0.7};
       const int dim = body.geometry.Dim();
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
@@ -200,7 +169,7 @@ TEST(ContactColumns, MeanOfALinearGap)
 {
   for (GeometryKind kind : {GeometryKind::kPlaneStrain, GeometryKind::kSpatial})
     for (double width : {1.0, 0.5, 0.25}) {
-      Body body;
+      PressedBody body;
       body.geometry = {kind, 0.7};
       const int dim = body.geometry.Dim();
       const Vec3 slope = {0.3, dim == 3 ? -0.2 : 0.0, 0};
@@ -222,7 +191,7 @@ TEST(ContactColumns, FullArea)
 {
   for (GeometryKind kind : kKinds)
     for (double width : {1.0, 0.5}) {
-      Body body;
+      PressedBody body;
       body.geometry = {kind, 0.7};
       body.sides.kind[kXLower] = body.sides.kind[kYLower] = BoundaryKind::kSymmetry;
       const int dim = body.geometry.Dim();
@@ -240,48 +209,6 @@ TEST(ContactColumns, FullArea)
     }
 }
 
-namespace
-{
-
-/// Random couplings of 12 unknowns with nodes of the grid, the same on all ranks.
-std::vector<ContactCoupling> RandomCouplings()
-{
-  std::vector<ContactCoupling> couplings;
-  for (int n = 0; n < 400; ++n) {
-    const int unknown = n % 12;
-    const Vec3 B = {Random(-0.1, 0.1), -Random(0.2, 1)};
-    couplings.push_back({{unknown + static_cast<int>(Random(0, 3)), 5 + static_cast<int>(Random(0, 2)), 0}, unknown, B, B});
-  }
-  return couplings;
-}
-
-/// lambda by projected Gauss-Seidel on the whole matrix, which is formed node by node as the equations say.
-std::vector<double> BySweeps(const std::vector<ContactCoupling> &couplings, const std::vector<ContactUnknown> &unknowns,
-                             double dt, double (*mass)(Index), Vec3 (*velocity)(Index))
-{
-  const std::size_t n = unknowns.size();
-  std::vector<double> A(n * n), lambda(n);
-  for (const ContactCoupling &a : couplings)
-    for (const ContactCoupling &b : couplings)
-      if (a.node == b.node) A[n * a.unknown + b.unknown] += dt * dt * Dot(a.constraint, b.traction) / mass(a.node);
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t k = 0; k < n; ++k) EXPECT_NEAR(A[n * j + k], A[n * k + j], 1e-15 * A[n * j + j]) << "symmetric";
-  for (int sweep = 0; sweep < 5000; ++sweep)
-    for (std::size_t j = 0; j < n; ++j) {
-      double rest = -unknowns[j].gap;
-      for (const ContactCoupling &c : couplings)
-        if (c.unknown == static_cast<int>(j)) rest -= dt * Dot(c.constraint, velocity(c.node));
-      for (std::size_t k = 0; k < n; ++k) rest -= k == j ? 0 : A[n * j + k] * lambda[k];
-      lambda[j] = std::max(0.0, rest / A[n * j + j]);
-    }
-  return lambda;
-}
-
-double MassOf(Index node) { return 1 + 0.3 * std::sin(node[0] + 7.0 * node[1]); }
-Vec3 VelocityOf(Index node) { return {0.2 * std::cos(3.0 * node[0]), 1 + std::sin(2.0 * node[0] + node[1])}; }
-
-} // namespace
-
 /// A flow without growth or stretch along the axes, off the axis of rotation.
 Vec3 Flow(Vec3 x, int dim)
 {
@@ -289,7 +216,7 @@ Vec3 Flow(Vec3 x, int dim)
 }
 
 /// Segments of a surface that flows as v = a + L x, without stretch along the surface, against the plane face gap = n.(x - at).
-std::vector<PressedSegment> FlowingSurface(const Body &body, double time)
+std::vector<PressedSegment> FlowingSurface(const PressedBody &body, double time)
 {
   const int dim = body.geometry.Dim();
   const Vec3 normal = dim == 3 ? Vec3{-0.36, 0.48, -0.8} : Vec3{-0.6, -0.8, 0},
@@ -310,7 +237,7 @@ TEST(ContactColumns, GapsFollowAFlowingSurface)
   constexpr double kTime = 1e-6;
   for (GeometryKind kind : kKinds)
     for (double width : {1.0, 0.8}) {
-      Body body;
+      PressedBody body;
       body.geometry.kind = kind;
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       const int dim = body.geometry.Dim();
@@ -332,71 +259,4 @@ TEST(ContactColumns, GapsFollowAFlowingSurface)
       for (const auto &[column, rate] : rates)
         EXPECT_NEAR(rate, gaps[column], 1e-8) << "width " << width << ", column " << column[0];
     }
-}
-
-/// One unknown is on one of three ranks, and none on the others.
-TEST(ContactSystemOnRanks, FewerUnknownsThanRanks)
-{
-  Body body;
-  ContactReport report;
-  ContactSettings settings;
-  ContactSystem system;
-  settings.serial_unknowns = 1;
-  ASSERT_EQ(body.Create(PETSC_COMM_WORLD), PETSC_SUCCESS);
-  std::fill_n(body.grid.Sums(), body.grid.GhostedNodes(), NodeSums{1, 1, {1, 1, 1}, {1, 1, 1}});
-  ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
-  const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -1}, {0, -1}}}; // each rank's
-  PetscMPIInt ranks;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  ASSERT_EQ(system.Solve(body.View(), {{0, -1e-6 * ranks}}, couplings, kAnyToAny, &report), PETSC_SUCCESS);
-  EXPECT_NEAR(system.Lambda()[0], 1.0 / ranks, 1e-12) << "A = (dt ranks)^2, r = dt^2 ranks";
-}
-
-/// Couplings of one node on several ranks, solved on one rank and on all: the solution of the whole problem.
-TEST(ContactSystemOnRanks, SolvesTheWholeProblem)
-{
-  PetscMPIInt rank, ranks;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  generator.seed(11);
-  std::vector<ContactUnknown> unknowns;
-  for (int j = 0; j < 12; ++j) unknowns.push_back({1000 + 3 * j, 0.02 * std::sin(0.9 * j) - 0.01});
-  const std::vector<ContactCoupling> all = RandomCouplings();
-  std::vector<ContactCoupling> own;
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (static_cast<int>(k * 7 / 5 % ranks) == rank) own.push_back(all[k]);
-  std::vector<double> before;
-  for (int serial_unknowns : {1000, 1, 1}) {
-    Body body;
-    ContactReport report;
-    ContactSettings settings;
-    ContactSystem system;
-    settings.serial_unknowns = serial_unknowns;
-    ASSERT_EQ(body.Create(PETSC_COMM_WORLD), PETSC_SUCCESS);
-    const Grid &grid = body.grid;
-    ForEach(grid.Owned(), [&](Index node) {
-      const std::ptrdiff_t place = grid.Place(node);
-      grid.Sums()[place].mass = MassOf(node);
-      for (int d = 0; d < 2; ++d) grid.Velocity(place).velocity[d] = VelocityOf(node)[d];
-    });
-    ASSERT_EQ(system.Create(true, 0, settings), PETSC_SUCCESS);
-    const ContactView view = body.View();
-    ASSERT_EQ(system.Solve(view, unknowns, own, kAnyToAny, &report), PETSC_SUCCESS);
-    const std::vector<double> lambda = BySweeps(all, unknowns, view.dt, MassOf, VelocityOf);
-    const double largest = *std::max_element(lambda.begin(), lambda.end());
-    int loaded = 0;
-    for (int j = 0; j < 12; ++j) {
-      EXPECT_NEAR(system.Lambda()[j], lambda[j], 1e-8 * largest);
-      EXPECT_EQ(system.Pressures().count(unknowns[j].key), lambda[j] > 0 ? 1U : 0U);
-      loaded += lambda[j] > 0;
-    }
-    EXPECT_TRUE(loaded > 2 && loaded < 12) << loaded;
-    Vec3 impulse{};
-    for (const ContactCoupling &c : all) impulse = impulse + view.dt * lambda[c.unknown] * c.traction;
-    MPI_Allreduce(MPI_IN_PLACE, report.impulse.data(), 3, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-    EXPECT_LE(Norm(report.impulse - impulse), 1e-8 * Norm(impulse));
-    EXPECT_EQ(report.set_updates > 0, rank == 0);
-    if (!before.empty()) { EXPECT_EQ(system.Lambda(), before) << "the same to the last digit"; }
-    if (serial_unknowns == 1) before = system.Lambda();
-  }
 }

@@ -50,15 +50,16 @@ void CheckHardening(const OptionReader &reader, const std::string &prefix, const
     reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
 }
 
-/// MPa or GPa typed for Pa would be a metal that flows away without a word.
-void WarnOfSoftness(OptionReader &reader, const std::string &prefix, const Constants &c)
+/// Another unit than Pa would be a metal that flows away, or one that never flows, without a word.
+void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
 {
   constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals have 1e-5
   const bool table = c.hardening == "table";
   const double yield = table ? c.flow_stresses.front() : c.yield_stress;
-  if (yield < kSoftest * c.youngs_modulus)
-    Warn(reader.Comm(), prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) +
-                            ": is less than a millionth of Young's modulus; is it in Pa?");
+  const bool soft = yield < kSoftest * c.youngs_modulus;
+  if (!soft && yield < c.youngs_modulus) return;
+  Warn(reader.Comm(), prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) + ": is " +
+                          (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
 }
 
 void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)
@@ -78,7 +79,7 @@ void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c
     reader.Flag({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
   if (reader.Help()) return;
   CheckHardening(reader, prefix, *c);
-  WarnOfSoftness(reader, prefix, *c);
+  WarnOfUnits(reader, prefix, *c);
 }
 
 /// Share of its own growth of volume that a point keeps: enough to resist what the mean of its cell does not see, too little to

@@ -79,7 +79,8 @@ public:
   /// exchange of energy is added up.
   void SetCoupledNodes(std::vector<CoupledNode> nodes, CoupledPlaces places)
   {
-    coupled_nodes_ = std::move(nodes), coupled_places_ = std::move(places), is_coupled_ = true;
+    coupled_nodes_ = std::move(nodes), is_coupled_ = true;
+    SetCoupledPlaces(std::move(places));
   }
   /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
   /// level's; none where there is no such level.
@@ -172,6 +173,7 @@ public:
 private:
   /// A new grid by the layout, in the place of the one before.
   PetscErrorCode CreateGrid(const GridLayout &layout);
+  void SetCoupledPlaces(CoupledPlaces places);
   ContactView ViewOfContact(double time, double dt, const TipStep &tip);
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
@@ -202,6 +204,7 @@ private:
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
+  std::vector<double> least_masses_;      ///< by place, kg; empty where points do not average their volume
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;

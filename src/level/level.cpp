@@ -32,6 +32,12 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   PetscFunctionBeginUser;
   geometry_ = geometry;
   world_ = world;
+  for (const auto &material : model_.materials) density = std::min(density, material->Density());
+  nodal_ = model_.nodal;
+  nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
+  const double h = geometry.grid.spacing;
+  nodal_.full_mass = density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
+  nodal_.mass_cutoff = kEmptyNode * nodal_.full_mass;
   PetscCall(CreateGrid(layout));
   for (Points *store : {&points_, &copies_[0], &copies_[1]})
     PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
@@ -40,11 +46,6 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
   bodies_ = model_.Table();
-  for (const auto &material : model_.materials) density = std::min(density, material->Density());
-  nodal_ = model_.nodal;
-  nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
-  const double h = geometry.grid.spacing;
-  nodal_.mass_cutoff = kEmptyNode * density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -57,7 +58,16 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
     if (geometry_.sides.kind[s] == BoundaryKind::kSymmetry) grid->EndPointsAt(static_cast<Side>(s), geometry_.sides.node[s]);
   grid->WidenThinPoints(model_.LeastHalfSize());
   grid_ = std::move(grid);
+  SetCoupledPlaces({});
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Level::SetCoupledPlaces(CoupledPlaces places)
+{
+  coupled_places_ = std::move(places);
+  least_masses_.clear();
+  if (model_.VolumeAverages() > 0 && grid_->Participates())
+    least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop(), coupled_places_);
 }
 
 void Level::SetPressures(const ContactPressures &pressures)
@@ -152,6 +162,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
   AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
+  if (!least_masses_.empty()) RestrainLightNodes(*grid_, geometry_.sides, nodal_, least_masses_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,7 +188,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, coupled_places_.held, following_, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, least_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -305,7 +316,7 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscCall(SharePressures());
   PetscCall(CreateGrid(layout));
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
-  coupled_nodes_.clear(), coupled_places_ = {}, following_.clear();
+  coupled_nodes_.clear(), following_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   for (Points *store : {&points_, &copies_[0], &copies_[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));

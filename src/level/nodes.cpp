@@ -177,6 +177,35 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
   return impulse;
 }
 
+std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled)
+{
+  constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
+  std::vector<double> masses(grid.GhostedNodes());
+  ForEach(grid.Ghosted(), [&](Index node) {
+    const double share = hoop ? std::max(grid.Coordinate(0, node[0]) / grid.Geometry().spacing, kAtAxis) : 1;
+    masses[grid.Place(node)] = kLeastMass * share * settings.full_mass;
+  });
+  for (const std::ptrdiff_t place : coupled.held) masses[place] = 0;
+  for (const Index node : coupled.blended) masses[grid.Place(node)] = 0;
+  return masses;
+}
+
+void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                        const std::vector<double> &least_masses)
+{
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
+    const double mass = grid.Sums()[place].mass;
+    const auto [velocity, change] = grid.Velocity(place);
+    if (mass <= settings.mass_cutoff || mass >= least_masses[place]) return;
+    const double lack = LackOf(least_masses[place], mass);
+    for (int axis = 0; axis < dim; ++axis) velocity[axis] -= lack * change[axis];
+  });
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool) {
+    for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+      if (sides.Constrains(side, axis)) grid.Velocity(place).velocity[axis] = 0;
+  });
+}
+
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
@@ -204,20 +233,23 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::p
 }
 
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
+                 const std::vector<double> &least_masses, const std::vector<std::ptrdiff_t> &held,
+                 const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
-    const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
+    const double mass = grid.Sums()[place].mass;
+    const auto [updated, change] = grid.Velocity(place);
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     if (mass <= settings.mass_cutoff) {
       std::fill_n(velocity, components, 0.0);
       return;
     }
-    const double inverse_mass = 1 / mass;
+    const double inverse_mass = 1 / mass, lack = least_masses.empty() ? 0 : LackOf(least_masses[place], mass);
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
     for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
-      projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
+      const double whole = updated[axis] + lack * change[axis]; // without restraint, as momentum needs it
+      projected[axis] = settings.xpic_order == 1 ? whole : whole + updated[axis] - projected[axis];
       velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];

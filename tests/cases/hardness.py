@@ -143,6 +143,18 @@ def test_steeper_cone(expect):
            near=0, tolerance=0.05)
 
 
+def test_light_nodes(expect):
+    """Points under the tip leave nodes at the axis, whose last little mass must not strain the cell below."""
+    case, speed, _ = following(50e9, 2e9, 0.1, 2 * CELLS)
+    down = 8e-4 * speed
+    history = harness.run({**case, "indenter_times": [0, 0.1 * DEPTH / down], "indenter_velocities": [0, down],
+                           "indenter_max_depth": 0.85 * DEPTH}).history
+    [C] = (row[3] for row in table("cone_70deg.csv") if tuple(row[:3]) == (0.1, 50, 2))
+    expect("P/h^2, of that of finite elements", curvature(history, 0.5) / (C * 1e9), near=1, tolerance=0.04)
+    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1, near=0,
+           tolerance=0.05)
+
+
 def table(name):
     """Rows of a file of published finite elements."""
     return numpy.genfromtxt(harness.ROOT / "tests" / "reference" / name, delimiter=",", skip_header=4)

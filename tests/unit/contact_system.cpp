@@ -121,3 +121,35 @@ TEST(ContactSystemOnRanks, SolvesTheWholeProblem)
     if (serial_unknowns == 1) before = system.Lambda();
   }
 }
+
+/// Contact closes the gap with the motion of light nodes, which lacks a part of what their momentum gets.
+TEST(ContactSystem, ReckonsWithLeastMasses)
+{
+  PressedBody body;
+  ContactReport report;
+  ContactSystem system;
+  ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
+  const Grid &grid = body.grid;
+  const double mass = 1e-3, least = 0.25, p = 0.002, force = 0.03; // kg, m/s, N s
+  std::vector<double> least_masses(grid.GhostedNodes(), least);
+  for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(grid.GhostedNodes()); ++k) {
+    grid.Sums()[k] = {};
+    grid.Sums()[k].mass = mass, grid.Sums()[k].momentum[1] = p;
+    grid.Velocity(k).change[1] = force / mass, grid.Velocity(k).velocity[1] = (p + force) / mass;
+  }
+  ContactView view = body.View();
+  view.least_masses = least_masses.data();
+  ASSERT_EQ(system.Create(true, 0, {}), PETSC_SUCCESS);
+  const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -0.7}, {0, -0.7}}, {{8, 9, 0}, 0, {0, -0.3}, {0, -0.3}}};
+  const double gap = -1e-3;
+  ASSERT_EQ(system.Solve(view, {{0, gap}}, couplings, kAnyToAny, &report), PETSC_SUCCESS);
+  RestrainLightNodes(grid, body.sides, NodalSettings(), least_masses);
+  const double approach =
+      -0.7 * grid.Velocity(grid.Place({8, 8, 0})).velocity[1] - 0.3 * grid.Velocity(grid.Place({8, 9, 0})).velocity[1];
+  EXPECT_NEAR(gap + view.dt * approach, 0, 1e-12);
+  const double free = gap - view.dt * (p / mass + force / least); // as both nodes move alike before
+  EXPECT_NEAR(report.impulse[1], free / view.dt * least / (0.49 + 0.09), 1e-9) << "with which momentum grows";
+  double momentum = 0;
+  for (int j : {8, 9}) momentum += mass * (grid.Velocity(grid.Place({8, j, 0})).change[1] - force / mass);
+  EXPECT_NEAR(momentum, report.impulse[1], 1e-12);
+}

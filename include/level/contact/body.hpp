@@ -34,7 +34,10 @@ bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p);
 inline PetscMPIInt OwnerOf(const ContactView &view, Index node) { return view.group.RankOf(view.grid.BlockOfNode(node)); }
 /// Mass of the points of this level, and of the next finer one where there are both, kg.
 double MassOf(const ContactView &view, Index node);
-Vec3 VelocityOf(const Grid &grid, Index node); ///< v, m/s
+/// The same, but no less than the node's motion has, kg.
+double MovedMassOf(const ContactView &view, Index node);
+/// Of the motion that points will be moved by, m/s.
+Vec3 VelocityOf(const ContactView &view, Index node);
 /// Splits a change of velocity in what the node takes and what the sides hold.
 Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
 /// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, and both impulses.

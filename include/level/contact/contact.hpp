@@ -28,8 +28,9 @@ struct ContactView {
   double mass_cutoff; ///< kg
   double time, dt;    ///< s
   TipStep tip{};
-  BorderNodes *border = nullptr; ///< to the next coarser level, where there is one
-  SharedNode *shared = nullptr;  ///< by place: nodes that also move the next finer level's; none where there is none
+  BorderNodes *border = nullptr;        ///< to the next coarser level, where there is one
+  SharedNode *shared = nullptr;         ///< by place: nodes that also move the next finer level's; none where there is none
+  const double *least_masses = nullptr; ///< by place, see LeastMasses, kg; none where there is none
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all

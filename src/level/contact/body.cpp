@@ -41,11 +41,20 @@ double MassOf(const ContactView &view, Index node)
   return own > view.mass_cutoff && view.shared ? own + view.shared[place].finer_mass : own;
 }
 
-Vec3 VelocityOf(const Grid &grid, Index node)
+static double LeastMassOf(const ContactView &view, Index node)
 {
+  return view.least_masses ? view.least_masses[view.grid.Place(node)] : 0;
+}
+
+double MovedMassOf(const ContactView &view, Index node) { return std::max(MassOf(view, node), LeastMassOf(view, node)); }
+
+Vec3 VelocityOf(const ContactView &view, Index node)
+{
+  const NodeVelocity at = view.grid.Velocity(view.grid.Place(node));
+  const double lack = LackOf(LeastMassOf(view, node), MassOf(view, node));
   Vec3 velocity{};
-  std::copy_n(grid.Velocity(grid.Place(node)).velocity, grid.Geometry().dim, velocity.begin());
-  return velocity;
+  for (int d = 0; d < view.geometry.Dim(); ++d) velocity[d] = at.velocity[d] - lack * at.change[d];
+  return FreePart(view, node, velocity);
 }
 
 Vec3 FreePart(const ContactView &view, Index node, Vec3 change)

@@ -36,10 +36,10 @@ private:
   static void ApplyAtNode(const ContactView &view, Index node, double bounds[3], ContactReport *report)
   {
     const Grid &grid = view.grid;
-    const double mass = MassOf(view, node), x = grid.Coordinate(0, node[0]);
-    if (mass <= view.mass_cutoff) return;
+    const double mass = MovedMassOf(view, node), x = grid.Coordinate(0, node[0]);
+    if (MassOf(view, node) <= view.mass_cutoff) return;
     const SurfaceGap gap = view.indenter.Gap({x, grid.Coordinate(1, node[1])}, view.tip.end);
-    const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - VelocityOf(grid, node));
+    const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - VelocityOf(view, node));
     if (gap.distance >= grid.Geometry().spacing || approach <= 0) return;
     PushNode(view, node, mass * approach * gap.normal, report);
     bounds[0] = std::max(bounds[0], -x);

@@ -17,6 +17,10 @@ double MassOf(const ContactView &view, const ContactCoupling &at)
 {
   return at.coarser ? view.border->MassOf(at.node) : MassOf(view, at.node);
 }
+double MovedMassOf(const ContactView &view, const ContactCoupling &at)
+{
+  return at.coarser ? view.border->MassOf(at.node) : MovedMassOf(view, at.node);
+}
 
 /// Calls work(first, end) for the couplings of each node, which stand together.
 template <class Work> void ForEachNode(const std::vector<ContactCoupling> &couplings, Work work)
@@ -157,12 +161,12 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
       terms.push_back({row, column, value});
   };
   ForEachNode(couplings, [&](auto first, auto end) {
-    const double mobility = view.dt * view.dt * first->share / MassOf(view, *first);
+    const double mobility = view.dt * view.dt * first->share / MovedMassOf(view, *first);
     for (auto a = first; a != end; ++a) {
       const Vec3 mobile =
           mobility * (a->coarser ? view.border->FreePart(a->node, a->constraint) : FreePart(view, a->node, a->constraint));
       if (!a->coarser) { // whose velocity has the coarser nodes' part
-        add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, VelocityOf(view.grid, a->node)));
+        add(a->unknown, kRightSide, -view.dt * Dot(a->constraint, VelocityOf(view, a->node)));
         if (a->unknown % per_column) add(a->unknown, kRightSide, Dot(a->constraint, way)); // of pressures the gap has it
         if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
       }

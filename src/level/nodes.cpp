@@ -190,14 +190,21 @@ std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings,
   return masses;
 }
 
-void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                        const std::vector<double> &least_masses)
+/// Calls work(place, lack, dim) for every local node that moves by less than its change of velocity.
+template <class Work>
+static void ForEachLight(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses, Work work)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     const double mass = grid.Sums()[place].mass;
+    if (mass > settings.mass_cutoff && mass < least_masses[place]) work(place, LackOf(least_masses[place], mass), dim);
+  });
+}
+
+void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                        const std::vector<double> &least_masses)
+{
+  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double lack, auto dim) {
     const auto [velocity, change] = grid.Velocity(place);
-    if (mass <= settings.mass_cutoff || mass >= least_masses[place]) return;
-    const double lack = LackOf(least_masses[place], mass);
     for (int axis = 0; axis < dim; ++axis) velocity[axis] -= lack * change[axis];
   });
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool) {
@@ -232,28 +239,40 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::p
   }
 }
 
+/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it.
+static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses)
+{
+  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double lack, auto dim) {
+    const double *const change = grid.Velocity(place).change;
+    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+    for (int axis = 0; axis < dim; ++axis) {
+      projected[axis] += lack * change[axis];
+      if (settings.second_extrapolation) velocity[axis] += settings.xpic_fraction * lack * change[axis];
+    }
+  });
+}
+
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                  const std::vector<double> &least_masses, const std::vector<std::ptrdiff_t> &held,
                  const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
-    const double mass = grid.Sums()[place].mass;
-    const auto [updated, change] = grid.Velocity(place);
+    const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     if (mass <= settings.mass_cutoff) {
       std::fill_n(velocity, components, 0.0);
       return;
     }
-    const double inverse_mass = 1 / mass, lack = least_masses.empty() ? 0 : LackOf(least_masses[place], mass);
+    const double inverse_mass = 1 / mass;
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
     for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
-      const double whole = updated[axis] + lack * change[axis]; // without restraint, as momentum needs it
-      projected[axis] = settings.xpic_order == 1 ? whole : whole + updated[axis] - projected[axis];
+      projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
       velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
+  if (settings.xpic_fraction > 0 && !least_masses.empty()) ProjectWholeChange(grid, settings, least_masses);
   for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
   for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);

@@ -10,7 +10,8 @@ from mlgimp import load_depth, oliver_pharr
 
 POISSON, DEPTH, CELLS = 0.3, 200e-9, 16  # CELLS: finest ones in the contact's radius without pile-up, at full depth
 TRANSITS = 12  # of waves through the block, in the slow part of the unloading
-CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.3, 90, 0.5), (0.5, 50, 0.2)}  # exponent, E and yield stress, GPa
+# Exponent, E and yield stress, GPa.
+CHOSEN = {(0, 10, 0.3), (0, 50, 1), (0, 130, 3), (0, 210, 1.8), (0.1, 50, 2), (0.3, 10, 0.3), (0.3, 90, 0.5), (0.5, 50, 0.2)}
 ANGLED = {50: {(0, 50, 1), (0, 90, 0.5), (0.3, 130, 1)}, 60: {(0, 210, 1.8), (0.3, 10, 0.3)}, 80: {(0, 50, 1), (0.5, 50, 0.2)}}
 PYRAMIDS = {(0.1, 10, 0.1), (0.3, 50, 2), (0, 210, 0.3)}
 
@@ -220,21 +221,23 @@ def verify_angle_80(study):
 
 
 def press_pyramid(E, sy, exponent, cells):
-    """Half of a block, mirrored at y = 0, of 16 coarse cells on three levels; a Berkovich pyramid presses as many of the finest
+    """Half of a block, mirrored at y = 0, of 16 coarse cells on four levels; a Berkovich pyramid presses as many of the finest
     cells deep. Without unloading."""
     fine = DEPTH / cells
-    size = 256 * fine
+    size, top = 1024 * fine, 1088 * fine
     material, speed = metal(E, sy, exponent, size)
     down = 1e-3 * speed
     loading = DEPTH / down
+    boxes = {}
+    for level, back, front in ((1, 320, 320), (2, 80, 80), (3, 16, 24)):
+        boxes[f"level_{level}_lower"] = [-back * fine, 0.0, size - back * fine]
+        boxes[f"level_{level}_upper"] = [front * fine, front * fine, top]
     return harness.run({
-        **material, "geometry": "3d", "domain_lower": [-size, 0.0, 0.0], "domain_upper": [size, size, size + 32 * fine], "cell_size": 16 * fine,
-        **{f"boundary_{side}": "symmetry" for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower")}, "levels": 3, "refinement_ratio": 4,
-        "level_1_lower": [-80 * fine, 0.0, size - 80 * fine], "level_1_upper": [80 * fine, 80 * fine, size + 32 * fine],
-        "level_2_lower": [-16 * fine, 0.0, size - 16 * fine], "level_2_upper": [24 * fine, 24 * fine, size + 32 * fine],
-        "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich", "indenter_tip": [0.0, 0.0, size],
-        "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down], "end_time": 1.075 * loading, "frames": 0,
-        "history_interval": 2}, timeout=7200)
+        **material, **boxes, "geometry": "3d", "domain_lower": [-size, 0.0, 0.0], "domain_upper": [size, size, top], "cell_size": 64 * fine,
+        **{f"boundary_{side}": "symmetry" for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower")}, "levels": 4,
+        "refinement_ratio": 4, "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich",
+        "indenter_tip": [0.0, 0.0, size], "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down],
+        "end_time": 1.075 * loading, "frames": 0, "history_interval": 2}, timeout=7200)
 
 
 def verify_berkovich(study):

@@ -83,7 +83,8 @@ public:
   PetscErrorCode GatherInterfaceState(int b, std::vector<double> *state) { return borders_[b]->GatherState(state); }
   /// Number of interface nodes of border b.
   std::size_t InterfaceNodes(int b) const { return borders_[b]->InterfaceNodes(); }
-  /// Connects the levels as their layouts are now, with the state from GatherInterfaceState. Collective.
+  /// Connects the levels as their layouts are now, with the state from GatherInterfaceState: border by border, the last one last.
+  /// Collective.
   PetscErrorCode RestoreInterfaceState(int b, const std::vector<double> &state);
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.

@@ -189,7 +189,8 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
   PetscFunctionBeginUser;
   PetscCall(RenewInterface(b, false));
   borders_[b]->RestoreState(state);
-  CoupleNodes(b), CoupleNodes(b + 1);
+  const bool last = b + 2 == Levels(); // until then the next border has places of the layout before
+  for (int l = 0; last && l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

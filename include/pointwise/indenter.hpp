@@ -30,6 +30,9 @@ public:
   /// Width of the part below a height above the tip, which may be infinite, m: the largest extent along x, of a pyramid the
   /// diameter of the inscribed circle.
   virtual double Width(double height) const = 0;
+  /// Whether the plane through the tip that is normal to a horizontal axis may be one of symmetry: it is its own mirror image
+  /// there, or ends there.
+  virtual bool MayBeMirrored(int axis) const = 0;
 };
 
 // Profiles over the distance rho from the axis: prismatic in plane strain, of revolution otherwise.

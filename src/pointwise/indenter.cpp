@@ -27,6 +27,7 @@ public:
     return {gap.distance, normal};
   }
   double Width(double height) const final { return 2 * Radius(height); }
+  bool MayBeMirrored(int) const final { return true; }
 
 protected:
   struct ProfileGap {
@@ -112,6 +113,25 @@ public:
       if (distance > gap.distance) gap = {distance, plane.normal};
     }
     return gap;
+  }
+  bool MayBeMirrored(int axis) const final
+  {
+    constexpr double kRounding = 1e-6; // of typed angles and of lengths
+    const auto ends_there = [axis](const Plane &plane) {
+      return std::abs(plane.normal[axis]) > 1 - kRounding && std::abs(plane.point[axis]) <= kRounding * Norm(plane.point);
+    };
+    if (std::any_of(planes_.begin(), planes_.end(), ends_there)) return true;
+    const auto mirror = [axis](Vec3 x) {
+      x[axis] = -x[axis];
+      return x;
+    };
+    return std::all_of(planes_.begin(), planes_.end(), [&](const Plane &plane) {
+      const Vec3 point = mirror(plane.point), normal = mirror(plane.normal);
+      return std::any_of(planes_.begin(), planes_.end(), [&](const Plane &other) {
+        const double apart = Dot(other.normal, point - other.point), size = Norm(point) + Norm(other.point);
+        return Norm(other.normal - normal) < kRounding && std::abs(apart) <= kRounding * size;
+      });
+    });
   }
 
 protected:

@@ -117,6 +117,8 @@ void CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std
                     "inside the domain, " + reader.Text(c.domain.lower) + " to " + reader.Text(c.domain.upper) + "; body " +
                         body.name + " reaches from " + reader.Text(bounds.lower) + " to " + reader.Text(bounds.upper));
     }
+  if (c.model.geometry.HasHoop() && body.region->Bounds().lower[0] <= 0 && body.velocity[0] != 0)
+    reader.Refuse("-" + body.name + "_velocity", reader.Text(body.velocity), "0 along x: the body reaches the axis, which stays");
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
     if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1), c.Dim()))
@@ -207,7 +209,10 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
     c->model.loads.push_back(load);
     c->load_names.push_back(name);
   }
-  reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &c->model.nodal.gravity);
+  Vec3 &gravity = c->model.nodal.gravity;
+  reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &gravity);
+  if (c->model.geometry.HasHoop() && gravity[0] != 0)
+    reader.Refuse("-gravity", reader.Text(gravity), "0 along x, which is away from the axis on all sides");
 }
 
 } // namespace mlgimp

@@ -147,6 +147,17 @@ void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case 
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
 
+/// The side of the domain across a horizontal axis that the tip is on.
+std::optional<Side> SideAtTip(const Case &c, int axis)
+{
+  for (const bool upper : {false, true}) {
+    const double side = upper ? c.domain.upper[axis] : c.domain.lower[axis];
+    if (std::abs(c.model.indenter->tip[axis] - side) < kRounding * c.cell_size) return static_cast<Side>(2 * axis + upper);
+  }
+  return {};
+}
+bool IsSymmetry(const Case &c, std::optional<Side> side) { return side && c.model.sides[*side] == BoundaryKind::kSymmetry; }
+
 /// Sideways speeds, at the same times; an axis cannot move.
 void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *c)
 {
@@ -161,13 +172,8 @@ void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *
     if (speeds.size() != times.size())
       reader.Refuse(name, std::to_string(speeds.size()) + " values",
                     "as many as -indenter_times has: " + std::to_string(times.size()));
-    for (const bool upper : {false, true}) {
-      const double side = upper ? c->domain.upper[axis] : c->domain.lower[axis];
-      if (c->model.sides[2 * axis + upper] == BoundaryKind::kSymmetry &&
-          std::abs(c->model.indenter->tip[axis] - side) < kRounding * c->cell_size)
-        reader.Refuse(name, "",
-                      "left out where the tip is on a side of symmetry: the indenter's other half would move against it");
-    }
+    if (IsSymmetry(*c, SideAtTip(*c, axis)))
+      reader.Refuse(name, "", "left out where the tip is on a side of symmetry: the indenter's other half would move against it");
     c->model.indenter->sideways[axis] = PiecewiseLinear(times, speeds);
   }
 }
@@ -266,6 +272,22 @@ std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end
   return way;
 }
 
+/// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
+void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  for (int axis = 0; axis < c.model.indenter->up; ++axis) {
+    const std::optional<Side> side = SideAtTip(c, axis);
+    if (!side || (axis == 0 && c.model.geometry.HasHoop())) continue;
+    if (!IsSymmetry(c, side))
+      Warn(reader.Comm(), std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
+                              "ends; with symmetry it would be half of a body that goes on");
+    else if (!c.model.indenter->surface->MayBeMirrored(axis))
+      reader.Refuse("-indenter", kind,
+                    std::string("its own mirror image across ") + kSideNames[*side] +
+                        ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter");
+  }
+}
+
 /// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
@@ -345,6 +367,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
   CheckReach(reader, *c);
+  CheckMirror(reader, *c, kind);
   CheckIndenterPath(reader, *c);
   CheckIndenterSize(reader, *c, kind);
 }

@@ -33,6 +33,7 @@ AXIS = {"geometry": "axisymmetric"}
 CONE = {**WEDGE, **AXIS, "indenter": "cone", "indenter_tip": "0,8"}
 SPACE = {"geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "12,12,12", "block_lower": "0,0,0", "block_upper": "8,8,8"}
 PYRAMID = {**WEDGE, **SPACE, "indenter": "pyramid", "indenter_tip": "4,4,8"}
+QUARTER = {**PYRAMID, "indenter_tip": "0,0,8", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry"}
 
 
 def without(*names):
@@ -118,9 +119,16 @@ CASES = [
     ("pyramid on the axis", {**CONE, "indenter": "pyramid"}, ["-indenter pyramid:", "cone, sphere"]),
     ("wedge on the axis", {**CONE, "indenter": "wedge"}, ["-indenter wedge:", "cone, sphere"]),
     ("three components of a velocity in axisymmetry", {**AXIS, "block_velocity": "0,0,1"}, ["-block_velocity 0,0,1:", "2 numbers"]),
+    ("gravity away from the axis", {**AXIS, "gravity": "9.81,0"}, ["-gravity 9.81,0:", "axis"]),
+    ("body that leaves the axis", {**AXIS, "block_velocity": "1,0"}, ["-block_velocity 1,0:", "axis"]),
     ("three components in axisymmetry", {**CONE, "indenter_tip": "0,8,0"}, ["-indenter_tip 0,8,0:", "2 numbers"]),
     ("pyramid with two faces", {**PYRAMID, "indenter_faces": "2"}, ["-indenter_faces 2:", "[3, 360]"]),
     ("two components of a tip in space", {**PYRAMID, "indenter_tip": "4,8"}, ["-indenter_tip 4,8:", "3 numbers"]),
+    ("Berkovich tip on two sides of symmetry", {**QUARTER, "indenter": "berkovich", "indenter_half_angle": None},
+     ["-indenter berkovich:", "mirror", "x_lower"]),
+    ("turned pyramid on a side of symmetry", {**QUARTER, "indenter_turn": "20"}, ["-indenter pyramid:", "mirror", "x_lower"]),
+    ("polygon on a side of symmetry", {**POLYGON, "boundary_x_lower": "symmetry", "indenter_tip": "0,8", "indenter_vertices": "0,0,3,1,-1,1"},
+     ["-indenter polygon:", "mirror", "x_lower"]),
     ("two components of gravity in space", {**SPACE, "gravity": "0,-1"}, ["-gravity 0,-1:", "3 numbers"]),
     ("two components of a velocity in space", {**SPACE, "block_velocity": "0,1"}, ["-block_velocity 0,1:", "3 numbers"]),
     ("two components of a box in space", {**SPACE, "levels": "2", "level_1_lower": "0,0", "level_1_upper": "8,8,8"},

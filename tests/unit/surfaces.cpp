@@ -118,6 +118,24 @@ TEST(Surfaces, Indenters)
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
 }
 
+/// Which indenters a side of symmetry through the tip may cut: across x, across y.
+TEST(Surfaces, Mirrors)
+{
+  const auto across = [](const IndenterSurface &surface) {
+    return std::pair<bool, bool>(surface.MayBeMirrored(0), surface.MayBeMirrored(1));
+  };
+  using Axes = std::pair<bool, bool>;
+  EXPECT_EQ(across(*CreateCone(kSpace, 70.3, 0.1)), Axes(true, true)) << "cone";
+  EXPECT_EQ(across(*CreatePyramid(65.27, 3, 0, 0)), Axes(false, true)) << "Berkovich";
+  EXPECT_EQ(across(*CreatePyramid(65.27, 3, 90, 0.3)), Axes(true, false)) << "Berkovich, turned, rounded";
+  EXPECT_EQ(across(*CreatePyramid(68, 4, 45, 0)), Axes(true, true)) << "Vickers on its edges";
+  EXPECT_EQ(across(*CreatePyramid(68, 4, 44.99, 0)), Axes(false, false)) << "Vickers, turned";
+  EXPECT_TRUE(CreatePolygonIndenter({{0, 0}, {3, 1}, {-3, 1}})->MayBeMirrored(0)) << "polygon";
+  EXPECT_TRUE(CreatePolygonIndenter({{0, 0}, {3, 1}, {0, 1}})->MayBeMirrored(0)) << "half of a polygon";
+  EXPECT_FALSE(CreatePolygonIndenter({{0, 0}, {3, 1}, {-1, 1}})->MayBeMirrored(0)) << "lopsided polygon";
+  EXPECT_FALSE(CreatePolygonIndenter({{0, 0}, {3, 1}, {3, 4}, {-3, 1}})->MayBeMirrored(0)) << "lopsided above";
+}
+
 /// Sections of sharp tips: Berkovich and Vickers are made to have nearly the same.
 TEST(Surfaces, SectionAreas)
 {

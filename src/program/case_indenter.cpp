@@ -130,10 +130,13 @@ void RefuseGiven(OptionReader &reader, const std::string &option, const std::str
     reader.Refuse(option, text, "left out with -indenter_control " + control);
 }
 
+constexpr double kLargestSpeed = 0.1; ///< of the speed of waves; no indentation is as fast
+
+double WaveSpeed(const Material &material) { return std::sqrt((material.Lambda() + 2 * material.Mu()) / material.Density()); }
+
 /// What load control asks of the rest of the case, and what follows from it.
 void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case *c)
 {
-  constexpr double kLargestSpeed = 0.1; // of the speed of waves; no indentation is as fast
   double wave_speed = 0;
   for (const char *option : {"-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
     RefuseGiven(reader, option, "load");
@@ -141,8 +144,7 @@ void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case 
     reader.Refuse("-contact", c->model.contact.method, "pressure with -indenter_control load");
   if (c->levels > 1 && c->hierarchy.coupling == LevelCoupling::kPoints)
     reader.Refuse("-level_coupling", "points", "nodes with -indenter_control load");
-  for (const auto &material : c->model.materials)
-    wave_speed = std::max(wave_speed, std::sqrt((material->Lambda() + 2 * material->Mu()) / material->Density()));
+  for (const auto &material : c->model.materials) wave_speed = std::max(wave_speed, WaveSpeed(*material));
   c->model.indenter->by_load = {force, kLargestSpeed * wave_speed};
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
@@ -259,6 +261,18 @@ void CheckReach(OptionReader &reader, const Case &c)
                             FormatRounded(nearest) + " m to the body until the end: there will be no contact");
 }
 
+/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
+void CheckSpeed(OptionReader &reader, const Case &c)
+{
+  if (c.model.indenter->by_load || c.model.contact.method == "none") return;
+  const double speed = c.model.indenter->Fastest(0, c.time.end_time);
+  double slowest = HUGE_VAL;
+  for (const auto &material : c.model.materials) slowest = std::min(slowest, WaveSpeed(*material));
+  if (speed > kLargestSpeed * slowest)
+    Warn(reader.Comm(), "-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " +
+                            FormatRounded(slowest) + " m/s: that is an impact; is Young's modulus in Pa?");
+}
+
 /// Ends of the tip's way along a horizontal axis; up to the last of its times where the end of the run is not known.
 std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end_time)
 {
@@ -279,7 +293,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
     const std::optional<Side> side = SideAtTip(c, axis);
     if (!side || (axis == 0 && c.model.geometry.HasHoop())) continue;
     if (!IsSymmetry(c, side))
-      Warn(reader.Comm(), std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
+      Warn(reader.Comm(), std::string("-boundary_") + kSideNames[*side] +
+                              ": the indenter's tip is on this side, where the body " +
                               "ends; with symmetry it would be half of a body that goes on");
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
       reader.Refuse("-indenter", kind,
@@ -367,6 +382,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
   CheckReach(reader, *c);
+  CheckSpeed(reader, *c);
   CheckMirror(reader, *c, kind);
   CheckIndenterPath(reader, *c);
   CheckIndenterSize(reader, *c, kind);

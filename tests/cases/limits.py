@@ -61,6 +61,17 @@ def test_friction_in_per_cent(friction, warned):
     assert [line.startswith(WARNING + "-indenter_friction") for line in said] == [True] * warned
 
 
+@pytest.mark.parametrize("change, warned", [
+    ({"al_density": 1}, "-al_density 1: waves have 3.669e+04 m/s"), ({"al_density": 2}, None),
+    ({"al_youngs_modulus": 1e6}, "-indenter: moves with up to 50 m/s, where waves have 36.69 m/s"), ({"al_youngs_modulus": 1e9}, None),
+    ({"boundary_x_lower": "free"}, "-boundary_x_lower: the indenter's tip is on this side"), ({"boundary_x_lower": "fixed"}, "-boundary_x_lower")])
+def test_other_units_and_a_forgotten_side_of_symmetry_are_told(change, warned):
+    """g/cm3 for kg/m3, MPa for Pa, and half of a body that was meant to be mirrored."""
+    said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_tip": "0,8", "boundary_x_lower": "symmetry", "max_steps": 2,
+                     **change})
+    assert [line.startswith(WARNING + warned) for line in said] == [True] if warned else said == []
+
+
 def test_punch_as_wide_as_a_cell_of_its_level():
     levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
     case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05}

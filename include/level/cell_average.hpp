@@ -33,22 +33,29 @@ void VolumeGrowth(const Block &b, const Row *x, double dt, const Motion<Geometry
   }
 }
 
-/// Place of the cells that the centres of points lie in.
-template <int dim> void FindCells(const Lattice &grid, const Row *x, int count, int *cell)
+/// Where the cells that the centres of points lie in have their sums (Grid::Cells). Summed up as doubles, which vectorise better
+/// and hold any place.
+template <int dim> void FindCells(const Grid &grid, const Row *x, int count, int *cell)
 {
-  std::fill_n(cell, count, 0);
+  const Lattice &lattice = grid.IndexSpace();
+  const double *const origin = lattice.origin, inverse_spacing = lattice.inverse_spacing;
+  double stride[dim], first = 0;
   for (int axis = 0; axis < dim; ++axis) {
-    const double origin = grid.origin[axis], inverse_spacing = grid.inverse_spacing;
-    const int first = grid.first[axis], stride = static_cast<int>(grid.stride[axis]);
+    stride[axis] = static_cast<double>(grid.CellStride()) * lattice.stride[axis];
+    first += stride[axis] * lattice.first[axis];
+  }
 #pragma omp simd
-    for (int p = 0; p < count; ++p)
-      cell[p] += (static_cast<int>(std::floor((x[axis][p] - origin) * inverse_spacing)) - first) * stride;
+  for (int p = 0; p < count; ++p) {
+    double place = -first;
+#pragma GCC unroll 3
+    for (int axis = 0; axis < dim; ++axis) place += stride[axis] * std::floor((x[axis][p] - origin[axis]) * inverse_spacing);
+    cell[p] = static_cast<int>(place);
   }
 }
 
 /// What the average needs of the points of a block: growth of volume in the step, current volume, cell.
 template <class Geometry> struct CellParts {
-  CellParts(const Block &b, const Extents<Geometry::kDim> &points, const Lattice &grid, double dt,
+  CellParts(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
             const Motion<Geometry::kDim> &motion)
   {
     VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
@@ -64,10 +71,11 @@ template <class Geometry>
 void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                const Motion<Geometry::kDim> &motion)
 {
-  const CellParts<Geometry> parts(b, points, grid.IndexSpace(), dt, motion);
+  const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
+  CellSums *const cells = grid.Cells(b.average);
   for (int p = 0; p < b.count; ++p) {
-    CellSums &cell = grid.Cell(parts.cell[p], b.average);
+    CellSums &cell = cells[parts.cell[p]];
     cell.mass += b.mass[p];
     cell.growth += b.mass[p] * parts.growth[p];
     cell.relative_volume += density * parts.volume[p];
@@ -85,15 +93,18 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
 {
   constexpr int dim = Geometry::kDim;
   constexpr double kLeast = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
-  const CellParts<Geometry> parts(b, points, grid.IndexSpace(), dt, motion);
+  const CellParts<Geometry> parts(b, points, grid, dt, motion);
   alignas(64) double mean[kBlock], mean_J[kBlock];
+  alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors
+  LoadRows<dim>(b.stress, b.count, sigma, Geometry::kStress);
+  const CellSums *const cells = grid.Cells(b.average);
   for (int p = 0; p < b.count; ++p) {
-    const CellSums &cell = grid.Cell(parts.cell[p], b.average);
+    const CellSums &cell = cells[parts.cell[p]];
     mean[p] = cell.growth, mean_J[p] = cell.relative_volume;
   }
   const double exponent = 2 * (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
   const double settling = kSettling * dt / dim, specific_volume = 1 / b.material.Density();
-  const double *const stress = b.stress, *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
+  const double *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
   const int *const faces = b.faces;
   Row *const L = motion.L;
   double work = 0;
@@ -113,8 +124,8 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
     const double excess = SmallGrowth(stretch);
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));
-    const double *const sigma = stress + Geometry::kStress * p;
-    work -= volume[p] * excess * (sigma[0] + sigma[1] + (dim == 3 ? sigma[2] : 0)); // of the part I/dt, beside which L is small
+    const double trace = sigma[0][p] + sigma[1][p] + (dim == 3 ? sigma[dim - 1][p] : 0);
+    work -= volume[p] * excess * trace; // of the part I/dt, beside which L is small
   }
   budgets.averaging_work += work;
 }

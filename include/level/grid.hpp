@@ -151,8 +151,10 @@ public:
     return {first, first + velocity_size_ / 2};
   }
   double *Rates(std::ptrdiff_t place) const { return rates_ + rates_size_ * place; }
-  /// Sums of a material over the points of the cell above a node along every axis.
-  CellSums &Cell(std::ptrdiff_t place, int average) const { return cells_[cell_size_ * place + average]; }
+  /// Sums of a material over the points of cells: those of the cell above a node, along every axis, lie CellStride() times the
+  /// node's place from the first.
+  CellSums *Cells(int average) const { return cells_ + average; }
+  int CellStride() const { return cell_size_; }
   void ClearSums() const;
   /// Rates, and the sums of cells.
   void ClearRates() const;
@@ -191,7 +193,7 @@ private:
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
   std::vector<CellSums> cell_memory_;
   CellSums *cells_ = nullptr;
-  std::ptrdiff_t cell_size_ = 0; ///< materials that a cell has sums of
+  int cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
   SharedNodes shared_;
   UnitHandle sums_unit_, velocity_unit_;

@@ -217,8 +217,8 @@ PetscErrorCode Grid::ShareRates(bool projection, bool strain_rate)
   Choose(0, dim, &rates.chosen);
   if (projection) Choose(NodeLayout::Projected(dim), dim, &rates.chosen);
   if (strain_rate) Choose(NodeLayout::StrainRate(dim), dim == 2 ? 4 : 6, &rates.chosen);
-  cells.size = cell_size_ * static_cast<std::ptrdiff_t>(sizeof(CellSums) / sizeof(double));
-  Choose(0, static_cast<int>(cells.size), &cells.chosen);
+  cells.size = cell_size_ * static_cast<int>(sizeof(CellSums) / sizeof(double));
+  Choose(0, cells.size, &cells.chosen);
   if (HasGhosts()) PetscCall(shared_.Sum({rates, cells}));
   for (CellSums &cell : cell_memory_)
     if (cell.mass > 0) cell.growth /= cell.mass, cell.relative_volume /= cell.mass;

@@ -280,18 +280,21 @@ private:
   static void MixVelocity(const PointArrays &b, double fraction, const Row *projected, Budgets &budgets)
   {
     double lost = 0;
+    alignas(64) Row velocity[dim];
+    LoadRows<dim>(b.velocity, b.count, velocity);
     for (int axis = 0; axis < dim; ++axis) {
-      double impulse = 0;
+      double impulse = 0, *const own = velocity[axis];
+      const double *const mean = projected[axis], *const mass = b.mass;
 #pragma omp simd reduction(+ : lost, impulse)
       for (int p = 0; p < b.count; ++p) {
-        double &v = b.velocity[dim * p + axis];
-        const double mixed = v + fraction * (projected[axis][p] - v);
-        lost += 0.5 * b.mass[p] * (v - mixed) * (v + mixed);
-        impulse += b.mass[p] * (mixed - v);
-        v = mixed;
+        const double v = own[p], mixed = v + fraction * (mean[p] - v);
+        lost += 0.5 * mass[p] * (v - mixed) * (v + mixed);
+        impulse += mass[p] * (mixed - v);
+        own[p] = mixed;
       }
       budgets.xpic_impulse[axis] += impulse;
     }
+    StoreRows<dim>(velocity, b.count, b.velocity);
     budgets.xpic_dissipation += lost;
   }
 };

@@ -11,6 +11,7 @@ namespace mlgimp
 namespace
 {
 
+constexpr double kAtAxis = 1e-3; ///< distance of a face from the axis over the longest half edge of its point
 constexpr double kMostShear = 2; ///< shift of an edge over the height that it leaves to a box
 
 bool Flows(const Model &model, const PointArrays &a, int p)
@@ -111,6 +112,7 @@ void ExposePoints(const Model &model, Points &points, Vec3 tip)
     int bit = 0;
     for (int s = 0; s < 2 * a.dim; ++s) {
       const Face face = PointFace(a, p, static_cast<Side>(s));
+      if (a.initial_radius && face.center[0] < kAtAxis * reach) continue; // it has no area
       const double facing = -Dot(face.area_normal, gap.normal) / Norm(face.area_normal);
       if (facing > most)
         most = facing, outermost = model.indenter->Gap(face.center, tip).distance, bit = OuterFaceBit(static_cast<Side>(s));

@@ -1,6 +1,9 @@
 // Boxes that flow has sheared: what straightening keeps, and what it leaves alone.
 #include "level/flow.hpp"
 #include "level/face.hpp"
+#include "level/seeding.hpp"
+
+#include "simulation/setup.hpp"
 
 #include <gtest/gtest.h>
 
@@ -133,4 +136,35 @@ TEST(Flow, BoxesEndAtTheAxis)
   }
   EXPECT_GT(ended, 5);
   EXPECT_LT(ended, 45);
+}
+
+/// A slender cone that passes points at the axis: their faces there have no area, and none of them comes to the surface.
+TEST(Flow, TheAxisIsNoSurface)
+{
+  constexpr double kAngle = 20, kDepth = 1.3; // degrees, cells
+  Model model;
+  model.geometry.kind = GeometryKind::kAxisymmetric;
+  AddBody(model, CreateBoxRegion({{0, 0}, {3, 4}}), "j2", {1e9, 0.3, 1000, 1e6, 0});
+  model.materials[0]->SplitStretched(true);
+  model.indenter.emplace();
+  model.indenter->surface = CreateCone(GeometryKind::kAxisymmetric, kAngle, 0);
+  const GridGeometry geometry = {{0, 0}, 1, {8, 8}, 1};
+  const BoundaryConditions sides = {{BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kFixed, BoundaryKind::kFree},
+                                    {0, 8, 0, 8, 0, 0}};
+  Grid grid;
+  Points points;
+  ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
+  ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kAxisymmetric, 0, model.materials[0]->HistorySize()), PETSC_SUCCESS);
+  const Seeding seeding(
+      model, geometry, sides, [](Vec3) { return 1.0; }, 2, 0);
+  ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
+  ExposePoints(model, points, {0, 4 - kDepth});
+  const PointArrays a = points.Arrays();
+  int exposed = 0;
+  for (int p = 0; p < a.count; ++p) {
+    const bool at_axis = a.position[2 * p] < 0.5, within = a.position[2 * p + 1] < 3.5;
+    EXPECT_EQ(at_axis ? a.faces[p] & OuterFaceBit(kXLower) : 0, 0) << "at height " << a.position[2 * p + 1];
+    exposed += at_axis && within && a.faces[p] != 0;
+  }
+  EXPECT_GE(exposed, 1) << "by their faces upward";
 }

@@ -36,13 +36,29 @@ std::string OfViscosity(const Case &c, const Budgets &budgets, const QuasiStatic
          " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
 }
 
+bool HasMetal(const Case &c)
+{
+  return std::any_of(c.model.materials.begin(), c.model.materials.end(),
+                     [](const auto &material) { return material->IsMetal(); });
+}
+
+/// A tip that tears the surface of a metal open comes down with little load or none, and blows where it meets points again.
+std::string OfTearing(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
+{
+  constexpr double kMost = 0.1; // of the indenter's work; steep cones on a few cells are seen to give 0.05
+  if (!c.model.indenter || !HasMetal(c) || budgets.plastic_work <= 0) return "";
+  const double work = budgets.indenter_work, given = budgets.contact_work - work;
+  if (given <= kMost * std::abs(work)) return "";
+  return "-indenter: contact has given the bodies " + FormatRounded(100 * given / std::abs(work)) +
+         " % more work than the indenter has done" + When(budgets) +
+         ": it has met few cells so far, or has torn the surface open, and the load is wrong; try smaller cells or a blunter tip";
+}
+
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
 std::string OfNoise(const Case &c, const Budgets &budgets, const QuasiStaticWatch &)
 {
   constexpr double kMost = 0.005;
-  bool has_metal = false;
-  for (const auto &material : c.model.materials) has_metal = has_metal || material->IsMetal();
-  if (!has_metal || !c.model.indenter || c.model.contact.method == "none") return "";
+  if (!HasMetal(c) || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || budgets.noise_energy <= kMost * std::abs(budgets.indenter_work)) return "";
   return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
          FormatRounded(100 * budgets.noise_energy / std::abs(budgets.indenter_work)) + " % of the indenter's work" +
@@ -87,7 +103,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const QuasiStaticWatch &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfNoise, true},
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfTearing, true},  {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     if (told_.count(k) || (kAll[k].at_end && !ended)) continue;

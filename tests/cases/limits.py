@@ -100,6 +100,16 @@ def test_surface_deep_inside_the_indenter_is_told():
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
+@pytest.mark.parametrize("half_angle, told", [(10, 1), (60, 0)])
+def test_surface_torn_open_is_told(half_angle, told):
+    """A slender wedge parts the points of a metal and carries nothing any more; the books of its work do not close."""
+    result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": 1.6e-6, "frames": 0}, file="wedge_plastic.opts")
+    history = result.history
+    excess = history["contact_work"][-1] / history["indenter_work"][-1] - 1
+    assert (excess > 0.1) == bool(told), excess
+    assert result.stderr.count(WARNING + "-indenter: contact has given") == told, result.stderr
+
+
 # ---- steps ----
 
 @pytest.mark.parametrize("damping", [7000, 1e5])

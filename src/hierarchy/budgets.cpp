@@ -1,6 +1,8 @@
 // The budgets of a run and its failures, over all levels and ranks.
 #include "hierarchy/hierarchy.hpp"
 
+#include "base/text.hpp"
+
 #include <cstdio>
 #include <string>
 
@@ -54,7 +56,7 @@ PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static std::string Describe(const LevelFailure &failure, int l)
+static std::string Describe(const LevelFailure &failure, int l, int dim)
 {
   char text[400];
   const PointFailure &point = failure.point;
@@ -79,8 +81,8 @@ static std::string Describe(const LevelFailure &failure, int l)
     what = "has a value that is not finite";
     advice = "a smaller -cfl or -time_step";
   }
-  std::snprintf(text, sizeof text, "time %.6e, level %d: point %lld at (%.6e, %.6e) %s; try %s", failure.time, l,
-                static_cast<long long>(point.id), point.position[0], point.position[1], what, advice);
+  std::snprintf(text, sizeof text, "time %.6e, level %d: point %lld at %s %s; try %s", failure.time, l,
+                static_cast<long long>(point.id), FormatPlace(point.position, dim).c_str(), what, advice);
   return text;
 }
 
@@ -91,7 +93,7 @@ std::string Hierarchy::DescribeFailure() const
     const LevelFailure &failure = levels_[l]->Failure();
     if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels_[first]->Failure().time)) first = l;
   }
-  return first < 0 ? "" : Describe(levels_[first]->Failure(), first);
+  return first < 0 ? "" : Describe(levels_[first]->Failure(), first, model_->geometry.Dim());
 }
 
 /// Momentum of all points less the impulses since the start.

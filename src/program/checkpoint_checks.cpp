@@ -2,6 +2,7 @@
 #include "program/checkpoint_checks.hpp"
 
 #include "base/exchange.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <climits>
@@ -63,13 +64,10 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
 
 std::string WrongValues(const PointArrays &points, int bodies)
 {
-  char place[80];
   for (int p = 0; p < points.count; ++p) {
     const char *what = WrongPoint(points, p, bodies);
     if (!what) continue;
-    const Vec3 x = points.Position(p);
-    std::snprintf(place, sizeof place, " at (%.6e, %.6e) has ", x[0], x[1]);
-    return "point " + std::to_string(points.id[p]) + place + what;
+    return "point " + std::to_string(points.id[p]) + " at " + FormatPlace(points.Position(p), points.dim) + " has " + what;
   }
   return "";
 }

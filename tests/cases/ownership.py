@@ -1,4 +1,6 @@
 """Points stay with the ranks that own their nodes, whatever they do: small cases that once lost that on several ranks."""
+import re
+
 import pytest
 
 import harness
@@ -45,6 +47,12 @@ def test_points_beyond_the_grid_of_a_finer_level(ranks):
             "level_1_lower": "8,4", "level_1_upper": "16,12", "b_lower": "2,6", "b_upper": "6,12", "b_velocity": "10,3.388",
             "end_time": 0.3}
     assert "left the grid; try a larger domain" in refusal(case, ranks)
+
+
+def test_places_in_space_have_three_coordinates():
+    case = {**MATERIAL, "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "6,6,6", "cell_size": 1, "b_lower": "2,2,2", "b_upper": "4,4,4",
+            "b_velocity": "0,0,10", "end_time": 0.5}
+    assert re.search(r"at \(\S+, \S+, [67]\.\S+\) left the grid", refusal(case, 1))
 
 
 @pytest.mark.parametrize("ranks", ON_RANKS)

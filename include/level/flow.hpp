@@ -1,6 +1,7 @@
 // What keeps points of metals in shape where these flow far: boxes that shear draws out, and points that come to the surface.
 #pragma once
 
+#include "level/level.hpp"
 #include "level/model.hpp"
 #include "level/points.hpp"
 
@@ -17,7 +18,8 @@ void StraightenBoxes(const Model &model, const PointArrays &points);
 
 /// Gives points of such metals an outer face, that which faces the indenter most, where its centre comes into the indenter: flow
 /// mixes the rows of points next to the surface, and those without a face would go through it. Were the point's own centre waited
-/// for, its face would lie deep in the indenter at once, and contact would drive it out in one step. tip: the indenter's, m.
-void ExposePoints(const Model &model, Points &points, Vec3 tip);
+/// for, its face would lie deep in the indenter at once, and contact would drive it out in one step. Faces at the axis, on planes
+/// of symmetry and on held sides are none of the surface. tip: the indenter's, m.
+void ExposePoints(const Model &model, const LevelGeometry &geometry, Points &points, Vec3 tip);
 
 } // namespace mlgimp

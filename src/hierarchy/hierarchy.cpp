@@ -236,7 +236,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
   if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0) {
     StraightenBoxes(*model_, level.PointStore().Arrays());
-    if (level.ContactAwake()) ExposePoints(*model_, level.PointStore(), tip_.At(time + dt));
+    if (level.ContactAwake()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time + dt));
     PetscCall(Logged(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
     for (auto &transfer : transfers_) transfer->LookAnew();
     level.LookForContact();

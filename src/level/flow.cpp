@@ -11,7 +11,6 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kAtAxis = 1e-3; ///< distance of a face from the axis over the longest half edge of its point
 constexpr double kMostShear = 2; ///< shift of an edge over the height that it leaves to a box
 
 bool Flows(const Model &model, const PointArrays &a, int p)
@@ -87,6 +86,15 @@ void Straighten(const PointArrays &a, int p)
     for (int i = 0; i < a.dim; ++i) a.F[a.dim * (a.dim * p + i) + order[k]] = edge[k][i] / a.HalfSize(p)[order[k]];
 }
 
+/// Whether the face of a point on a side lies on that side of the domain, which is not free: the axis, a plane of symmetry.
+bool IsHeld(const LevelGeometry &geometry, const PointArrays &a, int p, Side side)
+{
+  if (geometry.sides.kind[side] == BoundaryKind::kFree) return false;
+  const int axis = AxisOf(side);
+  const double place = geometry.grid.lower[axis] + geometry.sides.node[side] * geometry.grid.spacing;
+  return std::abs(a.Position(p)[axis] - place) < 1.5 * std::abs(a.HalfEdge(p, axis)[axis]); // of the next point: 3
+}
+
 } // namespace
 
 void StraightenBoxes(const Model &model, const PointArrays &a)
@@ -98,7 +106,7 @@ void StraightenBoxes(const Model &model, const PointArrays &a)
   }
 }
 
-void ExposePoints(const Model &model, Points &points, Vec3 tip)
+void ExposePoints(const Model &model, const LevelGeometry &geometry, Points &points, Vec3 tip)
 {
   const PointArrays a = points.Arrays();
   bool any = false;
@@ -111,8 +119,8 @@ void ExposePoints(const Model &model, Points &points, Vec3 tip)
     double outermost = gap.distance;
     int bit = 0;
     for (int s = 0; s < 2 * a.dim; ++s) {
+      if (IsHeld(geometry, a, p, static_cast<Side>(s))) continue;
       const Face face = PointFace(a, p, static_cast<Side>(s));
-      if (a.initial_radius && face.center[0] < kAtAxis * reach) continue; // it has no area
       const double facing = -Dot(face.area_normal, gap.normal) / Norm(face.area_normal);
       if (facing > most)
         most = facing, outermost = model.indenter->Gap(face.center, tip).distance, bit = OuterFaceBit(static_cast<Side>(s));

@@ -138,33 +138,36 @@ TEST(Flow, BoxesEndAtTheAxis)
   EXPECT_LT(ended, 45);
 }
 
-/// A slender cone that passes points at the axis: their faces there have no area, and none of them comes to the surface.
+/// A slender cone or wedge that passes points at the axis or at a plane of symmetry: none of their faces there comes to the
+/// surface.
 TEST(Flow, TheAxisIsNoSurface)
 {
   constexpr double kAngle = 20, kDepth = 1.3; // degrees, cells
-  Model model;
-  model.geometry.kind = GeometryKind::kAxisymmetric;
-  AddBody(model, CreateBoxRegion({{0, 0}, {3, 4}}), "j2", {1e9, 0.3, 1000, 1e6, 0});
-  model.materials[0]->SplitStretched(true);
-  model.indenter.emplace();
-  model.indenter->surface = CreateCone(GeometryKind::kAxisymmetric, kAngle, 0);
-  const GridGeometry geometry = {{0, 0}, 1, {8, 8}, 1};
-  const BoundaryConditions sides = {{BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kFixed, BoundaryKind::kFree},
-                                    {0, 8, 0, 8, 0, 0}};
-  Grid grid;
-  Points points;
-  ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
-  ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kAxisymmetric, 0, model.materials[0]->HistorySize()), PETSC_SUCCESS);
-  const Seeding seeding(
-      model, geometry, sides, [](Vec3) { return 1.0; }, 2, 0);
-  ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
-  ExposePoints(model, points, {0, 4 - kDepth});
-  const PointArrays a = points.Arrays();
-  int exposed = 0;
-  for (int p = 0; p < a.count; ++p) {
-    const bool at_axis = a.position[2 * p] < 0.5, within = a.position[2 * p + 1] < 3.5;
-    EXPECT_EQ(at_axis ? a.faces[p] & OuterFaceBit(kXLower) : 0, 0) << "at height " << a.position[2 * p + 1];
-    exposed += at_axis && within && a.faces[p] != 0;
+  for (const GeometryKind kind : {GeometryKind::kAxisymmetric, GeometryKind::kPlaneStrain}) {
+    Model model;
+    model.geometry.kind = kind;
+    AddBody(model, CreateBoxRegion({{0, 0}, {3, 4}}), "j2", {1e9, 0.3, 1000, 1e6, 0});
+    model.materials[0]->SplitStretched(true);
+    model.indenter.emplace();
+    model.indenter->surface = CreateCone(kind, kAngle, 0);
+    const GridGeometry geometry = {{0, 0}, 1, {8, 8}, 1};
+    const BoundaryConditions sides = {{BoundaryKind::kSymmetry, BoundaryKind::kFree, BoundaryKind::kFixed, BoundaryKind::kFree},
+                                      {0, 8, 0, 8, 0, 0}};
+    Grid grid;
+    Points points;
+    ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
+    ASSERT_EQ(points.Create(PETSC_COMM_SELF, kind, 0, model.materials[0]->HistorySize()), PETSC_SUCCESS);
+    const Seeding seeding(
+        model, geometry, sides, [](Vec3) { return 1.0; }, 2, 0);
+    ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
+    ExposePoints(model, {geometry, sides}, points, {0, 4 - kDepth});
+    const PointArrays a = points.Arrays();
+    int exposed = 0;
+    for (int p = 0; p < a.count; ++p) {
+      const bool at_side = a.position[2 * p] < 0.5, within = a.position[2 * p + 1] < 3.5;
+      EXPECT_EQ(at_side ? a.faces[p] & OuterFaceBit(kXLower) : 0, 0) << "at height " << a.position[2 * p + 1];
+      exposed += at_side && within && a.faces[p] != 0;
+    }
+    EXPECT_GE(exposed, 1) << "by their faces upward";
   }
-  EXPECT_GE(exposed, 1) << "by their faces upward";
 }

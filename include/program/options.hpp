@@ -77,6 +77,9 @@ public:
   void RefuseUnused() const;
   /// Tells of those at the end of a run.
   void WarnUnused() const;
+  /// Keeps a warning until all input is accepted: what is refused gets one line.
+  void WarnLater(std::string line) { warnings_.push_back(std::move(line)); }
+  void TellWarnings() const;
 
 private:
   bool Raw(const OptionText &option, const std::string &fallback, std::string *value);
@@ -85,7 +88,7 @@ private:
   int dim_ = 2;
   bool help_, identify_ = true;
   OptionItems items_ = nullptr;
-  std::vector<std::string> known_, identity_;
+  std::vector<std::string> known_, identity_, warnings_;
 };
 
 /// Numbers as they are written in messages and files, exact.

@@ -257,8 +257,8 @@ void CheckReach(OptionReader &reader, const Case &c)
                   "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
                       FormatRounded(above));
   if (c.model.contact.method != "none" && nearest > 0)
-    Warn(reader.Comm(), "-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
-                            FormatRounded(nearest) + " m to the body until the end: there will be no contact");
+    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
+                     FormatRounded(nearest) + " m to the body until the end: there will be no contact");
 }
 
 /// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
@@ -269,8 +269,8 @@ void CheckSpeed(OptionReader &reader, const Case &c)
   double slowest = HUGE_VAL;
   for (const auto &material : c.model.materials) slowest = std::min(slowest, WaveSpeed(*material));
   if (speed > kLargestSpeed * slowest)
-    Warn(reader.Comm(), "-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " +
-                            FormatRounded(slowest) + " m/s: that is an impact; is Young's modulus in Pa?");
+    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
+                     " m/s: that is an impact; is Young's modulus in Pa?");
 }
 
 /// Ends of the tip's way along a horizontal axis; up to the last of its times where the end of the run is not known.
@@ -293,9 +293,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
     const std::optional<Side> side = SideAtTip(c, axis);
     if (!side || (axis == 0 && c.model.geometry.HasHoop())) continue;
     if (!IsSymmetry(c, side))
-      Warn(reader.Comm(), std::string("-boundary_") + kSideNames[*side] +
-                              ": the indenter's tip is on this side, where the body " +
-                              "ends; with symmetry it would be half of a body that goes on");
+      reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
+                       "ends; with symmetry it would be half of a body that goes on");
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
       reader.Refuse("-indenter", kind,
                     std::string("its own mirror image across ") + kSideNames[*side] +
@@ -314,9 +313,9 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
     reader.Refuse("-indenter", kind,
                   "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide");
   if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    Warn(reader.Comm(), "-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
-                            FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
-                            ": the load is that of the cells");
+    reader.WarnLater("-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
+                     FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
+                     ": the load is that of the cells");
 }
 
 /// A level that the tip meets must hold it with the band of its border for the whole run.

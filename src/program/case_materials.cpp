@@ -58,8 +58,8 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   const double yield = table ? c.flow_stresses.front() : c.yield_stress;
   const bool soft = yield < kSoftest * c.youngs_modulus;
   if (!soft && yield < c.youngs_modulus) return;
-  Warn(reader.Comm(), prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) + ": is " +
-                          (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
+  reader.WarnLater(prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) + ": is " +
+                   (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.
@@ -69,8 +69,8 @@ void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, const Cons
   const double nu = c.poissons_ratio, modulus = c.youngs_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
   const double speed = std::sqrt(modulus / c.density);
   if (speed > kFastest && std::isfinite(speed) && nu < 0.49) // a nearly incompressible one is fast by its Poisson's ratio
-    Warn(reader.Comm(), prefix + "density " + FormatNumber(c.density) + ": waves have " + FormatRounded(speed) +
-                            " m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?");
+    reader.WarnLater(prefix + "density " + FormatNumber(c.density) + ": waves have " + FormatRounded(speed) +
+                     " m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?");
 }
 
 void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)

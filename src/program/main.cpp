@@ -46,6 +46,7 @@ void Main(const CommandLine &line)
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
   reader.RefuseUnused();
+  reader.TellWarnings();
   simulation.Run();
   reader.WarnUnused();
 }

@@ -72,6 +72,14 @@ def test_other_units_and_a_forgotten_side_of_symmetry_are_told(change, warned):
     assert [line.startswith(WARNING + warned) for line in said] == [True] if warned else said == []
 
 
+def test_what_is_refused_is_not_warned_of():
+    """One line, though speed and friction would have one each."""
+    case = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, "indenter_friction": 30, "indenter_velocities": 1e4}
+    assert len(warnings({**case, "max_steps": 1})) == 2
+    assert "-frames -1: must be" in refusal({**case, "frames": -1})
+    assert "nothing reads this option" in refusal({**case, "indenter_radius": 1})
+
+
 def test_punch_as_wide_as_a_cell_of_its_level():
     levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
     case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05}
@@ -100,10 +108,10 @@ def test_surface_deep_inside_the_indenter_is_told():
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
-@pytest.mark.parametrize("half_angle, told", [(10, 1), (60, 0)])
-def test_surface_torn_open_is_told(half_angle, told):
+@pytest.mark.parametrize("half_angle, depth, told", [(10, 3.2e-6, 1), (60, 0.8e-6, 0)])
+def test_surface_torn_open_is_told(half_angle, depth, told):
     """A slender wedge parts the points of a metal and carries nothing any more; the books of its work do not close."""
-    result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": 1.6e-6, "frames": 0}, file="wedge_plastic.opts")
+    result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": depth, "frames": 0}, file="wedge_plastic.opts")
     history = result.history
     excess = history["contact_work"][-1] / history["indenter_work"][-1] - 1
     assert (excess > 0.1) == bool(told), excess

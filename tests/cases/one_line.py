@@ -17,7 +17,7 @@ ENDLESS = {**BLOCK, "max_steps": "2000000000", "history_interval": "100", "overw
 def test_signals_end_a_run_in_one_line(tmp_path):
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
         folder = tmp_path / number.name
-        process = start(ENDLESS, folder, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        process = start(ENDLESS, folder, preexec_fn=lambda number=number: signal.signal(number, signal.SIG_DFL))  # as nohup ignores one
         wait_for(lambda: (folder / "history.csv").exists() and len((folder / "history.csv").read_text()) > 2000)
         process.send_signal(number)
         errors = process.communicate(timeout=10)[1]

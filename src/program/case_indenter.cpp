@@ -132,8 +132,6 @@ void RefuseGiven(OptionReader &reader, const std::string &option, const std::str
 
 constexpr double kLargestSpeed = 0.1; ///< of the speed of waves; no indentation is as fast
 
-double WaveSpeed(const Material &material) { return std::sqrt((material.Lambda() + 2 * material.Mu()) / material.Density()); }
-
 /// What load control asks of the rest of the case, and what follows from it.
 void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case *c)
 {
@@ -144,7 +142,7 @@ void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case 
     reader.Refuse("-contact", c->model.contact.method, "pressure with -indenter_control load");
   if (c->levels > 1 && c->hierarchy.coupling == LevelCoupling::kPoints)
     reader.Refuse("-level_coupling", "points", "nodes with -indenter_control load");
-  for (const auto &material : c->model.materials) wave_speed = std::max(wave_speed, WaveSpeed(*material));
+  for (const auto &material : c->model.materials) wave_speed = std::max(wave_speed, material->SpeedOfSound());
   c->model.indenter->by_load = {force, kLargestSpeed * wave_speed};
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
@@ -267,7 +265,7 @@ void CheckSpeed(OptionReader &reader, const Case &c)
   if (c.model.indenter->by_load || c.model.contact.method == "none") return;
   const double speed = c.model.indenter->Fastest(0, c.time.end_time);
   double slowest = HUGE_VAL;
-  for (const auto &material : c.model.materials) slowest = std::min(slowest, WaveSpeed(*material));
+  for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
   if (speed > kLargestSpeed * slowest)
     reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
                      " m/s: that is an impact; is Young's modulus in Pa?");

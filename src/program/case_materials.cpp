@@ -63,13 +63,12 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.
-void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, const Constants &c)
+void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, double poissons_ratio, const Material &material)
 {
   constexpr double kFastest = 30e3; // m/s; diamond has 18e3
-  const double nu = c.poissons_ratio, modulus = c.youngs_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-  const double speed = std::sqrt(modulus / c.density);
-  if (speed > kFastest && std::isfinite(speed) && nu < 0.49) // a nearly incompressible one is fast by its Poisson's ratio
-    reader.WarnLater(prefix + "density " + FormatNumber(c.density) + ": waves have " + FormatRounded(speed) +
+  const double speed = material.SpeedOfSound();
+  if (speed > kFastest && std::isfinite(speed) && poissons_ratio < 0.49) // a nearly incompressible one is fast by its ratio
+    reader.WarnLater(prefix + "density " + FormatNumber(material.Density()) + ": waves have " + FormatRounded(speed) +
                      " m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?");
 }
 
@@ -119,13 +118,13 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus);
     reader.Number({prefix + "poissons_ratio", "Poisson's ratio"}, Open(-1, 0.5), true, &k.poissons_ratio);
     reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density);
-    if (!reader.Help()) WarnOfWaveSpeed(reader, prefix, k);
     bool average = model == "j2", split = average;
     if (average || reader.Help()) ReadHardening(reader, prefix, &k);
     reader.Flag({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
     reader.Flag({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
     c->model.materials.back()->SplitStretched(split);
+    WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, *c->model.materials.back());
     if (average) c->model.materials.back()->AverageVolume(OwnGrowth(k));
   }
 }

@@ -36,17 +36,24 @@ inline constexpr double kLargestNorm2 = 0.01, kThird = 1.0 / 3;
           2 * s2 + 2 * kThird * ratio * ratio};
 }
 
+/// cosh x and sinh(x)/x by their series in x^2, to round-off for |x| < 0.1.
+struct Hyperbolic {
+  [[gnu::always_inline]] explicit Hyperbolic(double x2)
+  {
+#pragma GCC unroll 4
+    for (int k = 8; k > 0; k -= 2) even = 1 + even * x2 * (1.0 / (k * (k - 1))), odd = 1 + odd * x2 * (1.0 / (k * (k + 1)));
+  }
+  double even = 1, odd = 1;
+};
+
 /// exp(a) of a tensor of the plane without trace.
 [[gnu::always_inline]] inline Sym3 ExponentialInPlane(const Sym3 &a)
 {
-  const double middle = 0.5 * (a.xx + a.yy), d = 0.5 * (a.xx - a.yy), q2 = d * d + a.xy * a.xy;
-  double even = 1, odd = 1, both = 1; // cosh q, sinh(q)/q, exp(middle)
-#pragma GCC unroll 5
-  for (int k = 10; k > 0; k -= 2) even = 1 + even * q2 * (1.0 / (k * (k - 1))), odd = 1 + odd * q2 * (1.0 / (k * (k + 1)));
-#pragma GCC unroll 10
-  for (int k = 10; k > 0; --k) both = 1 + both * middle * (1.0 / k);
-  const double spread = both * odd;
-  return {both * even + spread * d, both * even - spread * d, 1 / (both * both), spread * a.xy, 0, 0};
+  const double middle = 0.5 * (a.xx + a.yy), d = 0.5 * (a.xx - a.yy);
+  const Hyperbolic shear(d * d + a.xy * a.xy), both(middle * middle);
+  const double growth = both.even + middle * both.odd, inverse = both.even - middle * both.odd; // exp(middle), exp(-middle)
+  const double spread = growth * shear.odd;
+  return {growth * shear.even + spread * d, growth * shear.even - spread * d, inverse * inverse, spread * a.xy, 0, 0};
 }
 
 /// y y for a symmetric y.

@@ -224,7 +224,7 @@ def verify_contact_width(study):
     """
     cells = []
     for shift in (0, 0.25, 0.5):
-        for width in (1, 0.75, 0.5, 0.35):
+        for width in (1, 0.7, 0.5, 0.35):
             place = {**BOTH_HALVES, "indenter_tip": f"{shift * 125e-9},40e-6"} if shift else {}
             history = harness.run({"frames": 0, "contact_width": width, "indenter_max_depth": "210e-9", **place}, file="wedge_3level.opts").history
             loads = smooth_load(history, numpy.array(list(WEDGE_LOADS)) * 1e-9, 3e-9) / (2 if shift else 1)
@@ -235,7 +235,7 @@ def verify_contact_width(study):
     study.table("Wedge", ["tip beside a column", "half width", *(f"load at {depth} nm" for depth in WEDGE_LOADS), "first load, cells", "penetration, cells",
                           "energy over work"], cells)
     cells = []
-    for width in (1, 0.75, 0.5, 0.35):
+    for width in (1, 0.7, 0.5, 0.35):
         flat, curved = harness.run({**CYLINDER, "contact_width": width}), harness.run({**ROUND, "contact_width": width})
         _, flat_rms, flat_moment = hertz(study.expect, f"cylinder, half width {width:g}", nodal_pressure(flat, (0, 0), 1, width), 100,
                                          2 * flat.history["load"][-1], (0.02, 0.02, 0.04), plane=True)

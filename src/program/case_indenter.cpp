@@ -221,6 +221,9 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   if (!std::isfinite(reached)) {
     if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0)
       reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given");
+    if (std::isfinite(c->time.end_time))
+      reader.WarnLater("-end_time " + FormatNumber(c->time.end_time) + ": comes before the tip reaches -indenter_max_depth " +
+                       FormatNumber(depth) + (has_unload ? ", so that it is never unloaded" : ""));
     return;
   }
   if (has_unload) {
@@ -300,12 +303,14 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
   }
 }
 
-/// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells.
+/// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells; one
+/// that is curved and yet flat over the whole domain has a size in another unit.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
   const Indenter &indenter = *c.model.indenter;
   const int level = c.LevelAtTip();
   const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  constexpr double kFlat = 0.1; // cells
   const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
   if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
     reader.Refuse("-indenter", kind,
@@ -314,6 +319,11 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
     reader.WarnLater("-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
                      FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
                      ": the load is that of the cells");
+  double extent = 0;
+  for (int axis = 0; axis < indenter.up; ++axis) extent = std::max(extent, c.domain.upper[axis] - c.domain.lower[axis]);
+  if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
+    reader.WarnLater("-indenter " + kind + ": is flat as far as the domain goes, as it rises there by less than " +
+                     FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
 }
 
 /// A level that the tip meets must hold it with the band of its border for the whole run.

@@ -31,11 +31,11 @@ def refusal(options, ranks=1):
     return lines[0]
 
 
-def warnings(options):
-    """What a run says that goes to its end."""
+def warnings(options, of_few_cells=False):
+    """What a run says that goes to its end; of a contact of few cells, which most of these runs have, or all else."""
     status, lines, _ = end_of(options)
     assert status == 0 and all(line.startswith(WARNING) for line in lines), (status, lines)
-    return lines
+    return [line for line in lines if (": the contact is at most " in line) == of_few_cells]
 
 
 # ---- indenters that the surface cannot see ----
@@ -95,6 +95,32 @@ def test_wedge_narrower_than_a_cell_at_its_largest_depth():
 def test_wide_indenters_say_nothing():
     for indenter in ({"indenter": "wedge", "indenter_half_angle": 70}, {"indenter": "cylinder", "indenter_radius": 10}):
         assert warnings({**PRESS, **indenter, "indenter_velocities": 10}) == []
+
+
+def test_indenters_in_another_unit():
+    """A radius of 100 for 100 um is a plane as far as cells can see; a plane that is meant is a flat punch or a polygon."""
+    curved = {**PRESS, "indenter": "cylinder", "max_steps": 2}
+    assert warnings({**curved, "indenter_radius": 100}) == []
+    assert [line.startswith(WARNING + "-indenter cylinder: is flat as far as the domain goes") for line in warnings({**curved, "indenter_radius": 1e5})] == [True]
+    assert warnings({**PRESS, "indenter": "flat_punch", "indenter_width": 100, "max_steps": 2}) == []
+    assert warnings({**PRESS, "indenter": "polygon", "indenter_vertices": "-50,0,50,0,50,5,-50,5", "max_steps": 2}) == []
+
+
+def test_contact_of_few_cells_is_told():
+    """By the widest contact of the run; none touches in two steps."""
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_velocities": 10}
+    for depth, told in ((0.1, True), (0.8, False)):
+        said, half_width = warnings({**case, "indenter_max_depth": depth}, of_few_cells=True), (2 * 10 * depth) ** 0.5
+        assert len(said) == told, (half_width, said)
+        assert not told or "-cell_size 1: the contact is at most" in said[0]
+    assert warnings({**case, "indenter_tip": "4,9", "max_steps": 2}, of_few_cells=True) == []
+
+
+def test_largest_depth_after_the_end_is_told():
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.2}
+    assert warnings({**case, "end_time": 0.005}) == []
+    said = warnings({**case, "end_time": 0.003, "indenter_unload_velocity": 50})
+    assert len(said) == 1 and said[0].startswith(WARNING + "-end_time 0.003: comes before the tip reaches -indenter_max_depth 0.2, so that"), said
 
 
 def test_surface_deep_inside_the_indenter_is_told():

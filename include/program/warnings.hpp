@@ -5,6 +5,7 @@
 #include "program/case.hpp"
 #include "program/quasi_static.hpp"
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ public:
 private:
   std::vector<std::string> lines_;
   std::set<std::size_t> told_; ///< kinds
+  /// Of the bodies, J: their energy less all works when first looked at, by a restart anew; the most that they had or were given.
+  std::optional<double> unexplained_at_start_;
+  double given_ = 0;
 };
 
 } // namespace mlgimp

@@ -50,16 +50,21 @@ void CheckHardening(const OptionReader &reader, const std::string &prefix, const
     reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
 }
 
-/// Another unit than Pa would be a metal that flows away, or one that never flows, without a word.
+/// Another unit than Pa would be a metal that flows away, one that never flows or one that does not harden, without a word.
 void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
 {
-  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals have 1e-5
+  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
   const bool table = c.hardening == "table";
-  const double yield = table ? c.flow_stresses.front() : c.yield_stress;
-  const bool soft = yield < kSoftest * c.youngs_modulus;
-  if (!soft && yield < c.youngs_modulus) return;
-  reader.WarnLater(prefix + (table ? "flow_stresses " : "yield_stress ") + FormatNumber(yield) + ": is " +
-                   (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
+  const std::pair<const char *, double> stresses[] = {
+      {table ? "flow_stresses" : "yield_stress", table ? c.flow_stresses.front() : c.yield_stress},
+      {"hardening_modulus", c.hardening_modulus},
+      {"saturation_stress", c.saturation_stress}}; // NaN where not given
+  for (const auto &[name, stress] : stresses) {
+    const bool soft = stress > 0 && stress < kSoftest * c.youngs_modulus;
+    if (soft || stress >= c.youngs_modulus)
+      reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
+                       (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
+  }
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.

@@ -276,11 +276,15 @@ def test_accepted(change):
 
 
 @pytest.mark.parametrize("changes, warned", [
-    ({"m_yield_stress": 70}, "-m_yield_stress 70: is less than a millionth"), ({"m_yield_stress": 70e6}, ""),
-    ({"m_yield_stress": 70e12}, "-m_yield_stress 7e+13: is no less than")])
-def test_yield_stress_in_another_unit(changes, warned):
-    """70 typed for 70 MPa is a millionth of what it should be; 70e12 a million times as much."""
-    result = harness.run({"domain_lower": "0,0", "domain_upper": "6,6", "cell_size": 1, "materials": "m", "m_model": "j2", "m_youngs_modulus": 70e9,
-                          "m_poissons_ratio": 0.3, "m_density": 2700, "m_hardening_modulus": 0, "bodies": "b", "b_lower": "2,2", "b_upper": "4,4",
-                          "max_steps": 1, "frames": 0, **changes})
-    assert (warned in result.stderr) if warned else ("-m_yield_stress" not in result.stderr), result.stderr
+    ({"yield_stress": 70}, "-m_yield_stress 70: is less than a millionth"), ({"yield_stress": 70e6}, ""),
+    ({"yield_stress": 70e12}, "-m_yield_stress 7e+13: is no less than"),
+    ({"yield_stress": 70e6, "hardening_modulus": 700}, "-m_hardening_modulus 700: is less than a millionth"),
+    ({"yield_stress": 70e6, "hardening": "voce", "saturation_stress": 3e11, "saturation_strain": 0.1}, "-m_saturation_stress 3e+11: is no less")])
+def test_stresses_in_another_unit(changes, warned):
+    """70 typed for 70 MPa is a millionth of what it should be; 70e12 a million times as much; 700 for MPa does not harden."""
+    law = {"model": "j2", "youngs_modulus": 70e9, "poissons_ratio": 0.3, "density": 2700, **changes}
+    if "hardening" not in law:
+        law.setdefault("hardening_modulus", 0)
+    result = harness.run({"domain_lower": "0,0", "domain_upper": "6,6", "cell_size": 1, "materials": "m", "bodies": "b", "b_lower": "2,2", "b_upper": "4,4",
+                          "max_steps": 1, "frames": 0, **{f"m_{name}": value for name, value in law.items()}})
+    assert (warned in result.stderr and result.stderr.count("\n") == 1) if warned else result.stderr == "", result.stderr

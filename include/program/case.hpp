@@ -5,6 +5,8 @@
 #include "pointwise/slow_schedule.hpp"
 #include "program/options.hpp"
 
+#include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,6 +80,19 @@ struct Case {
     Vec3 x = model.indenter->tip;
     x[model.indenter->up] = model.indenter->initial_surface - 1e-6 * CellSize(levels - 1);
     return LevelAt(x);
+  }
+  /// The side of the domain across a horizontal axis that the indenter's tip is on.
+  std::optional<Side> SideAtTip(int axis) const
+  {
+    for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
+      if (std::abs(model.indenter->tip[axis] - domain.At(side)) < kRounding * cell_size) return side;
+    return {};
+  }
+  /// Whether that is a side of symmetry, so that the indenter is a half of one.
+  bool MirrorsTip(int axis) const
+  {
+    const std::optional<Side> side = SideAtTip(axis);
+    return side && model.sides[*side] == BoundaryKind::kSymmetry;
   }
   int Dim() const { return model.geometry.Dim(); }
   /// Points that splitting has made, less those that merging has taken.

@@ -20,6 +20,9 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
+inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed of waves; no indentation is as fast
+/// Refuses or warns of what is wrong with an indenter of that kind once all of it has been read.
+void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind);
 /// What goes with a method of contact that has been chosen.
 void ReadContact(OptionReader &reader, ContactSettings *contact);
 /// -quasi_static and what goes with it; has_indenter: there is one that it could move.

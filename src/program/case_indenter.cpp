@@ -130,8 +130,6 @@ void RefuseGiven(OptionReader &reader, const std::string &option, const std::str
     reader.Refuse(option, text, "left out with -indenter_control " + control);
 }
 
-constexpr double kLargestSpeed = 0.1; ///< of the speed of waves; no indentation is as fast
-
 /// What load control asks of the rest of the case, and what follows from it.
 void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case *c)
 {
@@ -147,17 +145,6 @@ void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case 
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
 
-/// The side of the domain across a horizontal axis that the tip is on.
-std::optional<Side> SideAtTip(const Case &c, int axis)
-{
-  for (const bool upper : {false, true}) {
-    const double side = upper ? c.domain.upper[axis] : c.domain.lower[axis];
-    if (std::abs(c.model.indenter->tip[axis] - side) < kRounding * c.cell_size) return static_cast<Side>(2 * axis + upper);
-  }
-  return {};
-}
-bool IsSymmetry(const Case &c, std::optional<Side> side) { return side && c.model.sides[*side] == BoundaryKind::kSymmetry; }
-
 /// Sideways speeds, at the same times; an axis cannot move.
 void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *c)
 {
@@ -172,7 +159,7 @@ void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *
     if (speeds.size() != times.size())
       reader.Refuse(name, std::to_string(speeds.size()) + " values",
                     "as many as -indenter_times has: " + std::to_string(times.size()));
-    if (IsSymmetry(*c, SideAtTip(*c, axis)))
+    if (c->MirrorsTip(axis))
       reader.Refuse(name, "", "left out where the tip is on a side of symmetry: the indenter's other half would move against it");
     c->model.indenter->sideways[axis] = PiecewiseLinear(times, speeds);
   }
@@ -235,130 +222,6 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   }
 }
 
-/// Lowest place of the tip during the run; -infinity where the end of the run is not known.
-double LowestTip(const Indenter &indenter, double end_time)
-{
-  constexpr int kSamples = 1000;
-  if (!std::isfinite(end_time) || indenter.by_load) return -HUGE_VAL;
-  double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[indenter.up];
-  for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[indenter.up]);
-  return lowest;
-}
-
-/// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
-void CheckReach(OptionReader &reader, const Case &c)
-{
-  const Indenter &indenter = *c.model.indenter;
-  const double above = indenter.tip[indenter.up] - indenter.initial_surface;
-  const double height = c.domain.upper[indenter.up] - c.domain.lower[indenter.up];
-  const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
-  if (!std::isfinite(above)) return; // there is no body
-  if (above > height)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
-                  "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
-                      FormatRounded(above));
-  if (c.model.contact.method != "none" && nearest > 0)
-    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
-                     FormatRounded(nearest) + " m to the body until the end: there will be no contact");
-}
-
-/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
-void CheckSpeed(OptionReader &reader, const Case &c)
-{
-  if (c.model.indenter->by_load || c.model.contact.method == "none") return;
-  const double speed = c.model.indenter->Fastest(0, c.time.end_time);
-  double slowest = HUGE_VAL;
-  for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
-  if (speed > kLargestSpeed * slowest)
-    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
-                     " m/s: that is an impact; is Young's modulus in Pa?");
-}
-
-/// Ends of the tip's way along a horizontal axis; up to the last of its times where the end of the run is not known.
-std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end_time)
-{
-  constexpr int kSamples = 1000;
-  const double start = indenter.tip[axis], end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
-  std::array<double, 2> way = {start, start};
-  for (int k = 1; k <= kSamples; ++k) {
-    const double x = start + indenter.Sideways(end * k / kSamples)[axis];
-    way = {std::min(way[0], x), std::max(way[1], x)};
-  }
-  return way;
-}
-
-/// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
-void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
-{
-  for (int axis = 0; axis < c.model.indenter->up; ++axis) {
-    const std::optional<Side> side = SideAtTip(c, axis);
-    if (!side || (axis == 0 && c.model.geometry.HasHoop())) continue;
-    if (!IsSymmetry(c, side))
-      reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
-                       "ends; with symmetry it would be half of a body that goes on");
-    else if (!c.model.indenter->surface->MayBeMirrored(axis))
-      reader.Refuse("-indenter", kind,
-                    std::string("its own mirror image across ") + kSideNames[*side] +
-                        ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter");
-  }
-}
-
-/// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells; one
-/// that is curved and yet flat over the whole domain has a size in another unit.
-void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
-{
-  const Indenter &indenter = *c.model.indenter;
-  const int level = c.LevelAtTip();
-  const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
-  constexpr double kFlat = 0.1; // cells
-  const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
-  if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
-    reader.Refuse("-indenter", kind,
-                  "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide");
-  if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    reader.WarnLater("-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
-                     FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
-                     ": the load is that of the cells");
-  double extent = 0;
-  for (int axis = 0; axis < indenter.up; ++axis) extent = std::max(extent, c.domain.upper[axis] - c.domain.lower[axis]);
-  if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
-    reader.WarnLater("-indenter " + kind + ": is flat as far as the domain goes, as it rises there by less than " +
-                     FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
-}
-
-/// A level that the tip meets must hold it with the band of its border for the whole run.
-void CheckIndenterPath(OptionReader &reader, const Case &c)
-{
-  const Indenter &indenter = *c.model.indenter;
-  const int up = indenter.up;
-  const double lowest = LowestTip(indenter, c.time.end_time);
-  for (int k = 1; k < c.levels; ++k) {
-    const Box &box = c.boxes[k];
-    const double margin = c.BorderMargin(k);
-    const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
-    bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
-    for (int axis = 0; axis < up; ++axis) {
-      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
-      meets = meets && most >= box.lower[axis] - margin && least <= box.upper[axis] + margin;
-    }
-    if (!meets) continue;
-    const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
-    for (int axis = 0; axis < up; ++axis) {
-      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
-      const auto from = [&, axis = axis](double x) {
-        return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
-      };
-      if (c.IsBorder(k, static_cast<Side>(2 * axis)) && least < box.lower[axis] + margin)
-        reader.Refuse(option + "_lower", reader.Text(box.lower), from(least));
-      if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && most > box.upper[axis] - margin)
-        reader.Refuse(option + "_upper", reader.Text(box.upper), from(most));
-    }
-    if (c.IsBorder(k, static_cast<Side>(2 * up)) && std::isfinite(lowest) && lowest < box.lower[up] + margin)
-      reader.Refuse(option + "_lower", reader.Text(box.lower),
-                    needed + " below the indenter's lowest place, " + FormatRounded(lowest));
-  }
-}
-
 } // namespace
 
 void ReadIndenter(OptionReader &reader, Case *c)
@@ -388,11 +251,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   if (slow) PlanQuasiStatic(reader, end_time, c);
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
-  CheckReach(reader, *c);
-  CheckSpeed(reader, *c);
-  CheckMirror(reader, *c, kind);
-  CheckIndenterPath(reader, *c);
-  CheckIndenterSize(reader, *c, kind);
+  CheckIndenterInput(reader, *c, kind);
 }
 
 } // namespace mlgimp

@@ -270,7 +270,7 @@ def verify_punch(study):
     Load over the limit load (2 + pi) k a, the punch acting a quarter cell wider, and the noise of the pressure under it without the
     corner's cells: cells in its half width, points a cell along each axis, Young's modulus over yield stress.
     """
-    for cells, points, stiffness in ((16, 2, 1000), (32, 2, 1000), (16, 3, 1000), (16, 2, 300)):
+    for stiffness, points, cells in itertools.product((1000, 300), (2, 3), (16, 32)):
         cell, sy = 16e-6 / cells / 2, 70e9 / stiffness
         options = {"cell_size": cell, "block_points_per_cell": points, "metal_yield_stress": sy, "end_time": 155e-9 * 1000 / stiffness, "frames": 1}
         result = harness.run(options, file="punch_plastic.opts")

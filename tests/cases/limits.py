@@ -106,6 +106,15 @@ def test_indenters_in_another_unit():
     assert warnings({**PRESS, "indenter": "polygon", "indenter_vertices": "-50,0,50,0,50,5,-50,5", "max_steps": 2}) == []
 
 
+@pytest.mark.parametrize("change, told", [
+    ({}, False), ({"boundary_y_lower": "free"}, True), ({"block_lower": "0,1"}, True), ({"block_lower": "0,1", "boundary_x_lower": "symmetry"}, True),
+    ({"block_lower": "0,1", "boundary_x_lower": "fixed"}, False), ({"boundary_y_lower": "free", "contact": "none"}, False)])
+def test_bodies_that_nothing_holds_are_told(change, told):
+    """Pushed away, they gave a load of 57 % without a word."""
+    said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "max_steps": 2, **change})
+    assert [line.startswith(WARNING + "-boundary_y_lower: no body lies at a side") for line in said] == [True] * told
+
+
 def test_largest_depth_after_the_end_is_told():
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.2}
     assert warnings({**case, "end_time": 0.005}) == []

@@ -102,6 +102,17 @@ std::string OfSpeed(const Case &c, const Budgets &, const Watched &watched)
          " % of what the body has taken: try a smaller one, or less -damping where that was given";
 }
 
+/// Damping that is strong beside the indenter's motion carries a part of the load.
+std::string OfDamping(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMost = 0.2;
+  if (!c.model.indenter || c.model.contact.method == "none" || c.quasi_static.on) return "";
+  if (budgets.damping_work <= kMost * watched.given) return "";
+  return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
+         When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
+         " J, and carries a part of the load: try less, or a slower indenter";
+}
+
 /// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
 /// seen, as velocities are half a step behind stresses.
 std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -124,8 +135,8 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfTearing, true},   {OfNoise, true},
-              {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfTearing, true}, {OfNoise, true},  {OfSpeed, true},
+              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}};
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;

@@ -115,6 +115,12 @@ def test_bodies_that_nothing_holds_are_told(change, told):
     assert [line.startswith(WARNING + "-boundary_y_lower: no body lies at a side") for line in said] == [True] * told
 
 
+@pytest.mark.parametrize("damping, told", [(1000, True), (10, False)])
+def test_damping_that_carries_the_load_is_told(damping, told):
+    said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "damping": damping})
+    assert [line.startswith(WARNING + f"-damping {damping}: has taken") for line in said] == [True] * told
+
+
 def test_largest_depth_after_the_end_is_told():
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.2}
     assert warnings({**case, "end_time": 0.005}) == []

@@ -114,14 +114,14 @@ std::string OfDamping(const Case &c, const Budgets &budgets, const Watched &watc
 }
 
 /// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
-/// seen, as velocities are half a step behind stresses.
+/// seen, and more in the first steps of a touch, as velocities are half a step behind stresses.
 std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watched)
 {
-  constexpr double kMost = 0.5, kRounding = 1e-13; // of what they were given; of mass times the square of the speed of waves
+  constexpr double kMost = 0.5, kLeast = 1e-9; // of what they were given; of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
-  if (watched.made <= kMost * std::max(watched.given, kRounding * stiffness)) return "";
+  if (watched.made <= kMost * std::max(watched.given, kLeast * stiffness)) return "";
   const std::string option =
       c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
   return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +

@@ -155,8 +155,12 @@ def test_surface_torn_open_is_told(half_angle, depth, told):
 def test_energy_from_nothing_is_told(cfl, told):
     """The strongest viscosity is not stable with the longest steps: two blows ended with 190 times the energy, without a word."""
     falling = {**BLOCK, "block_velocity": "0,-20", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry", "short_wave_viscosity": "0.3,0", "max_steps": 200}
-    said = warnings({**falling, "cfl": cfl})
-    assert [line.startswith(WARNING + f"-cfl {cfl}: the bodies have made ") for line in said] == [True] * told
+    status, lines, folder = end_of({**falling, "cfl": cfl})
+    assert status == 0 and [line.startswith(WARNING + f"-cfl {cfl}: the bodies have made ") for line in lines] == [True] * told, lines
+    energy = sum(read_history(folder)[part] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    for line in lines:
+        made, had = (float(part.split()[-1]) for part in line.split(" J")[:2])
+        assert made == pytest.approx(energy[-1] - energy[0], rel=1e-3) and had == pytest.approx(energy[0], rel=1e-3)
 
 
 @pytest.mark.parametrize("damping", [7000, 1e5])

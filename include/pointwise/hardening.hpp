@@ -132,40 +132,42 @@ struct FlowState {
   double rate_per_strain;             ///< real rate for a plastic strain of one in the step, 1/s
 };
 
-/// The plastic strain d of a step, with q - 3 mu d = flow(a + d), for the stress q of a step without flow; 0 within the yield
-/// surface. Newton's method from the right, where flow rises less and less, and halving where it leaves the bracket.
-template <class Law> double PlasticIncrement(const Law &law, double q, double three_mu, const FlowState &state)
+/// How a point flows in a step: its plastic strain, and plastic work per volume, J/m3, by the trapezoidal rule at the step's rate.
+struct PlasticStep {
+  double strain = 0, work = 0;
+};
+
+/// The plastic strain d of a step, with q - 3 mu d = flow(a + d), for the stress q of a step without flow; none within the yield
+/// surface. Newton's method from the right, where flow rises less and less: in d, and in ln d where flow rises with the rate, as
+/// that is a straight line in ln d: no farther than where that alone takes up q. Halving where it leaves the bracket.
+template <class Law> PlasticStep FlowOf(const Law &law, double q, double three_mu, const FlowState &state)
 {
-  constexpr double kTolerance = 1e-12;
+  constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
   constexpr int kMostIterations = 100;
-  const double start = law.At(state.plastic_strain, 0, state.temperature).stress;
-  if (q <= start) return 0;
-  double lower = 0, upper = (q - start) / three_mu, d = upper;
+  double start = law.At(state.plastic_strain, 0, state.temperature).stress;
+  if (q <= start) return {};
+  double lower = 0, upper = (q - start) / three_mu, d = upper, by_rate = 0;
   for (int k = 0; k < kMostIterations; ++k) {
     const FlowPoint flow = law.At(state.plastic_strain + d, state.rate_per_strain * d, state.temperature);
     const double excess = q - three_mu * d - flow.stress;
+    by_rate = state.rate_per_strain * flow.by_rate;
     if (std::abs(excess) <= kTolerance * q || upper - lower <= std::numeric_limits<double>::epsilon() * upper) break;
     (excess > 0 ? lower : upper) = d;
-    d += excess / (three_mu + flow.by_strain + state.rate_per_strain * flow.by_rate);
+    const double change = excess / (three_mu + flow.by_strain + by_rate), from = d;
+    d = by_rate > 0 ? d * std::exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;
     if (!(d > lower && d < upper)) d = 0.5 * (lower + upper);
+    if (std::abs(d - from) <= kLastStep * d) break;
   }
-  return d;
+  if (by_rate > 0) start = law.At(state.plastic_strain, state.rate_per_strain * d, state.temperature).stress;
+  return {d, 0.5 * d * (start + q - three_mu * d)};
 }
 
 /// The same of a straight line, without branches.
-inline double PlasticIncrement(const LinearHardening &law, double q, double three_mu, const FlowState &state)
+inline PlasticStep FlowOf(const LinearHardening &law, double q, double three_mu, const FlowState &state)
 {
-  const double excess = q - law.At(state.plastic_strain, 0, 0).stress;
-  return excess > 0 ? excess * (1 / (three_mu + law.modulus)) : 0; // the quotient is the same for all points
-}
-
-/// Plastic work of the step per volume, J/m3, by the trapezoidal rule at the step's rate.
-template <class Law> double PlasticWork(const Law &law, double d, const FlowState &state)
-{
-  const double rate = state.rate_per_strain * d;
-  return 0.5 * d *
-         (law.At(state.plastic_strain, rate, state.temperature).stress +
-          law.At(state.plastic_strain + d, rate, state.temperature).stress);
+  const double start = law.At(state.plastic_strain, 0, 0).stress, excess = q - start;
+  const double d = excess > 0 ? excess * (1 / (three_mu + law.modulus)) : 0; // the quotient is the same for all points
+  return {d, 0.5 * d * (start + law.At(state.plastic_strain + d, 0, 0).stress)};
 }
 
 } // namespace mlgimp

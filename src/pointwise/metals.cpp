@@ -138,8 +138,7 @@ private:
 #pragma omp simd reduction(| : any)
     for (int p = 0; p < b.count; ++p) {
       const FlowState state = {history[kStrain][p], Hardening::kThermal ? history[kHeat][p] : 0, rate};
-      const double plastic = PlasticIncrement(law, flow.stress[p], mu3, state);
-      const double work = plastic > 0 ? PlasticWork(law, plastic, state) : 0;
+      const auto [plastic, work] = FlowOf(law, flow.stress[p], mu3, state);
       flow.kept[p] = plastic > 0 ? 1 - mu3 * plastic / flow.stress[p] : 1;
       history[kStrain][p] += plastic;
       if constexpr (Hardening::kThermal) history[kHeat][p] += heating * work;

@@ -37,13 +37,13 @@ template <class Law> void ReturnsToFlow(const std::string &name)
   for (int n = 0; n < 2000; ++n) {
     const FlowState state = {std::pow(10, Random(-9, 0.5)) * (n % 5 ? 1 : 0), Random(293, 850), std::pow(10, Random(0, 12))};
     const double q = law.At(state.plastic_strain, 0, state.temperature).stress * (1 + std::pow(10, Random(-10, 1)));
-    const double d = PlasticIncrement(law, q, three_mu, state);
+    const double d = FlowOf(law, q, three_mu, state).strain;
     const double flow = law.At(state.plastic_strain + d, state.rate_per_strain * d, state.temperature).stress;
     EXPECT_GT(d, 0) << name;
     off = std::max(off, std::abs(q - three_mu * d - flow) / q);
   }
   EXPECT_LE(off, 1e-12) << name + ": stress less flow stress after the return, of the trial stress";
-  EXPECT_EQ(PlasticIncrement(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}), 0)
+  EXPECT_EQ(FlowOf(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}).strain, 0)
       << name + ": elastic below yield";
 }
 

@@ -59,8 +59,11 @@ using CellSizeAt = std::function<double(Vec3)>;
 
 /// What is the same but for rounding, of the length in question.
 inline constexpr double kRounding = 1e-6;
-/// A piece of a body at a cell line that is thinner than this part of a point belongs to the cell on the other side.
-inline constexpr double kSliver = 0.1 + kRounding;
+/// A piece of a box at a cell line that is thinner than this part of a cell belongs to the cell on the other side: alone with
+/// the nodes beyond, its points would be unstable (docs/method.md, section 1). At borders of levels it is at most one cell of
+/// the finer one.
+inline constexpr double kSliver = 0.25 + kRounding;
+inline constexpr double kThinnestPoint = 0.1 + kRounding; ///< part of a whole point; of other shapes what is thinner is a sliver
 
 /// Cuts the bounding box of a region along the cells of a grid and each piece into equal tiles, about
 /// `per_cell` along each axis of a whole cell, so that a box is filled exactly wherever its sides lie. How many tiles there
@@ -68,14 +71,16 @@ inline constexpr double kSliver = 0.1 + kRounding;
 class Tiling
 {
 public:
-  /// cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
+  /// is_box: the region is its bounding box. cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
   /// cells there decide if that is a sliver.
-  Tiling(const Box &bounds, Vec3 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
-      : bounds_(bounds), dim_(bounds.upper[2] > bounds.lower[2] ? 3 : 2), origin_(origin), cell_size_(cell_size),
+  Tiling(const Box &bounds, bool is_box, Vec3 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
+      : bounds_(bounds), sliver_(is_box ? kSliver : kThinnestPoint / per_cell), dim_(bounds.upper[2] > bounds.lower[2] ? 3 : 2), origin_(origin), cell_size_(cell_size),
         per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
   Vec3 CellCenter(Index at) const { return origin_ + cell_size_ * Vec3{at[0] + 0.5, at[1] + 0.5, dim_ == 3 ? at[2] + 0.5 : 0}; }
+  /// Most tiles of a cell along an axis, with slivers of a neighbouring level's cells on both sides.
+  static int MostTiles(int per_cell, int ratio);
   /// Tiles in the cell with this index; empty where the cell does not meet the box.
   std::vector<Tile> InCell(Index at) const;
   /// The tile that contains x; false outside the box.
@@ -86,13 +91,14 @@ private:
     double start = 0, width = 0; ///< the part of the cell inside the box, and the width of its tiles
     int count = 0;
   };
-  double SliverAt(Vec3 x) const { return kSliver * (cell_size_at_ ? cell_size_at_(x) : cell_size_) / per_cell_; }
+  double CellSizeThere(Vec3 x) const { return cell_size_at_ ? cell_size_at_(x) : cell_size_; }
   double Line(int axis, int line) const { return origin_[axis] + line * cell_size_; }
   bool IsCut(int axis, int line, Vec3 cell_center) const;
   /// cell_center: of the cell, or of one beside it along the axis.
   Cut CutAxis(int axis, int cell, Vec3 cell_center) const;
 
   Box bounds_;
+  double sliver_; ///< cells
   int dim_;
   Vec3 origin_;
   double cell_size_;

@@ -7,7 +7,8 @@ namespace mlgimp
 {
 
 /// Ends the run with one line where a body has no points, where its mass or its outer faces are not those of its shape, or
-/// where a load acts on no face; warns where a load acts on a part of its side only. Collective.
+/// where a load acts on no face; warns where a load acts on a part of its side only, and of points too thin for the steps.
+/// Collective.
 void CheckBodies(Hierarchy &hierarchy, const Case &settings);
 
 /// Ends the run with one line where the indenter starts inside a body. Collective.

@@ -27,7 +27,7 @@ private:
   std::set<std::size_t> told_; ///< kinds
   /// Of the bodies, J: their energy less all works when first looked at, by a restart anew; the most that they had or were given.
   std::optional<double> unexplained_at_start_;
-  double given_ = 0;
+  double given_ = 0, indenter_work_ = 0, noise_ = 0; ///< the last two: the largest so far, J
 };
 
 } // namespace mlgimp

@@ -184,9 +184,11 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
+  const double ahead = model_.contact.friction > 0 ? kPushedAheadBySlip : kPushedAhead;
+  AdvancePushedNodes(*grid_, pushed_, ahead);
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true);
+  budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, least_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
@@ -210,7 +212,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false);
+  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, 0);
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
@@ -262,7 +264,7 @@ void Level::PutBack(const std::vector<int> &points)
       const double room = 0.5 * geometry_.grid.spacing;
       if (x >= first - room && x < last + room) continue; // a NaN does not
       NoteFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
-      x = grid_->Coordinate(axis, grid_->Owned().lower[axis]);
+      x = grid_->Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
     }
 }
 

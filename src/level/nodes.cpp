@@ -116,7 +116,18 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
   budgets.damping_work += dt * settings.damping * damped;
 }
 
-double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates)
+void AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed, double ahead)
+{
+  std::vector<std::ptrdiff_t> nodes;
+  for (const PushedNode &one : pushed) nodes.push_back(one.node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (const std::ptrdiff_t node : nodes)
+    for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+      grid.Rates(node)[axis] += ahead * grid.Sums()[node].mass * grid.Velocity(node).change[axis];
+}
+
+double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates, double ahead)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
@@ -124,8 +135,8 @@ double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, boo
     const NodeSums &node = grid.Sums()[one.node];
     const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
     for (int axis = 0; axis < dim; ++axis) {
-      const double p = node.momentum[axis];
-      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] : p + node.mass * change[axis]));
+      const double p = node.momentum[axis], given = node.mass * change[axis];
+      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] - ahead * given : p + given));
     }
   }
   return work;

@@ -11,9 +11,8 @@ Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Boundar
     : model_(model), geometry_(geometry), sides_(sides), cell_size_at_(std::move(cell_size_at)), first_id_(first_id)
 {
   for (const Body &body : model.bodies) {
-    tilings_.emplace_back(body.region->Bounds(), geometry.lower, geometry.spacing, body.points_per_cell, cell_size_at_);
-    // With slivers of the coarser level's points on both sides.
-    const int most = static_cast<int>(std::floor(body.points_per_cell + 2 * kSliver * ratio + 0.5 + kRounding));
+    tilings_.emplace_back(body.region->Bounds(), body.region->IsBox(), geometry.lower, geometry.spacing, body.points_per_cell, cell_size_at_);
+    const int most = Tiling::MostTiles(body.points_per_cell, ratio);
     tiles_per_cell_ = std::max(tiles_per_cell_, geometry.dim == 3 ? most * most * most : most * most);
   }
 }
@@ -88,14 +87,14 @@ bool Seeding::Occupied(Vec3 x) const
   return false;
 }
 
-/// True for a face on a held side of the domain, or beyond it, or nearer to it than a sliver.
+/// True for a face on a held side of the domain, or beyond it, or nearer to it than a tenth of a point.
 bool Seeding::AtWall(const Seed &seed, Side side) const
 {
   const int axis = AxisOf(side);
   if (sides_.kind[side] == BoundaryKind::kFree) return false;
   const double face = seed.tile.center[axis] + SignOf(side) * seed.tile.half_size[axis];
   const double wall = geometry_.lower[axis] + sides_.node[side] * geometry_.spacing;
-  return SignOf(side) * (wall - face) <= kSliver * geometry_.spacing / model_.bodies[seed.body].points_per_cell;
+  return SignOf(side) * (wall - face) <= kThinnestPoint * geometry_.spacing / model_.bodies[seed.body].points_per_cell;
 }
 
 int Seeding::FaceBits(const Seed &seed) const

@@ -118,16 +118,26 @@ std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
   return std::make_unique<PolygonRegion>(std::move(vertices));
 }
 
+/// Tiles of a piece of a body with a length in cells: none is longer than a cell by more than a tenth.
+static int CountTiles(int per_cell, double length)
+{
+  const double fitting = std::floor(per_cell * length + 0.5 + kRounding);
+  return static_cast<int>(std::max({1.0, fitting, std::ceil(length - kThinnestPoint)}));
+}
+
 /// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
 bool Tiling::IsCut(int axis, int line, Vec3 cell_center) const
 {
-  constexpr double kFar = 2; // cells; slivers of the coarser level's points are at most 1.6 wide
+  constexpr double kFar = 2; // cells; slivers are at most 1 wide
   const double place = Line(axis, line);
   if (place - bounds_.lower[axis] > kFar * cell_size_ && bounds_.upper[axis] - place > kFar * cell_size_) return true;
   Vec3 below = cell_center, above = cell_center;
   below[axis] = place - 0.5 * cell_size_;
   above[axis] = place + 0.5 * cell_size_;
-  return place - bounds_.lower[axis] > SliverAt(below) && bounds_.upper[axis] - place > SliverAt(above);
+  const double size_below = CellSizeThere(below), size_above = CellSizeThere(above);
+  const double most = std::min({size_below, size_above, cell_size_}); // or it would be no neighbour's
+  const double sliver_below = std::min(sliver_ * size_below, most), sliver_above = std::min(sliver_ * size_above, most);
+  return place - bounds_.lower[axis] > sliver_below && bounds_.upper[axis] - place > sliver_above;
 }
 
 Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec3 cell_center) const
@@ -137,11 +147,13 @@ Tiling::Cut Tiling::CutAxis(int axis, int cell, Vec3 cell_center) const
   const double start = IsCut(axis, cell, cell_center) ? Line(axis, cell) : bounds_.lower[axis];
   const double end = IsCut(axis, cell + 1, cell_center) ? Line(axis, cell + 1) : bounds_.upper[axis];
   const double middle = 0.5 * (start + end) + rounding;
-  if (middle < Line(axis, cell) || middle >= Line(axis, cell + 1)) return {};      // a neighbour's
-  if (end - start < (kSliver - 2 * kRounding) * cell_size_ / per_cell_) return {}; // of a body that is nothing but a sliver
-  const int count = std::max(1, static_cast<int>(std::floor(per_cell_ * (end - start) / cell_size_ + 0.5 + kRounding)));
+  if (middle < Line(axis, cell) || middle >= Line(axis, cell + 1)) return {};             // a neighbour's
+  if (end - start < (kThinnestPoint - 2 * kRounding) * cell_size_ / per_cell_) return {}; // of a body that is nothing but that
+  const int count = CountTiles(per_cell_, (end - start) / cell_size_);
   return {start, (end - start) / count, count};
 }
+
+int Tiling::MostTiles(int per_cell, int ratio) { return CountTiles(per_cell, 1 + 2 * std::min(kSliver * ratio, 1 + kRounding)); }
 
 std::vector<Tile> Tiling::InCell(Index at) const
 {

@@ -57,6 +57,7 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   const bool table = c.hardening == "table";
   const std::pair<const char *, double> stresses[] = {
       {table ? "flow_stresses" : "yield_stress", table ? c.flow_stresses.front() : c.yield_stress},
+      {"flow_stresses", table ? c.flow_stresses.back() : NAN},
       {"hardening_modulus", c.hardening_modulus},
       {"saturation_stress", c.saturation_stress}}; // NaN where not given
   for (const auto &[name, stress] : stresses) {
@@ -65,6 +66,29 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
       reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
                        (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
   }
+  constexpr double kLargestStrain = 5, kMostSensitive = 1, kLeastHeat = 50, kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
+  const double last_strain = table ? c.plastic_strains.back() : NAN;
+  if (last_strain > kLargestStrain)
+    reader.WarnLater(prefix + "plastic_strains " + FormatNumber(last_strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
+  if (c.rate_sensitivity > kMostSensitive)
+    reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
+                     ": more than doubles the flow stress at three times the rate; 0.01 is one per cent");
+  if (!c.adiabatic && !std::isnan(c.heat_capacity))
+    reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
+  if (c.heat_capacity < kLeastHeat || c.heat_capacity > kMostHeat)
+    reader.WarnLater(prefix + "heat_capacity " + FormatNumber(c.heat_capacity) + ": is that of no metal; is it in J/(kg K)?");
+}
+
+/// What no law of the materials reads, though somebody gave it.
+void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
+{
+  const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
+  if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->RateScale() > 0; }))
+    reader.WarnLater("-rate_scale " + FormatNumber(common.rate_scale) + ": changes nothing, as no material knows a rate");
+  if (common.initial_temperature != Constants().initial_temperature &&
+      none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
+    reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) +
+                     ": changes nothing, as no material knows a temperature");
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.
@@ -132,6 +156,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, *c->model.materials.back());
     if (average) c->model.materials.back()->AverageVolume(OwnGrowth(k));
   }
+  if (!reader.Help()) WarnOfUnused(reader, c->model, common);
 }
 
 } // namespace mlgimp

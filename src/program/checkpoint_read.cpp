@@ -70,6 +70,16 @@ void CheckpointReader::Settle(const char *place)
            wrong_);
 }
 
+/// The first option that two runs do not share, as a message; empty where there is none.
+std::string FirstDifference(const std::vector<std::string> &now, const std::vector<std::string> &then)
+{
+  for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
+    const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
+    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
+  }
+  return "";
+}
+
 /// The first rank looks first: most of what is wrong with a file it finds alone.
 void CheckpointReader::Open()
 {
@@ -78,6 +88,8 @@ void CheckpointReader::Open()
   const PetscMPIInt rank = RankIn(comm_);
   const auto groups_are_whole = [this] {
     bool all = file_.IsWholeGroup("/");
+    std::string then; // of another case, which may have other levels, ReadHead tells
+    if (!file_.Text("/identity", &then) || !FirstDifference(case_.identity, Split(then, '\n')).empty()) return all;
     for (int l = 0; l < hierarchy_.Levels(); ++l) all = all && file_.IsWholeGroup(LevelName(l));
     return all;
   };
@@ -93,16 +105,6 @@ void CheckpointReader::Open()
            FormatNumber(version[0]));
   if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
   Settle("checkpoint_open");
-}
-
-/// The first option that two runs do not share, as a message; empty where there is none.
-std::string FirstDifference(const std::vector<std::string> &now, const std::vector<std::string> &then)
-{
-  for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
-    const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
-    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
-  }
-  return "";
 }
 
 void CheckpointReader::ReadHead(RunState *state)

@@ -42,7 +42,7 @@ static double VonMisesStress(const Sym3 &stress)
 }
 
 /// Displacement since the start; current volume and half size; measures of the stress; pressures of contact, [points] Pa;
-/// internal variables that any material has, 0 in the others.
+/// internal variables that any material has; the others have what that starts from.
 static std::vector<DerivedField> DerivedFields(const Model &model, const std::vector<double> &pressures)
 {
   using Points = const PointArrays &;
@@ -71,10 +71,14 @@ static std::vector<DerivedField> DerivedFields(const Model &model, const std::ve
   for (int k = 0; k < kInternalVariables; ++k) {
     const auto variable = static_cast<InternalVariable>(k);
     const auto has = [&](const auto &material) { return material->PlaceOf(variable) >= 0; };
-    if (std::none_of(model.materials.begin(), model.materials.end(), has)) continue;
-    fields.push_back({kInternalVariableNames[k], 1, [variable](Points a, int p, const Material &material, double *value) {
+    const auto first = std::find_if(model.materials.begin(), model.materials.end(), has);
+    if (first == model.materials.end()) continue;
+    std::vector<double> history((*first)->HistorySize());
+    (*first)->InitialHistory(history.data());
+    const double at_start = history[(*first)->PlaceOf(variable)];
+    fields.push_back({kInternalVariableNames[k], 1, [=](Points a, int p, const Material &material, double *value) {
                         const int place = material.PlaceOf(variable);
-                        *value = place < 0 ? 0 : a.history[PointArrays::At(p, a.history_components) + place];
+                        *value = place < 0 ? at_start : a.history[PointArrays::At(p, a.history_components) + place];
                       }});
   }
   return fields;

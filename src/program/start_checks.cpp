@@ -104,6 +104,39 @@ void CheckHole(const Case &c, std::size_t b)
          FormatRounded(2 * cell) + " m, from it; it leaves a hole of " + FormatRounded(radius) + " m");
 }
 
+/// Half the thickness, in cells, of each body's thinnest point that lies beyond a line of cells with nothing beyond itself; huge
+/// where there is none. Collective.
+std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
+{
+  std::vector<double> thinnest(model.bodies.size(), HUGE_VAL);
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
+    const GridGeometry &grid = hierarchy.At(l).Mesh().Geometry();
+    for (const int p : hierarchy.At(l).PointStore().SurfacePoints())
+      for (int s = 0; s < 2 * a.dim; ++s) {
+        const Side side = static_cast<Side>(s);
+        const int axis = AxisOf(side);
+        const double half = a.HalfSize(p)[axis], inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;
+        if (a.faces[p] & OuterFaceBit(side) && std::abs(inner - std::round(inner)) < kRounding)
+          thinnest[a.body[p]] = std::min(thinnest[a.body[p]], half / grid.spacing);
+      }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, thinnest.data(), static_cast<int>(thinnest.size()), MPI_DOUBLE, MPI_MIN, hierarchy.Comm());
+  return thinnest;
+}
+
+/// Such points are unstable from half a square of the Courant number down: docs/method.md, section 1.
+void CheckThinPoints(MPI_Comm comm, const Case &c, std::size_t b, double thinnest)
+{
+  const Body &body = c.model.bodies[b];
+  const double speed = c.model.materials[body.material]->SpeedOfSound();
+  const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
+  if (std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
+  Warn(comm, "-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
+                 " of a cell thin, alone beyond a line of cells, which any motion makes unstable; move its sides, or take a -cfl below " +
+                 FormatRounded(std::sqrt(2 * thinnest)));
+}
+
 /// area: of the faces that the load acts on, m2 (m in the plane).
 void CheckLoad(MPI_Comm comm, const Case &c, std::size_t k, double area)
 {
@@ -145,7 +178,9 @@ void CheckBodies(Hierarchy &hierarchy, const Case &c)
   std::vector<BodySums> bodies;
   std::vector<double> loads;
   SumBodies(hierarchy, c.model, &bodies, &loads);
-  for (std::size_t b = 0; b < bodies.size(); ++b) CheckHole(c, b), CheckBody(c, b, bodies[b]);
+  const std::vector<double> thinnest = ThinnestAlone(hierarchy, c.model);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(hierarchy.Comm(), c, b, thinnest[b]);
   for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(hierarchy.Comm(), c, k, loads[k]);
 }
 

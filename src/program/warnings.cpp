@@ -11,10 +11,11 @@ namespace mlgimp
 namespace
 {
 
-/// What rows have told so far. Energies in J: what bodies have that no work explains, and the most that they had or were given.
+/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, and
+/// the largest of the indenter's work and of the noise; floor: where rounding begins.
 struct Watched {
   const QuasiStaticWatch &slow;
-  double made, given;
+  double made, given, indenter_work, noise, floor;
 };
 
 std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
@@ -48,27 +49,29 @@ bool HasMetal(const Case &c)
                      [](const auto &material) { return material->IsMetal(); });
 }
 
-/// A tip that tears the surface of a metal open comes down with little load or none, and blows where it meets points again.
-std::string OfTearing(const Case &c, const Budgets &budgets, const Watched &)
+/// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
+/// comes down with little load or none, and blows where it meets points again.
+std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.1; // of the indenter's work; steep cones on a few cells are seen to give 0.05
-  if (!c.model.indenter || !HasMetal(c) || budgets.plastic_work <= 0) return "";
-  const double work = budgets.indenter_work, given = budgets.contact_work - work;
-  if (given <= kMost * std::abs(work)) return "";
-  return "-indenter: contact has given the bodies " + FormatRounded(100 * given / std::abs(work)) +
-         " % more work than the indenter has done" + When(budgets) +
-         ": it has met few cells so far, or has torn the surface open, and the load is wrong; try smaller cells or a blunter tip";
+  if (!c.model.indenter || c.model.contact.method == "none") return "";
+  const double given = budgets.contact_work + budgets.friction_work - budgets.indenter_work;
+  const double work = std::max(watched.indenter_work, watched.floor);
+  if (given <= kMost * work) return "";
+  return "-indenter: contact has given the bodies " + FormatRounded(100 * given / work) +
+         " % more work than the indenter has done" + When(budgets) + ": it has met few cells so far, or " +
+         (HasMetal(c) ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+                      : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
-std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &)
+std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.005;
   if (!HasMetal(c) || !c.model.indenter || c.model.contact.method == "none") return "";
-  if (budgets.plastic_work <= 0 || budgets.noise_energy <= kMost * std::abs(budgets.indenter_work)) return "";
+  if (budgets.plastic_work <= 0 || watched.noise <= kMost * watched.indenter_work) return "";
   return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * budgets.noise_energy / std::abs(budgets.indenter_work)) + " % of the indenter's work" +
-         When(budgets) + ", which softens plastic flow: try a larger fraction or a slower indenter";
+         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) + ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
 /// Levels that follow the contact, and are too few for how wide it gets.
@@ -102,12 +105,23 @@ std::string OfSpeed(const Case &c, const Budgets &, const Watched &watched)
          " % of what the body has taken: try a smaller one, or less -damping where that was given";
 }
 
+/// A load that the tip, at its largest speed, has not come to carry.
+std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &)
+{
+  constexpr double kMet = 0.5; // the load of a row is the mean of its step
+  if (!c.model.indenter || !c.model.indenter->by_load) return "";
+  const double asked = c.model.indenter->by_load->force.Value(budgets.time);
+  if (budgets.load >= kMet * asked) return "";
+  return "-indenter_loads: " + FormatRounded(asked) + " N are asked for at the end, and the tip carries " +
+         FormatRounded(budgets.load) + " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
+}
+
 /// Damping that is strong beside the indenter's motion carries a part of the load.
 std::string OfDamping(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.2;
   if (!c.model.indenter || c.model.contact.method == "none" || c.quasi_static.on) return "";
-  if (budgets.damping_work <= kMost * watched.given) return "";
+  if (budgets.damping_work <= kMost * std::max(watched.given, watched.floor)) return "";
   return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
          When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
          " J, and carries a part of the load: try less, or a slower indenter";
@@ -117,11 +131,8 @@ std::string OfDamping(const Case &c, const Budgets &budgets, const Watched &watc
 /// seen, and more in the first steps of a touch, as velocities are half a step behind stresses.
 std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watched)
 {
-  constexpr double kMost = 0.5, kLeast = 1e-9; // of what they were given; of mass times the square of the speed of waves
-  double stiffness = 0;
-  for (const auto &material : c.model.materials)
-    stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
-  if (watched.made <= kMost * std::max(watched.given, kLeast * stiffness)) return "";
+  constexpr double kMost = 0.5, kFloors = 1e6; // of what they were given
+  if (watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
   const std::string option =
       c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
   return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
@@ -135,14 +146,20 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfTearing, true}, {OfNoise, true},  {OfSpeed, true},
-              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},  {OfSpeed, true},
+              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true}};
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;
   if (!unexplained_at_start_) unexplained_at_start_ = unexplained, given_ = energy;
   given_ = std::max({given_, std::abs(budgets.external_work), std::abs(budgets.contact_work)});
-  const Watched watched = {slow, unexplained - *unexplained_at_start_, given_};
+  indenter_work_ = std::max(indenter_work_, std::abs(budgets.indenter_work));
+  noise_ = std::max<double>(noise_, budgets.noise_energy);
+  constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
+  double stiffness = 0;
+  for (const auto &material : c.model.materials)
+    stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
+  const Watched watched = {slow, unexplained - *unexplained_at_start_, given_, indenter_work_, noise_, kRounding * stiffness};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     if (told_.count(k) || (kAll[k].at_end && !ended)) continue;
     const std::string line = kAll[k].line(c, budgets, watched);

@@ -235,6 +235,8 @@ CASES = [
     ("restart of another format", {"restart": "version.h5"}, ["-restart version.h5: must have format version", "it has 999"]),
     ("restart of an older format", {"restart": "older.h5"}, ["-restart older.h5: must have format version", "it has 4"]),
     ("restart of another case", {"restart": "whole.h5", "al_density": "1001"}, ["-restart whole.h5:", "same case", "-al_density 1001"]),
+    ("restart with more levels", {"restart": "whole.h5", "levels": "2", "level_1_lower": "0,4", "level_1_upper": "8,12"},
+     ["-restart whole.h5:", "same case", "-levels"]),
     ("restart at the end", {"restart": "whole.h5", "max_steps": "10"}, ["-restart whole.h5:", "before the end"]),
     ("restart with too long a step", {"restart": "whole.h5", "time_step": "1e-3"}, ["-time_step 0.001:", "<="]),
     ("restart into the results of another run", {"restart": "whole.h5", "output_dir": "full"}, ["-output_dir full:", "-overwrite"]),

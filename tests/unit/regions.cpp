@@ -86,7 +86,7 @@ struct TilingErrors {
 
 void CheckTiling(const Box &box, Vec3 origin, double h, int per_cell, int dim, TilingErrors *errors)
 {
-  const Tiling tiling(box, origin, h, per_cell);
+  const Tiling tiling(box, true, origin, h, per_cell);
   double sum = 0;
   IndexBox cells{{-1, -1, dim == 3 ? -1 : 0}, {1, 1, 1}};
   for (int axis = 0; axis < dim; ++axis) cells.upper[axis] = static_cast<int>((box.upper[axis] - origin[axis]) / h) + 2;

@@ -19,10 +19,20 @@ namespace
 
 constexpr double kSmallestArea = 0.05; ///< of a column's full kernel, with less of which it is left out
 constexpr double kSpare = 0.25;        ///< cells; see SpareGap
+constexpr double kWallDepth = 0.1;     ///< cells; see PressedShare
 
 /// Cells that a column at the tip may be deeper where the surface covers little of its kernel: a tip that cuts metal takes the
 /// surface away, and a column that let go all at once would come back with a blow.
 double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered); }
+
+/// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
+/// indenter moves: elastic surface beside it, with its gap, would hold the column of an edge open, and let it go in blows. It
+/// counts as far as it has got in. Metal is cut by an edge, and lies against the side.
+double PressedShare(const ContactView &view, const SurfaceGap &gap)
+{
+  if (gap.normal[view.geometry.Dim() - 1] < -kLeastFacing) return 1;
+  return std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+}
 
 /// True for the columns of the cells around the tip.
 bool IsAtTip(const ContactView &view, Index column)
@@ -112,7 +122,8 @@ private:
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
       if (FarFromIndenter(view, points, p)) continue;
-      const bool flows = view.bodies.Of(points, p).AveragesVolume();
+      const Material &material = view.bodies.Of(points, p);
+      const bool flows = material.AveragesVolume(), metal = material.PlaceOf(kPlasticStrain) >= 0;
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);
       for (const SurfaceSegment &s : all) {
@@ -121,8 +132,9 @@ private:
         least_gap_ = std::min(least_gap_, gap.distance);
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
-        if (Faces(s, gap.normal) && IsHere(view, place.cell))
-          segments_.push_back({place, gap.normal, s.area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
+        const double area = s.area * (metal ? 1 : PressedShare(view, gap));
+        if (area > 0 && Faces(s, gap.normal) && IsHere(view, place.cell))
+          segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
       }
       points_.push_back({p, segments_.size()});
     }

@@ -132,7 +132,8 @@ struct FlowState {
   double rate_per_strain;             ///< real rate for a plastic strain of one in the step, 1/s
 };
 
-/// How a point flows in a step: its plastic strain, and plastic work per volume, J/m3, by the trapezoidal rule at the step's rate.
+/// How a point flows in a step: its plastic strain, and plastic work per volume, J/m3, by the trapezoidal rule at the step's
+/// rate.
 struct PlasticStep {
   double strain = 0, work = 0;
 };

@@ -71,11 +71,11 @@ inline constexpr double kThinnestPoint = 0.1 + kRounding; ///< part of a whole p
 class Tiling
 {
 public:
-  /// is_box: the region is its bounding box. cell_size_at: of all levels, empty for one: where a body's side lies in the first cell beyond a border of levels, the
-  /// cells there decide if that is a sliver.
+  /// is_box: the region is its bounding box. cell_size_at: of all levels, empty for one: where a body's side lies in the first
+  /// cell beyond a border of levels, the cells there decide if that is a sliver.
   Tiling(const Box &bounds, bool is_box, Vec3 origin, double cell_size, int per_cell, CellSizeAt cell_size_at = {})
-      : bounds_(bounds), sliver_(is_box ? kSliver : kThinnestPoint / per_cell), dim_(bounds.upper[2] > bounds.lower[2] ? 3 : 2), origin_(origin), cell_size_(cell_size),
-        per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
+      : bounds_(bounds), sliver_(is_box ? kSliver : kThinnestPoint / per_cell), dim_(bounds.upper[2] > bounds.lower[2] ? 3 : 2),
+        origin_(origin), cell_size_(cell_size), per_cell_(per_cell), cell_size_at_(std::move(cell_size_at))
   {
   }
   Vec3 CellCenter(Index at) const { return origin_ + cell_size_ * Vec3{at[0] + 0.5, at[1] + 0.5, dim_ == 3 ? at[2] + 0.5 : 0}; }

@@ -11,7 +11,8 @@ Seeding::Seeding(const Model &model, const GridGeometry &geometry, const Boundar
     : model_(model), geometry_(geometry), sides_(sides), cell_size_at_(std::move(cell_size_at)), first_id_(first_id)
 {
   for (const Body &body : model.bodies) {
-    tilings_.emplace_back(body.region->Bounds(), body.region->IsBox(), geometry.lower, geometry.spacing, body.points_per_cell, cell_size_at_);
+    tilings_.emplace_back(body.region->Bounds(), body.region->IsBox(), geometry.lower, geometry.spacing, body.points_per_cell,
+                          cell_size_at_);
     const int most = Tiling::MostTiles(body.points_per_cell, ratio);
     tiles_per_cell_ = std::max(tiles_per_cell_, geometry.dim == 3 ? most * most * most : most * most);
   }

@@ -69,7 +69,8 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   constexpr double kLargestStrain = 5, kMostSensitive = 1, kLeastHeat = 50, kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
   const double last_strain = table ? c.plastic_strains.back() : NAN;
   if (last_strain > kLargestStrain)
-    reader.WarnLater(prefix + "plastic_strains " + FormatNumber(last_strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
+    reader.WarnLater(prefix + "plastic_strains " + FormatNumber(last_strain) +
+                     ": is a strain of 500 per cent or more; 0.1 is 10");
   if (c.rate_sensitivity > kMostSensitive)
     reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
                      ": more than doubles the flow stress at three times the rate; 0.01 is one per cent");

@@ -116,7 +116,8 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
       for (int s = 0; s < 2 * a.dim; ++s) {
         const Side side = static_cast<Side>(s);
         const int axis = AxisOf(side);
-        const double half = a.HalfSize(p)[axis], inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;
+        const double half = a.HalfSize(p)[axis],
+                     inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;
         if (a.faces[p] & OuterFaceBit(side) && std::abs(inner - std::round(inner)) < kRounding)
           thinnest[a.body[p]] = std::min(thinnest[a.body[p]], half / grid.spacing);
       }
@@ -133,7 +134,8 @@ void CheckThinPoints(MPI_Comm comm, const Case &c, std::size_t b, double thinnes
   const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
   if (std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
   Warn(comm, "-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
-                 " of a cell thin, alone beyond a line of cells, which any motion makes unstable; move its sides, or take a -cfl below " +
+                 " of a cell thin, alone beyond a line of cells, which any motion makes unstable; move its sides, or take a -cfl "
+                 "below " +
                  FormatRounded(std::sqrt(2 * thinnest)));
 }
 

@@ -60,8 +60,9 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
   if (given <= kMost * work) return "";
   return "-indenter: contact has given the bodies " + FormatRounded(100 * given / work) +
          " % more work than the indenter has done" + When(budgets) + ": it has met few cells so far, or " +
-         (HasMetal(c) ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
-                      : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
+         (HasMetal(c)
+              ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+              : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
@@ -71,7 +72,8 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
   if (!HasMetal(c) || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || watched.noise <= kMost * watched.indenter_work) return "";
   return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) + ", which softens plastic flow: try a larger fraction or a slower indenter";
+         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) +
+         ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
 /// Levels that follow the contact, and are too few for how wide it gets.
@@ -146,7 +148,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},  {OfSpeed, true},
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
               {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true}};
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =

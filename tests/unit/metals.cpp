@@ -43,8 +43,7 @@ template <class Law> void ReturnsToFlow(const std::string &name)
     off = std::max(off, std::abs(q - three_mu * d - flow) / q);
   }
   EXPECT_LE(off, 1e-12) << name + ": stress less flow stress after the return, of the trial stress";
-  EXPECT_EQ(FlowOf(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}).strain, 0)
-      << name + ": elastic below yield";
+  EXPECT_EQ(FlowOf(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}).strain, 0) << name + ": elastic below yield";
 }
 
 TEST(Metals, EveryLawIsReturnedTo)
@@ -55,6 +54,33 @@ TEST(Metals, EveryLawIsReturnedTo)
   ReturnsToFlow<LudwikHardening>("ludwik");
   ReturnsToFlow<TableHardening>("table");
   ReturnsToFlow<JohnsonCookHardening>("johnson_cook");
+}
+
+/// Johnson & Cook's law, counting its evaluations.
+struct CountedLaw : JohnsonCookHardening {
+  using JohnsonCookHardening::JohnsonCookHardening;
+  FlowPoint At(double a, double rate, double temperature) const
+  {
+    ++evaluations;
+    return JohnsonCookHardening::At(a, rate, temperature);
+  }
+  mutable int evaluations = 0;
+};
+
+/// Newton's method in the strain overshoots where flow rises with the logarithm of its rate, and halving took 20.
+TEST(Metals, LawsOfTheRateAreReturnedToInFewSteps)
+{
+  for (const double rate : {1e-1, 1e3, 1e6, 1e9}) {
+    const CountedLaw law(Constants("johnson_cook"));
+    constexpr double kStrain = 1e-5;
+    constexpr int kPoints = 500;
+    for (int n = 0; n < kPoints; ++n) {
+      const FlowState state = {std::pow(10, Random(-4, 0)), 300, rate / kStrain};
+      const double flow = law.JohnsonCookHardening::At(state.plastic_strain, rate, 300).stress;
+      FlowOf(law, flow + 3 * 26e9 * kStrain * Random(0.1, 2), 3 * 26e9, state);
+    }
+    EXPECT_LE(law.evaluations, 8 * kPoints) << rate << " 1/s: evaluations of the law in " << kPoints << " steps";
+  }
 }
 
 /// The formulas, at places where they are easy.

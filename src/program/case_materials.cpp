@@ -57,7 +57,7 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   const bool table = c.hardening == "table";
   const std::pair<const char *, double> stresses[] = {
       {table ? "flow_stresses" : "yield_stress", table ? c.flow_stresses.front() : c.yield_stress},
-      {"flow_stresses", table ? c.flow_stresses.back() : NAN},
+      {"flow_stresses", table && c.flow_stresses.size() > 1 ? c.flow_stresses.back() : NAN},
       {"hardening_modulus", c.hardening_modulus},
       {"saturation_stress", c.saturation_stress}}; // NaN where not given
   for (const auto &[name, stress] : stresses) {

@@ -141,6 +141,16 @@ std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watch
          FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
 }
 
+/// Bodies whose points part or crumple lose energy that no column has.
+std::string OfLoss(const Case &, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMost = 0.5, kFloors = 1e6; // of what they were given
+  if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
+  return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no column explains" + When(budgets) +
+         ", where they had or got " + FormatRounded(watched.given) +
+         " J: points have parted or crumpled, and the results are wrong; look at the last frames, and try smaller cells or steps";
+}
+
 } // namespace
 
 void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
@@ -148,8 +158,9 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
-              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},   {OfNoise, true},
+              {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true},
+              {OfDamping, true},      {OfLoad, true},       {OfLoss, true}};
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;

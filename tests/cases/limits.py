@@ -234,6 +234,16 @@ def test_span_beyond_its_side_is_told(span, acts):
     assert warnings({**BLOCK, **load, "p_span": "2,8"}) == [] == warnings({**BLOCK, **load})
 
 
+@pytest.mark.parametrize("pull, told", [(3e9, True), (1e9, False)])
+def test_bar_that_is_pulled_apart_is_told(pull, told):
+    """A metal bar pulled to 1.6 times its length by a follower load crumples at its loaded end, and keeps a seventh of the work."""
+    bar = {"domain_lower": "0,0", "domain_upper": "8e-6,40e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+           "materials": "m", "m_model": "j2", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700, "m_yield_stress": 1e8,
+           "m_hardening_modulus": 2e9, "bodies": "b", "b_lower": "0,0", "b_upper": "4e-6,10e-6", "loads": "top", "top_side": "y_upper",
+           "top_times": "0,300e-9", "top_pressures": f"0,{-pull}", "damping": 2e7, "end_time": 220e-9, "frames": 0}
+    assert [line.startswith(WARNING + "-bodies: have lost") for line in warnings(bar)] == [True] * told
+
+
 @pytest.mark.parametrize("ranks", ON_RANKS)
 def test_load_that_bursts_a_body_on_levels(ranks):
     """Points that are lost at the domain's lower sides were put beside the arrays, and the run ended in a segmentation fault."""

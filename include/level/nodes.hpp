@@ -6,6 +6,9 @@
 #include "level/grid.hpp"
 
 #include <array>
+#include <cstddef>
+#include <map>
+#include <vector>
 
 namespace mlgimp
 {
@@ -70,19 +73,22 @@ struct CoupledPlaces {
 struct PushedNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
   Vec3 change;
+  bool rubbed = false; ///< tractions of friction are a part of it
 };
 
 /// The second velocity of nodes that contact pushes is ahead of what points have got of dv by this part of dv: contact asks how
 /// faces move with the new velocity, and points strained by that of points alone lag behind, so that noise of a bar under a punch
-/// doubled every 10 crossings. More costs energy; with friction, 0.2 leaves noise, as columns let go in turns.
-inline constexpr double kPushedAhead = 0.1, kPushedAheadBySlip = 0.3;
-/// Adds these parts to the momenta in `rates`, before they are summed up.
-void AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed, double ahead);
+/// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
+inline constexpr double kPushedAhead = 0.1, kRubbedAhead = 0.3;
+/// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
+std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed);
 
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
 /// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
-/// see, do not count as work. Where there are no rates, P = p + m dv. ahead: see kPushedAhead.
-double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates, double ahead);
+/// see, do not count as work. Where there are no rates, P = p + m dv. ahead: what
+/// AdvancePushedNodes has put into `rates`.
+double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates,
+                    const std::map<std::ptrdiff_t, double> &ahead);
 
 // What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
 

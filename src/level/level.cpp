@@ -184,8 +184,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
-  const double ahead = model_.contact.friction > 0 ? kPushedAheadBySlip : kPushedAhead;
-  AdvancePushedNodes(*grid_, pushed_, ahead);
+  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_);
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
@@ -212,7 +211,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, 0);
+  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));

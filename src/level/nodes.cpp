@@ -116,18 +116,21 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
   budgets.damping_work += dt * settings.damping * damped;
 }
 
-void AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed, double ahead)
+std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed)
 {
-  std::vector<std::ptrdiff_t> nodes;
-  for (const PushedNode &one : pushed) nodes.push_back(one.node);
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  for (const std::ptrdiff_t node : nodes)
+  std::map<std::ptrdiff_t, double> ahead;
+  for (const PushedNode &one : pushed) {
+    double &part = ahead[one.node];
+    part = std::max(part, one.rubbed ? kRubbedAhead : kPushedAhead);
+  }
+  for (const auto &[node, part] : ahead)
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
-      grid.Rates(node)[axis] += ahead * grid.Sums()[node].mass * grid.Velocity(node).change[axis];
+      grid.Rates(node)[axis] += part * grid.Sums()[node].mass * grid.Velocity(node).change[axis];
+  return ahead;
 }
 
-double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates, double ahead)
+double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates,
+                    const std::map<std::ptrdiff_t, double> &ahead)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
@@ -136,7 +139,7 @@ double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, boo
     const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
     for (int axis = 0; axis < dim; ++axis) {
       const double p = node.momentum[axis], given = node.mass * change[axis];
-      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] - ahead * given : p + given));
+      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] - ahead.at(one.node) * given : p + given));
     }
   }
   return work;

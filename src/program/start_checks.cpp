@@ -126,15 +126,18 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
   return thinnest;
 }
 
-/// Such points are unstable from half a square of the Courant number down: docs/method.md, section 1.
+/// Such points are unstable from half a square of the Courant number down where they follow the new velocity: docs/method.md,
+/// section 1.
 void CheckThinPoints(MPI_Comm comm, const Case &c, std::size_t b, double thinnest)
 {
   const Body &body = c.model.bodies[b];
   const double speed = c.model.materials[body.material]->SpeedOfSound();
   const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
-  if (std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
+  const bool follows = c.model.stress_update == StressUpdate::kUsl || c.levels > 1 || c.model.VolumeAverages() > 0;
+  if (!follows || std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
   Warn(comm, "-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
-                 " of a cell thin, alone beyond a line of cells, which any motion makes unstable; move its sides, or take a -cfl "
+                 " of a cell thin, alone beyond a line of cells: unstable with usl, in metals and at borders of levels; move its "
+                 "sides, or take a -cfl "
                  "below " +
                  FormatRounded(std::sqrt(2 * thinnest)));
 }

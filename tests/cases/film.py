@@ -60,11 +60,13 @@ def missing_thickness(part):
 def test_interface_off_cell_lines(expect):
     """A cut cell is too stiff, by no more than layers that share their strain."""
     load, cubic = over_thickness(1)
-    for part in (0.15, 0.5, 0.85):
+    for part in (0.15, 0.3, 0.5, 0.85):
         seen, thinner = load(4 + part), cubic(4 + part - missing_thickness(part))
         expect(f"{part} of a cell: load, of that with the interface on a line", seen / cubic(4 + part), at_least=0.999)
         expect(f"{part} of a cell: load, of that with as much less film as layers in parallel lack", seen / thinner, at_most=1.001)
-        if part == 0.5:  # a part of 0.15 is a sliver of the cell below, and less stiff
+        if part == 0.15:  # a sliver, of the cell below: nearer to the exact load than such layers are
+            expect(f"{part} of a cell: load, of that with the interface on a line, from above", seen / cubic(4 + part), at_most=1.008)
+        elif part <= 0.5:
             expect(f"{part} of a cell: the same, from below", seen / thinner, at_least=0.995)
 
 

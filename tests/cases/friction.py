@@ -110,14 +110,12 @@ def test_left_is_the_mirror_of_right(expect):
 
 
 def test_no_traction_where_nothing_moves_sideways(expect):
-    """A block between smooth walls is pressed as a whole, with much and little friction alike, and without it but for noise."""
+    """A block between smooth walls is pressed as a whole, with and without friction alike."""
     case = {**PUNCH, "domain_upper": "6,12", "block_upper": "6,8", "indenter_width": 8, "indenter_tip": "3,8", **schedule((0, 40, 60), (0, 0.1, 0.1))}
-    smooth, little, rough = (harness.run({**case, "indenter_friction": friction}).history for friction in (0, 1e-6, "inf"))
+    smooth, rough = (harness.run({**case, "indenter_friction": friction}).history for friction in (0, "inf"))
     expect("friction", numpy.max(numpy.abs(rough["friction_force"])), at_most=1e-12)
-    difference, column = largest_difference(without(rough, "friction_force"), without(little, "friction_force"))
+    difference, column = largest_difference(without(rough, "friction_force"), smooth)
     expect(f"history (worst column {column})", difference, at_most=1e-9)
-    expect("load with friction, of that without, largest difference", numpy.max(numpy.abs(rough["load"] - smooth["load"])) / numpy.max(smooth["load"]),
-           at_most=1e-3)
 
 
 # A block on a smooth floor, pressed by a plate that is wider.

@@ -1,4 +1,6 @@
 """What a user types is rounded: points, masses, faces and loads must not depend on the last digits, the unit, the place or the hand."""
+import functools
+
 import numpy
 import pytest
 
@@ -57,27 +59,40 @@ def test_slivers_at_borders_of_levels(excess, ratio):
         assert column(result, "load_impulse_x") == pytest.approx(-1e-3 * size[1] * result.history["time"][-1], rel=SAME)
 
 
-@pytest.mark.parametrize("per_cell", [1, 2, 4])
-@pytest.mark.parametrize("excess", [0, 0.03, 0.06, 0.12, 0.2, 0.24, 0.26, 0.4])
-def test_surface_a_little_above_a_cell_line(excess, per_cell):
-    """Thin points, alone with the nodes beyond, were strained beyond all measure by any motion, within 60 steps. Here a block falls on
-    its side of symmetry and springs."""
-    result = run({**BLOCK, "domain_upper": [12, 12], "block_lower": [0, 0], "block_upper": [6, 8 + excess]}, boundary_x_lower="symmetry",
-                 boundary_x_upper="free", boundary_y_lower="symmetry", gravity="0,-1", max_steps=600, block_points_per_cell=per_cell)
-    history = result.history
+def energy_lost(history):
+    """Of a body that gravity moves, at its most, of the work of gravity."""
     kept = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"] - history["external_work"]
-    assert numpy.max(numpy.abs(kept)) < (0.03 if per_cell > 1 else 0.15) * numpy.max(history["external_work"])  # also on the line
+    return numpy.max(numpy.abs(kept)) / numpy.max(history["external_work"])
+
+
+@functools.lru_cache(None)
+def fall(excess, **words):
+    """A block falls on its side of symmetry and springs."""
+    return run({**BLOCK, "block_lower": [0, 0], "block_upper": [6, 8 + excess]}, boundary_x_lower="symmetry", boundary_y_lower="symmetry",
+               gravity="0,-1", max_steps=600, **words)
+
+
+@pytest.mark.parametrize("update, per_cell", [("musl", 1), ("musl", 2), ("musl", 4), ("usl", 2), ("usl", 4)])
+@pytest.mark.parametrize("excess", [0.03, 0.06, 0.12, 0.2, 0.24, 0.26, 0.4])
+def test_surface_a_little_above_a_cell_line(excess, update, per_cell):
+    """Thin points that follow the new velocity, alone with the nodes beyond, were strained beyond all measure by any motion, within 60
+    steps. USL loses 4 to 6 % with a surface on the line, MUSL 6 % with one point a cell."""
+    words = {"block_points_per_cell": per_cell, "stress_update": update}
+    result = fall(excess, **words)
+    most = 0.15 if per_cell == 1 else 0.03 if update == "musl" else energy_lost(fall(0, **words).history) + 0.015
+    assert energy_lost(result.history) < most
     assert column(result, "mass") == pytest.approx(1000 * 6 * (8 + excess), rel=SAME)
 
 
 @pytest.mark.parametrize("ratio", [2, 3, 4, 8])
 @pytest.mark.parametrize("excess", [0.03, 0.06, 0.2, 0.4])
-def test_body_at_rest_across_a_border_with_its_surface_above_a_line(excess, ratio):
-    """It stays at rest: points of the coarser level beside the box once blew up from rounding."""
-    result = run({**BLOCK, "block_lower": [0, 0], "block_upper": [12, 8 + excess], "domain_upper": [12, 12]}, boundary_x_lower="symmetry",
-                 boundary_x_upper="symmetry", boundary_y_lower="symmetry", levels=2, refinement_ratio=ratio, level_1_lower=[0, 4],
-                 level_1_upper=[5, 12], max_steps=150)
-    assert numpy.max(result.history["kinetic_energy"]) < 1e-20 * 1000 * 96
+def test_surface_above_a_line_across_a_border(excess, ratio):
+    """At borders of levels MUSL follows the new velocity too: points of the coarser level beside the box once blew up, also from
+    rounding."""
+    history = run({**BLOCK, "block_lower": [0, 0], "block_upper": [12, 8 + excess], "level_1_lower": [0, 4], "level_1_upper": [5, 12]},
+                  boundary_x_lower="symmetry", boundary_x_upper="symmetry", boundary_y_lower="symmetry", levels=2, refinement_ratio=ratio,
+                  gravity="0,-1", max_steps=200).history
+    assert energy_lost(history) < 0.03
 
 
 def test_tension_on_a_sliver():

@@ -72,16 +72,23 @@ void PushBeyondBorder(const ContactView &view, const ContactCoupling &at, Vec3 i
 
 /// Adds what pressures and tractions do to the velocities of nodes.
 void Push(const ContactView &view, const std::vector<ContactCoupling> &couplings, const std::vector<double> &lambda,
-          ContactReport *report)
+          int per_column, ContactReport *report)
 {
+  constexpr double kRounding = 1e-9; // of the impulse
   ForEachNode(couplings, [&](auto first, auto end) {
-    Vec3 impulse{};
-    for (auto c = first; c != end; ++c) impulse = impulse + view.dt * lambda[c->unknown] * c->traction;
+    Vec3 impulse{}, of_tractions{};
+    for (auto c = first; c != end; ++c) {
+      const Vec3 part = view.dt * lambda[c->unknown] * c->traction;
+      impulse = impulse + part;
+      if (c->unknown % per_column) of_tractions = of_tractions + part;
+    }
     if (impulse == Vec3{}) return;
-    if (first->coarser)
+    if (first->coarser) {
       PushBeyondBorder(view, *first, impulse, report);
-    else
+    } else {
       PushNode(view, first->node, first->share * impulse, report);
+      report->pushed.back().rubbed = Norm(of_tractions) > kRounding * Norm(impulse);
+    }
   });
 }
 
@@ -287,7 +294,7 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   PetscCall(FindPressures(view, layout, PatternOfPressures(pattern, view.tip.IsFree()), report));
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
-  Push(view, couplings, lambda_, report);
+  Push(view, couplings, lambda_, per_column, report);
   report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

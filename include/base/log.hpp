@@ -1,11 +1,15 @@
 // Logarithms and exponentials that loops over points can vectorise.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
 namespace mlgimp
 {
+
+/// ln 2 in two parts, the first of which is exact times a whole number.
+inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;
 
 /// ln x of a positive normal x, to round-off: without branches or calls.
 /// x = 2^k m with m between sqrt(1/2) and sqrt(2); ln m from the odd series in s = (m - 1)/(m + 1), with the
@@ -13,7 +17,6 @@ namespace mlgimp
 [[gnu::always_inline]] inline double Log(double x)
 {
   constexpr std::uint64_t kRootHalf = 0x3fe6a09e667f3bcd, kBias = 1024, kTwoTo52 = 0x4330000000000000;
-  constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;
   std::uint64_t bits;
   std::memcpy(&bits, &x, 8);
   const std::uint64_t biased = (bits - kRootHalf + (kBias << 52)) >> 52, k_bits = kTwoTo52 | biased;
@@ -27,6 +30,32 @@ namespace mlgimp
                           zz * (2.857142874366239149e-01 + zz * (1.818357216161805012e-01 + zz * 1.479819860511658591e-01)));
   const double even = zz * (3.999999999940941908e-01 + zz * (2.222219843214978396e-01 + zz * 1.531383769920937332e-01));
   return k * kLn2Upper - ((s * (f - (odd + even)) - k * kLn2Lower) - f);
+}
+
+/// exp x, to round-off for |x| <= 690; beyond that as at 690.
+/// x = k ln 2 + r with |r| <= (ln 2)/2; exp r by its series.
+[[gnu::always_inline]] inline double Exp(double x)
+{
+  constexpr double kMost = 690, kInverseLn2 = 1.44269504088896338700, kRounding = 6755399441055744.0; // 1.5 2^52
+  constexpr std::uint64_t kBias = 1023;
+  const double limited = std::min(std::max(x, -kMost), kMost), shifted = limited * kInverseLn2 + kRounding;
+  const double k = shifted - kRounding, r = limited - k * kLn2Upper - k * kLn2Lower;
+  double sum = 1;
+#pragma GCC unroll 13
+  for (int n = 13; n > 0; --n) sum = 1 + sum * r * (1.0 / n);
+  std::uint64_t bits;
+  std::memcpy(&bits, &shifted, 8);
+  bits = (bits + kBias) << 52;
+  double power;
+  std::memcpy(&power, &bits, 8);
+  return sum * power;
+}
+
+/// x^y for x >= 0, y >= 0; less than 1e-299 for 0 where y is above 1e-297.
+[[gnu::always_inline]] inline double Pow(double x, double y)
+{
+  constexpr double kLogZero = -1e300;
+  return Exp(y * (x > 0 ? Log(x) : kLogZero));
 }
 
 /// atanh(s)/s for s^2 <= 0.01.

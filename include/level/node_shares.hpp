@@ -69,7 +69,7 @@ public:
   template <bool with_body> void AddTo(const Grid &grid, const Weights &w, const Block &b) const
   {
     ForEachGroup(w, b.count, [&](int first, int count) {
-      PrefetchNext<Geometry, true, true>(b, first);
+      PrefetchNext<Geometry>(b, first, kMomentum | kStressOfPoint);
       ForEachRows<dim, kNode>(w, first, grid.IndexSpace(), &grid.Sums()->mass,
                               [&](const NodeRows<dim> &rows) { AddRows<with_body>(w, first, count, rows); });
     });

@@ -29,20 +29,22 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
   }
 }
 
-/// Asks the memory for points of the next block: what weights need of them, short-wave stress, and other fields. A block's part
-/// of a field is too short for the processor to notice a stream. To be done between groups, as many requests at once would wait
-/// for each other. Always inline: GCC leaves out calls of functions that do nothing else.
-template <class Geometry, bool momentum, bool stress> [[gnu::always_inline]] inline void PrefetchNext(const Block &b, int p)
+/// Parts of a point's fields that a sweep needs beside those of its weights and the short-wave stress.
+enum PointParts : int { kMomentum = 1, kStressOfPoint = 2, kInternal = 4 };
+
+/// Asks the memory for points of the next block, with such parts of their fields as are named. A block's part of a field is too
+/// short for the processor to notice a stream. To be done between groups, as many requests at once would wait for each other.
+/// Always inline: GCC leaves out calls of functions that do nothing else.
+template <class Geometry> [[gnu::always_inline]] inline void PrefetchNext(const Block &b, int p, int parts)
 {
   constexpr int dim = Geometry::kDim;
   p += kBlock;
   Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
   Prefetch<Geometry::kRate>(b.short_wave_stress, p);
-  if constexpr (momentum) Prefetch<dim>(b.velocity, p);
-  if constexpr (stress) {
-    Prefetch<Geometry::kStress>(b.stress, p);
-    if (b.history) Prefetch<Geometry::kStress + 1>(b.history, p, b.history_components);
-  }
+  if (parts & kMomentum) Prefetch<dim>(b.velocity, p), Prefetch<1>(b.mass, p);
+  if (parts & kStressOfPoint) Prefetch<Geometry::kStress>(b.stress, p);
+  if (parts & kInternal && b.history) Prefetch<Geometry::kStress + 1>(b.history, p, b.history_components);
+  if (parts & kInternal && b.average >= 0) Prefetch<1>(b.faces, p);
 }
 
 /// Asks for the grid's velocity at the next block, also where it is about to be written: it is read before.

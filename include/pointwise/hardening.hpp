@@ -3,6 +3,9 @@
 // A law is a struct with At and a row of the table in metals.cpp; docs/extend.md has the steps to a new one.
 #pragma once
 
+#include "base/log.hpp"
+#include "pointwise/rows.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -38,23 +41,23 @@ struct FlowPoint {
 
 /// sy + H a.
 struct LinearHardening {
-  static constexpr bool kThermal = false;
+  static constexpr bool kThermal = false, kOfRate = false;
   explicit LinearHardening(const MaterialConstants &c) : yield(c.yield_stress), modulus(c.hardening_modulus) {}
-  FlowPoint At(double a, double, double) const { return {yield + modulus * a, modulus, 0}; }
+  [[gnu::always_inline]] FlowPoint At(double a, double, double) const { return {yield + modulus * a, modulus, 0}; }
   double yield, modulus;
 };
 
 /// Swift: sy (1 + a/e0)^n; the power law of the indentation literature is that with e0 = sy/E.
 struct SwiftHardening {
-  static constexpr bool kThermal = false;
+  static constexpr bool kThermal = false, kOfRate = false;
   explicit SwiftHardening(const MaterialConstants &c)
       : yield(c.yield_stress), exponent(c.hardening_exponent),
         inverse_strain(std::isnan(c.hardening_strain) ? c.youngs_modulus / c.yield_stress : 1 / c.hardening_strain)
   {
   }
-  FlowPoint At(double a, double, double) const
+  [[gnu::always_inline]] FlowPoint At(double a, double, double) const
   {
-    const double base = 1 + a * inverse_strain, stress = yield * std::pow(base, exponent);
+    const double base = 1 + a * inverse_strain, stress = yield * Pow(base, exponent);
     return {stress, exponent * stress * inverse_strain / base, 0};
   }
   double yield, exponent, inverse_strain;
@@ -62,14 +65,14 @@ struct SwiftHardening {
 
 /// Voce: ss - (ss - sy) exp(-a/ec).
 struct VoceHardening {
-  static constexpr bool kThermal = false;
+  static constexpr bool kThermal = false, kOfRate = false;
   explicit VoceHardening(const MaterialConstants &c)
       : saturation(c.saturation_stress), range(c.saturation_stress - c.yield_stress), strain(c.saturation_strain)
   {
   }
-  FlowPoint At(double a, double, double) const
+  [[gnu::always_inline]] FlowPoint At(double a, double, double) const
   {
-    const double missing = range * std::exp(-a / strain);
+    const double missing = range * Exp(-a / strain);
     return {saturation - missing, missing / strain, 0};
   }
   double saturation, range, strain;
@@ -77,14 +80,14 @@ struct VoceHardening {
 
 /// Ludwik: sy + B a^n.
 struct LudwikHardening {
-  static constexpr bool kThermal = false;
+  static constexpr bool kThermal = false, kOfRate = false;
   explicit LudwikHardening(const MaterialConstants &c)
       : yield(c.yield_stress), modulus(c.hardening_modulus), exponent(c.hardening_exponent)
   {
   }
-  FlowPoint At(double a, double, double) const
+  [[gnu::always_inline]] FlowPoint At(double a, double, double) const
   {
-    const double hardening = modulus * std::pow(a, exponent);
+    const double hardening = modulus * Pow(a, exponent);
     return {yield + hardening, a > 0 ? exponent * hardening / a : HUGE_VAL, 0};
   }
   double yield, modulus, exponent;
@@ -92,9 +95,9 @@ struct LudwikHardening {
 
 /// Straight lines between given points, level after the last.
 struct TableHardening {
-  static constexpr bool kThermal = false;
+  static constexpr bool kThermal = false, kOfRate = false;
   explicit TableHardening(const MaterialConstants &c) : strains(c.plastic_strains), stresses(c.flow_stresses) {}
-  FlowPoint At(double a, double, double) const
+  [[gnu::always_inline]] FlowPoint At(double a, double, double) const
   {
     const auto above = std::upper_bound(strains.begin(), strains.end(), a);
     if (above == strains.end()) return {stresses.back(), 0, 0};
@@ -107,68 +110,116 @@ struct TableHardening {
 
 /// Johnson & Cook (1983): (sy + B a^n) (1 + C ln max(1, r/r0)) (1 - T*^m), T* = (T - T0)/(Tm - T0).
 struct JohnsonCookHardening {
-  static constexpr bool kThermal = true;
+  static constexpr bool kThermal = true, kOfRate = true;
   explicit JohnsonCookHardening(const MaterialConstants &c)
       : ludwik(c), sensitivity(c.rate_sensitivity), reference_rate(c.reference_rate), exponent(c.thermal_exponent),
         initial(c.initial_temperature), melting(c.melting_temperature)
   {
   }
-  FlowPoint At(double a, double rate, double temperature) const
+  [[gnu::always_inline]] FlowPoint At(double a, double rate, double temperature) const
   {
     const FlowPoint cold = ludwik.At(a, 0, 0);
-    const double part = std::clamp((temperature - initial) / (melting - initial), 0.0, 1.0);
-    const double soft = 1 - std::pow(part, exponent);
-    const bool fast = rate > reference_rate;
-    const double factor = fast ? 1 + sensitivity * std::log(rate / reference_rate) : 1;
-    return {cold.stress * factor * soft, cold.by_strain * factor * soft, fast ? cold.stress * sensitivity / rate * soft : 0};
+    const double part = std::min(std::max((temperature - initial) / (melting - initial), 0.0), 1.0);
+    const double soft = 1 - Pow(part, exponent), factor = 1 + sensitivity * Log(std::max(rate / reference_rate, 1.0));
+    const double by_rate = cold.stress * soft * (sensitivity / rate);
+    return {cold.stress * factor * soft, cold.by_strain * factor * soft, rate > reference_rate ? by_rate : 0};
   }
   LudwikHardening ludwik;
   double sensitivity, reference_rate, exponent, initial, melting;
 };
 
-/// A point that may flow in a step.
-struct FlowState {
-  double plastic_strain, temperature; ///< at its start
-  double rate_per_strain;             ///< real rate for a plastic strain of one in the step, 1/s
+/// Points that may flow in a step, arrays [count].
+struct FlowStates {
+  int count;                    ///< at most kBlock
+  const double *trial;          ///< von Mises' stress q of the step without flow, Pa
+  const double *plastic_strain; ///< at its start
+  const double *temperature;    ///< at its start, K; null where the law is not kThermal
+  double rate_per_strain;       ///< real rate for a plastic strain of one in the step, 1/s
 };
 
-/// How a point flows in a step: its plastic strain, and plastic work per volume, J/m3, by the trapezoidal rule at the step's
-/// rate.
+/// How they flow: plastic strain of the step, and plastic work per volume, J/m3, by the trapezoidal rule at the step's rate.
 struct PlasticStep {
-  double strain = 0, work = 0;
+  alignas(64) double strain[kBlock], work[kBlock];
 };
 
-/// The plastic strain d of a step, with q - 3 mu d = flow(a + d), for the stress q of a step without flow; none within the yield
-/// surface. Newton's method from the right, where flow rises less and less: in d, and in ln d where flow rises with the rate, as
-/// that is a straight line in ln d: no farther than where that alone takes up q. Halving where it leaves the bracket.
-template <class Law> PlasticStep FlowOf(const Law &law, double q, double three_mu, const FlowState &state)
+/// The search of plastic strains: the interval each is in, and whether it is still looked for (0 or 1).
+struct FlowSearch {
+  alignas(64) double lower[kBlock], upper[kBlock], open[kBlock];
+};
+
+template <class Law> double TemperatureOf(const Law &, const FlowStates &states, int p)
 {
-  constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
-  constexpr int kMostIterations = 100;
-  double start = law.At(state.plastic_strain, 0, state.temperature).stress;
-  if (q <= start) return {};
-  double lower = 0, upper = (q - start) / three_mu, d = upper, by_rate = 0;
-  for (int k = 0; k < kMostIterations; ++k) {
-    const FlowPoint flow = law.At(state.plastic_strain + d, state.rate_per_strain * d, state.temperature);
-    const double excess = q - three_mu * d - flow.stress;
-    by_rate = state.rate_per_strain * flow.by_rate;
-    if (std::abs(excess) <= kTolerance * q || upper - lower <= std::numeric_limits<double>::epsilon() * upper) break;
-    (excess > 0 ? lower : upper) = d;
-    const double change = excess / (three_mu + flow.by_strain + by_rate), from = d;
-    d = by_rate > 0 ? d * std::exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;
-    if (!(d > lower && d < upper)) d = 0.5 * (lower + upper);
-    if (std::abs(d - from) <= kLastStep * d) break;
-  }
-  if (by_rate > 0) start = law.At(state.plastic_strain, state.rate_per_strain * d, state.temperature).stress;
-  return {d, 0.5 * d * (start + q - three_mu * d)};
+  if constexpr (Law::kThermal)
+    return states.temperature[p];
+  else
+    return 0;
 }
 
-/// The same of a straight line, without branches.
-inline PlasticStep FlowOf(const LinearHardening &law, double q, double three_mu, const FlowState &state)
+/// One step of the search for all points; returns how many are still open.
+template <class Law>
+[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, FlowSearch &search, double *strain)
 {
-  const double start = law.At(state.plastic_strain, 0, 0).stress, excess = q - start;
-  const double d = excess > 0 ? excess * (1 / (three_mu + law.modulus)) : 0; // the quotient is the same for all points
-  return {d, 0.5 * d * (start + law.At(state.plastic_strain + d, 0, 0).stress)};
+  constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  const double rate = states.rate_per_strain;
+  double still_open = 0;
+#pragma omp simd reduction(+ : still_open)
+  for (int p = 0; p < states.count; ++p) {
+    const double q = states.trial[p], d = strain[p];
+    const FlowPoint flow = law.At(states.plastic_strain[p] + d, rate * d, TemperatureOf(law, states, p));
+    const double excess = q - three_mu * d - flow.stress, by_rate = rate * flow.by_rate;
+    const bool found =
+        (std::abs(excess) <= kTolerance * q) | (search.upper[p] - search.lower[p] <= kEpsilon * search.upper[p]);
+    const double lower = excess > 0 ? d : search.lower[p], upper = excess > 0 ? search.upper[p] : d;
+    const double change = excess / (three_mu + flow.by_strain + by_rate);
+    const double newton = by_rate > 0 ? d * Exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;
+    const double next = (newton > lower) & (newton < upper) ? newton : 0.5 * (lower + upper);
+    const bool moves = (search.open[p] > 0) & !found;
+    search.lower[p] = lower, search.upper[p] = upper;
+    strain[p] = moves ? next : d;
+    search.open[p] = moves & (std::abs(next - d) > kLastStep * next) ? 1 : 0;
+    still_open += search.open[p];
+  }
+  return still_open;
+}
+
+/// The plastic strain d of each point in a step, with q - 3 mu d = flow(a + d); none within the yield surface. Newton's method
+/// from the right, where flow rises less and less: in d, and in ln d where flow rises with the rate, as that is a straight line
+/// in ln d: no farther than where that alone takes up q. Halving where it leaves the interval.
+template <class Law>
+[[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
+{
+  constexpr int kMostSteps = 100;
+  FlowSearch search;
+  alignas(64) double start[kBlock];
+  double open = 0;
+#pragma omp simd reduction(+ : open)
+  for (int p = 0; p < states.count; ++p) {
+    start[p] = law.At(states.plastic_strain[p], 0, TemperatureOf(law, states, p)).stress;
+    step.strain[p] = search.upper[p] = std::max(states.trial[p] - start[p], 0.0) / three_mu;
+    search.lower[p] = 0, search.open[p] = states.trial[p] > start[p] ? 1 : 0;
+    open += search.open[p];
+  }
+  for (int k = 0; k < kMostSteps && open > 0; ++k) open = Approach(law, three_mu, states, search, step.strain);
+  const double rate = Law::kOfRate ? states.rate_per_strain : 0;
+#pragma omp simd
+  for (int p = 0; p < states.count; ++p) {
+    const double d = step.strain[p];
+    if constexpr (Law::kOfRate) start[p] = law.At(states.plastic_strain[p], rate * d, TemperatureOf(law, states, p)).stress;
+    step.work[p] = 0.5 * d * (start[p] + states.trial[p] - three_mu * d);
+  }
+}
+
+/// The same of a straight line, at once.
+inline void FlowOf(const LinearHardening &law, double three_mu, FlowStates states, PlasticStep &step)
+{
+  const double inverse = 1 / (three_mu + law.modulus);
+#pragma omp simd
+  for (int p = 0; p < states.count; ++p) {
+    const double start = law.At(states.plastic_strain[p], 0, 0).stress;
+    const double d = std::max(states.trial[p] - start, 0.0) * inverse;
+    step.strain[p] = d, step.work[p] = 0.5 * d * (2 * start + law.modulus * d);
+  }
 }
 
 } // namespace mlgimp

@@ -16,13 +16,13 @@ inline constexpr int kBlock = 64;
 using Row = double[kBlock + kLanes];
 
 /// Asks the memory for n components of points p to p + kLanes - 1, field [][stride]; there may be no such points.
-template <int n> [[gnu::always_inline]] inline void Prefetch(const double *field, int p, int stride = n)
+template <int n, class Number> [[gnu::always_inline]] inline void Prefetch(const Number *field, int p, int stride = n)
 {
-  constexpr int kLine = 8; // numbers of a cache line
-  const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(double) * stride * static_cast<std::uintptr_t>(p);
+  constexpr int kLine = 64 / sizeof(Number); // numbers of a cache line
+  const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(Number) * stride * static_cast<std::uintptr_t>(p);
 #pragma GCC unroll 5
   for (int k = 0; k < n * kLanes; k += kLine)
-    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(double) * k)); // NOLINT(performance-no-int-to-ptr)
+    __builtin_prefetch(reinterpret_cast<const void *>(first + sizeof(Number) * k)); // NOLINT(performance-no-int-to-ptr)
 }
 
 /// Puts n components of points p to p + kLanes - 1 into rows, from `field`, that of the first of them; so many numbers lie

@@ -154,7 +154,7 @@ private:
   {
     ForEachGroup(w, b.count, [&](int p, int) {
       const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.VelocityArray());
-      PrefetchNext<Geometry, true, false>(b, p);
+      PrefetchNext<Geometry>(b, p, kMomentum);
       constexpr int kChange = NodeLayout::Velocity(dim) / 2;
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
@@ -199,11 +199,12 @@ private:
   static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
                           Row *projected, Row *smooth)
   {
+    const int parts = kStressOfPoint | kInternal | (b.average >= 0 || plan.xpic_fraction > 0 ? kMomentum : 0);
     ForEachGroup(w, b.count, [&](int p, int) {
       const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
       const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.VelocityArray());
       const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
-      PrefetchNext<Geometry, false, true>(b, p);
+      PrefetchNext<Geometry>(b, p, parts);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
         if (plan.strain) {

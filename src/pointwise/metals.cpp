@@ -129,16 +129,18 @@ private:
     Set(LogarithmicStrain<kInPlane>(trial), p, mu2, flow);
   }
 
-  /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows.
-  bool Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
+  /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows. All
+  /// that it calls becomes part of it, so that loops over points vectorise whatever the law.
+  [[gnu::flatten]] bool Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
   {
     const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
     const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt, heating = heating_;
+    PlasticStep step;
+    FlowOf(law, mu3, {b.count, flow.stress, history[kStrain], Hardening::kThermal ? history[kHeat] : nullptr, rate}, step);
     int any = 0;
 #pragma omp simd reduction(| : any)
     for (int p = 0; p < b.count; ++p) {
-      const FlowState state = {history[kStrain][p], Hardening::kThermal ? history[kHeat][p] : 0, rate};
-      const auto [plastic, work] = FlowOf(law, flow.stress[p], mu3, state);
+      const double plastic = step.strain[p], work = step.work[p];
       flow.kept[p] = plastic > 0 ? 1 - mu3 * plastic / flow.stress[p] : 1;
       history[kStrain][p] += plastic;
       if constexpr (Hardening::kThermal) history[kHeat][p] += heating * work;

@@ -63,13 +63,16 @@ void ReadGrid(OptionReader &reader, Case *c)
   if (!kCellSizes.Contains(c->cell_size))
     reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too");
   for (int axis = 0; axis < c->Dim(); ++axis) {
-    const double cells = (c->domain.upper[axis] - c->domain.lower[axis]) / c->cell_size;
+    const double edge = c->domain.upper[axis] - c->domain.lower[axis], cells = edge / c->cell_size;
     if (!(cells > 0))
       reader.Refuse("-domain_upper", reader.Text(c->domain.upper), "above -domain_lower " + reader.Text(c->domain.lower));
     if (cells > 1e6) reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges");
-    if (std::abs(cells - std::round(cells)) > 1e-6 * std::max(1.0, cells) || std::round(cells) < 1)
+    const double whole = std::max(1.0, std::round(cells));
+    if (std::abs(cells - whole) > 1e-6 * std::max(1.0, cells))
       reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                    "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower));
+                    "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower) +
+                        " to a millionth; " + FormatNumber(whole) + " cells along " + "xyz"[axis] + " have " +
+                        FormatNumber(edge / whole));
   }
   CheckAxis(reader, c);
   // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.

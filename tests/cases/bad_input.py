@@ -78,6 +78,8 @@ CASES = [
     ("part of a cell", {"domain_upper": "12.5,12"}, ["-cell_size 1:", "whole", "12.5"]),
     ("upside down", {"domain_upper": "12,-3"}, ["-domain_upper 12,-3:", "above -domain_lower"]),
     ("no height", {"domain_upper": "12,0"}, ["-domain_upper 12,0:", "above -domain_lower"]),
+    ("a third with too few digits", {"domain_upper": "16,16", "cell_size": "2.66667"},
+     ["-cell_size 2.66667:", "to a millionth; 6 cells along x have 2.6666666666666665"]),
     ("cells beyond number", {"cell_size": "1e-9"}, ["-cell_size 1e-09:"]),
     ("more cells than numbers", {"cell_size": "1e-4"}, ["-cell_size 0.0001:"]),
     ("cell size zero", {"cell_size": "0"}, ["-cell_size 0:", "> 0"]),

@@ -29,21 +29,37 @@ MaterialConstants Constants(const std::string &hardening)
   return c;
 }
 
+/// Points of a block in many states, every fifth of them below yield.
 template <class Law> void ReturnsToFlow(const std::string &name)
 {
   const Law law(Constants(name));
   const double three_mu = 3 * 26e9;
   double off = 0;
-  for (int n = 0; n < 2000; ++n) {
-    const FlowState state = {std::pow(10, Random(-9, 0.5)) * (n % 5 ? 1 : 0), Random(293, 850), std::pow(10, Random(0, 12))};
-    const double q = law.At(state.plastic_strain, 0, state.temperature).stress * (1 + std::pow(10, Random(-10, 1)));
-    const double d = FlowOf(law, q, three_mu, state).strain;
-    const double flow = law.At(state.plastic_strain + d, state.rate_per_strain * d, state.temperature).stress;
-    EXPECT_GT(d, 0) << name;
-    off = std::max(off, std::abs(q - three_mu * d - flow) / q);
+  for (int block = 0; block < 40; ++block) {
+    double q[kBlock], strain[kBlock], temperature[kBlock];
+    const double rate = std::pow(10, Random(0, 12));
+    for (int p = 0; p < kBlock; ++p) {
+      strain[p] = std::pow(10, Random(-9, 0.5)) * (p % 7 ? 1 : 0), temperature[p] = Random(293, 850);
+      const double excess = p % 5 ? std::pow(10, Random(-10, 1)) : -0.001;
+      q[p] = law.At(strain[p], 0, temperature[p]).stress * (1 + excess);
+    }
+    PlasticStep step;
+    FlowOf(law, three_mu, {kBlock - block % 3, q, strain, Law::kThermal ? temperature : nullptr, rate}, step);
+    for (int p = 0; p < kBlock - block % 3; ++p) {
+      const double d = step.strain[p];
+      const double flow = law.At(strain[p] + d, rate * d, temperature[p]).stress;
+      if (p % 5) {
+        EXPECT_GT(d, 0) << name;
+        const double start = law.At(strain[p], rate * d, temperature[p]).stress;
+        off = std::max(off, std::abs(q[p] - three_mu * d - flow) / q[p]);
+        EXPECT_NEAR(step.work[p], 0.5 * d * (start + flow), 1e-9 * d * flow) << name + ": work by the trapezoidal rule";
+      } else {
+        EXPECT_EQ(d, 0) << name + ": elastic below yield";
+        EXPECT_EQ(step.work[p], 0) << name + ": elastic below yield";
+      }
+    }
   }
   EXPECT_LE(off, 1e-12) << name + ": stress less flow stress after the return, of the trial stress";
-  EXPECT_EQ(FlowOf(law, 0.999 * law.At(0, 0, 293).stress, three_mu, {0, 293, 1e9}).strain, 0) << name + ": elastic below yield";
 }
 
 TEST(Metals, EveryLawIsReturnedTo)
@@ -75,12 +91,31 @@ TEST(Metals, LawsOfTheRateAreReturnedToInFewSteps)
     constexpr double kStrain = 1e-5;
     constexpr int kPoints = 500;
     for (int n = 0; n < kPoints; ++n) {
-      const FlowState state = {std::pow(10, Random(-4, 0)), 300, rate / kStrain};
-      const double flow = law.JohnsonCookHardening::At(state.plastic_strain, rate, 300).stress;
-      FlowOf(law, flow + 3 * 26e9 * kStrain * Random(0.1, 2), 3 * 26e9, state);
+      const double strain = std::pow(10, Random(-4, 0)), temperature = 300, three_mu = 3 * 26e9;
+      const double flow = law.JohnsonCookHardening::At(strain, rate, temperature).stress;
+      const double trial = flow + three_mu * kStrain * Random(0.1, 2);
+      PlasticStep step;
+      FlowOf(law, three_mu, {1, &trial, &strain, &temperature, rate / kStrain}, step);
     }
     EXPECT_LE(law.evaluations, 8 * kPoints) << rate << " 1/s: evaluations of the law in " << kPoints << " steps";
   }
+}
+
+/// Against the C library's, over all that laws may ask for.
+TEST(Metals, ExponentialsAndPowers)
+{
+  double off = 0, off_power = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const double x = Random(-600, 600), base = std::pow(10, Random(-20, 3)), exponent = Random(0, 3);
+    off = std::max(off, std::abs(Exp(x) / std::exp(x) - 1));
+    const double power = std::pow(base, exponent), size = 1 + std::abs(std::log(power)); // its error is that of its logarithm
+    off_power = std::max(off_power, std::abs(Pow(base, exponent) / power - 1) / size);
+  }
+  EXPECT_LE(off, 1e-15) << "exponential";
+  EXPECT_LE(off_power, 1e-15) << "power";
+  EXPECT_EQ(Exp(0), 1);
+  EXPECT_LE(Pow(0, 0.3), 1e-299);
+  EXPECT_EQ(Pow(0, 0), 1);
 }
 
 /// The formulas, at places where they are easy.

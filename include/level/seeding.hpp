@@ -17,14 +17,19 @@ struct Seed {
   std::int64_t id;
 };
 
+/// The grids of all levels, and which of them has the points of a place.
+struct SeedingLevels {
+  std::vector<GridGeometry> grids;
+  std::function<int(Vec3)> at;
+  int ratio; ///< of the cell sizes of neighbouring levels
+};
+
 /// The places where one level's points start.
 class Seeding
 {
 public:
-  /// cell_size_at: of all levels, different on each; the level owns the cells where it is that of `geometry`. ratio: of
-  /// neighbouring levels; first_id: the least number of the level's points.
-  Seeding(const Model &model, const GridGeometry &geometry, const BoundaryConditions &sides, CellSizeAt cell_size_at, int ratio,
-          std::int64_t first_id);
+  /// first_id: the least number of the level's points.
+  Seeding(const Model &model, const SeedingLevels &levels, int level, const BoundaryConditions &sides, std::int64_t first_id);
 
   /// Calls work for every seed with its cell in a box, row by row.
   void ForEachSeed(const IndexBox &cells, const std::function<void(const Seed &)> &work) const;
@@ -40,19 +45,21 @@ public:
 
 private:
   void MakePoint(const Seed &seed, const PointArrays &arrays, int p) const;
-  bool IsInside(std::size_t body, const Tile &tile) const;
+  bool IsInside(std::size_t body, Tile tile) const;
+  void TakeStepsOfCoarser(std::size_t body, Tile &tile) const;
   bool AtWall(const Seed &seed, Side side) const;
   int FaceBits(const Seed &seed) const;
   bool Occupied(Vec3 x) const;
   IndexBox Cells() const;
 
   const Model &model_;
-  GridGeometry geometry_;
+  SeedingLevels levels_;
+  int level_;
+  GridGeometry geometry_; ///< of the level
   BoundaryConditions sides_;
-  CellSizeAt cell_size_at_;
   std::int64_t first_id_;
-  int tiles_per_cell_ = 1; ///< the most of any body
-  std::vector<Tiling> tilings_;
+  int tiles_per_cell_ = 1;                    ///< the most of any body
+  std::vector<std::vector<Tiling>> tilings_; ///< by levels, of the bodies
 };
 
 } // namespace mlgimp

@@ -30,11 +30,13 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 {
   std::int64_t first_id = 0;
   std::vector<Seeding> seedings;
-  const auto cell_size_at = [levels = settings.levels, follows = settings.follow.kind != FollowKind::kNone](Vec3 x) {
-    std::size_t l = follows ? 0 : levels.size() - 1; // points that boxes leave behind need a parent to become again
+  const auto level_at = [levels = settings.levels, follows = settings.follow.kind != FollowKind::kNone](Vec3 x) {
+    int l = follows ? 0 : static_cast<int>(levels.size()) - 1; // points that boxes leave behind need a parent to become again
     while (l > 0 && !WidenedBox(levels[l], 0).Contains(x)) --l;
-    return levels[l].grid.spacing;
+    return l;
   };
+  SeedingLevels places = {{}, level_at, settings.ratio};
+  for (const LevelGeometry &level : settings.levels) places.grids.push_back(level.grid);
   PetscFunctionBeginUser;
   comm_ = comm;
   model_ = &model;
@@ -44,8 +46,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   follow_.plan = {settings.follow.start, Levels()};
   tip_.Create(model.indenter ? &*model.indenter : nullptr, settings.tip_level, Levels());
   for (int l = 0; l < Levels(); ++l) {
-    const LevelGeometry &geometry = settings.levels[l];
-    seedings.emplace_back(model, geometry.grid, geometry.sides, cell_size_at, settings.ratio, first_id);
+    seedings.emplace_back(model, places, l, settings.levels[l].sides, first_id);
     first_id = seedings.back().EndId();
     PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));

@@ -6,21 +6,43 @@
 namespace mlgimp
 {
 
-Seeding::Seeding(const Model &model, const GridGeometry &geometry, const BoundaryConditions &sides, CellSizeAt cell_size_at,
-                 int ratio, std::int64_t first_id)
-    : model_(model), geometry_(geometry), sides_(sides), cell_size_at_(std::move(cell_size_at)), first_id_(first_id)
+Seeding::Seeding(const Model &model, const SeedingLevels &levels, int level, const BoundaryConditions &sides,
+                 std::int64_t first_id)
+    : model_(model), levels_(levels), level_(level), geometry_(levels.grids[level]), sides_(sides), first_id_(first_id)
 {
+  const CellSizeAt cell_size_at = [levels](Vec3 x) { return levels.grids[levels.at(x)].spacing; };
+  for (const GridGeometry &grid : levels.grids) {
+    std::vector<Tiling> &tilings = tilings_.emplace_back();
+    for (const Body &body : model.bodies)
+      tilings.emplace_back(body.region->Bounds(), body.region->IsBox(), grid.lower, grid.spacing, body.points_per_cell,
+                           cell_size_at);
+  }
   for (const Body &body : model.bodies) {
-    tilings_.emplace_back(body.region->Bounds(), body.region->IsBox(), geometry.lower, geometry.spacing, body.points_per_cell,
-                          cell_size_at_);
-    const int most = Tiling::MostTiles(body.points_per_cell, ratio);
-    tiles_per_cell_ = std::max(tiles_per_cell_, geometry.dim == 3 ? most * most * most : most * most);
+    const int most = Tiling::MostTiles(body.points_per_cell, levels.ratio);
+    tiles_per_cell_ = std::max(tiles_per_cell_, geometry_.dim == 3 ? most * most * most : most * most);
+  }
+}
+
+/// Beside a coarser level the outline of a body has the steps of its tiles, or those of the two would leave parts of faces open:
+/// `tile` becomes the coarser one that it is part of.
+void Seeding::TakeStepsOfCoarser(std::size_t body, Tile &tile) const
+{
+  if (model_.bodies[body].region->IsBox()) return;
+  const Vec3 center = tile.center;
+  const int level = levels_.at(center);
+  for (int s = 0; s < 2 * geometry_.dim && level > 0; ++s) {
+    const double width = levels_.grids[level - 1].spacing / model_.bodies[body].points_per_cell;
+    Vec3 beside = center;
+    beside[AxisOf(static_cast<Side>(s))] += SignOf(static_cast<Side>(s)) * width;
+    const int other = levels_.at(beside);
+    if (other < level && tilings_[other][body].At(center, tile)) return;
   }
 }
 
 /// A tile belongs to a body by its centre. Of bodies whose outlines meet at the centre the first has it.
-bool Seeding::IsInside(std::size_t body, const Tile &tile) const
+bool Seeding::IsInside(std::size_t body, Tile tile) const
 {
+  TakeStepsOfCoarser(body, tile);
   const double tolerance = kRounding * std::min(tile.half_size[0], tile.half_size[1]);
   if (!model_.bodies[body].region->Contains(tile.center, tolerance)) return false;
   if (body == 0 || model_.bodies[body].region->Contains(tile.center, -tolerance)) return true;
@@ -42,12 +64,12 @@ void Seeding::ForEachSeed(const IndexBox &cells, const std::function<void(const 
   const std::int64_t bodies = static_cast<std::int64_t>(model_.bodies.size());
   const IndexBox all = Cells();
   ForEach(Intersection(cells, all), [&](Index at) {
-    if (cell_size_at_(tilings_[0].CellCenter(at)) != geometry_.spacing) return;
+    if (levels_.at(tilings_[level_][0].CellCenter(at)) != level_) return;
     std::int64_t cell = 0;
     for (int axis = 2; axis >= 0; --axis) cell = cell * all.Size(axis) + at[axis] - all.lower[axis];
     for (int b = 0; b < bodies; ++b) {
       std::int64_t id = first_id_ + (cell * bodies + b) * tiles_per_cell_;
-      for (const Tile &tile : tilings_[b].InCell(at)) {
+      for (const Tile &tile : tilings_[level_][b].InCell(at)) {
         if (IsInside(b, tile)) work({b, tile, id});
         ++id;
       }
@@ -81,9 +103,10 @@ PetscErrorCode Seeding::ListNodes(MPI_Comm comm, std::vector<Index> *nodes) cons
 
 bool Seeding::Occupied(Vec3 x) const
 {
-  for (std::size_t b = 0; b < tilings_.size(); ++b) {
+  const std::vector<Tiling> &tilings = tilings_[levels_.at(x)];
+  for (std::size_t b = 0; b < tilings.size(); ++b) {
     Tile tile;
-    if (tilings_[b].At(x, tile) && IsInside(b, tile)) return true;
+    if (tilings[b].At(x, tile) && IsInside(b, tile)) return true;
   }
   return false;
 }

@@ -157,8 +157,7 @@ TEST(Faces, OuterAndLoadedFaces)
   Points points;
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
   ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
-  const Seeding seeding(
-      model, geometry, sides, [](Vec3) { return kH; }, 2, 0);
+  const Seeding seeding(model, {{geometry}, [](Vec3) { return 0; }, 2}, 0, sides, 0);
   ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
   const PointArrays a = points.Arrays();
   ASSERT_EQ(a.count, 3 * 4 * 4 + 2 * 2 * 9);

@@ -22,6 +22,8 @@ struct RunState {
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
   Vec3 friction_at_row{};                     ///< impulse of friction then, N s
   std::vector<double> quasi_static;           ///< of the watch over a slow test
+  std::vector<double> watched;                ///< of the warnings
+  std::vector<std::string> warnings;          ///< told so far
   std::vector<LevelMove> moves;               ///< of boxes that follow
 };
 

@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 18;
+inline constexpr int kFormatVersion = 19;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 
@@ -47,6 +47,8 @@ inline RunState StateFromNumbers(const std::vector<double> &n)
           n[11],
           n[12],
           {n[13], n[14], n[15]},
+          {},
+          {},
           {},
           {}};
 }

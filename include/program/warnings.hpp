@@ -5,8 +5,6 @@
 #include "program/case.hpp"
 #include "program/quasi_static.hpp"
 
-#include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -22,12 +20,18 @@ public:
   /// The lines so far, for summary.json.
   const std::vector<std::string> &Lines() const { return lines_; }
 
+  /// What it keeps from row to row, and the lines; whether these may be such.
+  std::vector<double> State() const;
+  void SetState(const std::vector<double> &state, const std::vector<std::string> &lines);
+  static bool IsState(const std::vector<double> &state, const std::vector<std::string> &lines);
+
 private:
+  /// Energies in J: the bodies' less all works when first looked at, and the most that they had or were given; the rest are the
+  /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
+  enum Kept { kLooked, kAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
+  std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  std::vector<std::size_t> told_; ///< kinds, as their lines
   std::vector<std::string> lines_;
-  std::set<std::size_t> told_; ///< kinds
-  /// Of the bodies, J: their energy less all works when first looked at, by a restart anew; the most that they had or were given.
-  std::optional<double> unexplained_at_start_;
-  double given_ = 0, indenter_work_ = 0, noise_ = 0; ///< the last two: the largest so far, J
 };
 
 } // namespace mlgimp

@@ -125,6 +125,8 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.List("/tip", RankIn(hierarchy.Comm()) == 0 ? hierarchy.Tip().State() : std::vector<double>());
   if (!state.quasi_static.empty())
     file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
+  file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
+  file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
   EndOn(hierarchy.ShareReach());
   file.List("/following",
             RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());

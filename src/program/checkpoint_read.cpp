@@ -3,6 +3,7 @@
 #include "program/checkpoint_checks.hpp"
 #include "program/checkpoint_format.hpp"
 #include "program/quasi_static.hpp"
+#include "program/warnings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -109,8 +110,9 @@ void CheckpointReader::Open()
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch;
-  std::string then, difference;
+  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched;
+  std::string then, told, difference;
+  std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
   Settle("checkpoint_identity");
@@ -124,9 +126,14 @@ void CheckpointReader::ReadHead(RunState *state)
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
+  if (Found(file_.Text("/warnings", &told), "warnings") && !told.empty()) warnings = Split(told, '\n');
+  if (FoundList("/watched", &watched)) Note(NotFinite(watched, "watched"));
+  Found(Warnings::IsState(watched, warnings), "watched");
   Settle("checkpoint_state");
   *state = StateFromNumbers(numbers);
   state->quasi_static = watch;
+  state->watched = watched;
+  state->warnings = warnings;
   hierarchy_.Tip().SetState(tip);
   hierarchy_.SetCopies({copies[0] != 0, {copies[1], copies[2], copies[3]}});
 }

@@ -31,6 +31,7 @@ void Simulation::SetUp(MPI_Comm comm)
              FormatNumber(state_.time) + ", step " + std::to_string(state_.step));
     start_step_ = state_.step;
     watch_.SetState(state_.quasi_static);
+    warnings_.SetState(state_.watched, state_.warnings);
   } else {
     CheckBodies(hierarchy_, case_);
     CheckIndenter(hierarchy_, case_);
@@ -306,6 +307,8 @@ std::string Simulation::FindKept() const
 void Simulation::WriteState()
 {
   state_.quasi_static = watch_.State();
+  state_.watched = warnings_.State();
+  state_.warnings = warnings_.Lines();
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
   last_checkpoint_ = state_.step;
 }

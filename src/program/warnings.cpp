@@ -16,6 +16,7 @@ namespace
 struct Watched {
   const QuasiStaticWatch &slow;
   double made, given, indenter_work, noise, floor;
+  double asked, carried; ///< largest loads, N
 };
 
 std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
@@ -108,14 +109,24 @@ std::string OfSpeed(const Case &c, const Budgets &, const Watched &watched)
 }
 
 /// A load that the tip, at its largest speed, has not come to carry.
-std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &)
+std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step
   if (!c.model.indenter || !c.model.indenter->by_load) return "";
   const double asked = c.model.indenter->by_load->force.Value(budgets.time);
-  if (budgets.load >= kMet * asked) return "";
-  return "-indenter_loads: " + FormatRounded(asked) + " N are asked for at the end, and the tip carries " +
-         FormatRounded(budgets.load) + " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
+  const bool missed = watched.carried < kMet * watched.asked;
+  if (budgets.load >= kMet * asked && !missed) return "";
+  return "-indenter_loads: " + FormatRounded(missed ? watched.asked : asked) + " N are asked for" +
+         (missed ? ", and the tip carries at most " : " at the end, and the tip carries ") +
+         FormatRounded(missed ? watched.carried : budgets.load) +
+         " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
+}
+
+/// An indenter that has met no body; where a load moves it, OfLoad tells.
+std::string OfTouch(const Case &c, const Budgets &, const Watched &watched)
+{
+  if (!c.model.indenter || c.model.contact.method == "none" || c.model.indenter->by_load || watched.carried > 0) return "";
+  return "-indenter_tip " + FormatVector(c.model.indenter->tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
 }
 
 /// Damping that is strong beside the indenter's motion carries a part of the load.
@@ -160,27 +171,59 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
     bool at_end; ///< while little work is done, there is little to compare with
   } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},   {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true},
-              {OfDamping, true},      {OfLoad, true},       {OfLoss, true}};
+              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},     {OfTouch, true}};
+  const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;
-  if (!unexplained_at_start_) unexplained_at_start_ = unexplained, given_ = energy;
-  given_ = std::max({given_, std::abs(budgets.external_work), std::abs(budgets.contact_work)});
-  indenter_work_ = std::max(indenter_work_, std::abs(budgets.indenter_work));
-  noise_ = std::max<double>(noise_, budgets.noise_energy);
+  if (numbers_[kLooked] == 0) numbers_[kAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
+  raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
+  raise(kIndenterWork, std::abs(budgets.indenter_work));
+  raise(kNoise, budgets.noise_energy);
+  raise(kCarried, budgets.load);
+  if (c.model.indenter && c.model.indenter->by_load) raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
-  const Watched watched = {slow, unexplained - *unexplained_at_start_, given_, indenter_work_, noise_, kRounding * stiffness};
+  const Watched watched = {slow,
+                           unexplained - numbers_[kAtStart],
+                           numbers_[kGiven],
+                           numbers_[kIndenterWork],
+                           numbers_[kNoise],
+                           kRounding * stiffness,
+                           numbers_[kAsked],
+                           numbers_[kCarried]};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
-    if (told_.count(k) || (kAll[k].at_end && !ended)) continue;
+    if (std::count(told_.begin(), told_.end(), k) || (kAll[k].at_end && !ended)) continue;
     const std::string line = kAll[k].line(c, budgets, watched);
     if (line.empty()) continue;
-    told_.insert(k);
+    told_.push_back(k);
     lines_.push_back(line);
     Warn(comm, line);
   }
+}
+
+std::vector<double> Warnings::State() const
+{
+  std::vector<double> state = numbers_;
+  for (const std::size_t kind : told_) state.push_back(static_cast<double>(kind));
+  return state;
+}
+
+void Warnings::SetState(const std::vector<double> &state, const std::vector<std::string> &lines)
+{
+  numbers_.assign(state.begin(), state.begin() + kNumbers);
+  told_.clear();
+  for (std::size_t k = kNumbers; k < state.size(); ++k) told_.push_back(static_cast<std::size_t>(state[k]));
+  lines_ = lines;
+}
+
+bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
+{
+  constexpr double kMostKinds = 100;
+  const auto is_kind = [](double kind) { return kind >= 0 && kind < kMostKinds && kind == std::floor(kind); };
+  return state.size() == kNumbers + lines.size() && std::all_of(state.begin() + kNumbers, state.end(), is_kind);
 }
 
 } // namespace mlgimp

@@ -217,6 +217,26 @@ def test_unloading_that_cannot_end():
     assert "must be in reach" in refusal(case)
 
 
+@pytest.mark.parametrize("change, told", [
+    ({"indenter_tip": "10,8"}, True), ({"indenter_tip": "40,8"}, True), ({"indenter_velocities": -50, "indenter_max_depth": None, "max_steps": 50}, True),
+    ({}, False), ({"indenter_max_depth": 0.02}, False)])
+def test_indenter_that_meets_nothing_is_told(change, told):
+    """Beside the body, beyond the domain, or with the wrong sign: a load of 0 looks like an answer."""
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_max_depth": 0.2, "domain_upper": "16,12", **change}
+    said = warnings({name: value for name, value in case.items() if value is not None})
+    assert any("has touched nothing" in line for line in said) == told, said
+
+
+@pytest.mark.parametrize("tip, peak, told", [(8, 0.05, False), (11, 0.01, True)])
+def test_load_that_is_missed_before_the_end_is_told(tip, peak, told):
+    """A test that ends without a load, and whose tip never came to carry the largest."""
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_control": "load", "indenter_times": [0, peak, 2 * peak],
+            "indenter_loads": "0,1e7,0", "damping": 30, "indenter_tip": f"4,{tip}", "domain_upper": "12,16"}
+    for name in ("indenter_velocities", "indenter_max_depth"):
+        del case[name]
+    assert any("1e+07 N are asked for, and the tip carries at most" in line for line in warnings(case)) == told
+
+
 # ---- loads ----
 
 def test_load_that_acts_on_a_part_of_its_side_is_told():

@@ -5,6 +5,7 @@ import xml.etree.ElementTree
 import pytest
 
 import harness
+from limits import PRESS
 from ranks import BALL, BERKOVICH, COLLISION, CONE, FLIGHT, LEVELS, SAME, WEDGE, expect_same, largest_difference
 from series import problems_of_series
 
@@ -102,6 +103,19 @@ def test_same_folder(expect):
         expect_same(expect, name, again, whole)
         expect_series(expect, name, folder, CASE["frames"])
         expect.that(f"{name}: every row once", list(again.history["step"]) == list(whole.history["step"]))
+
+
+@pytest.mark.parametrize("damping, told", [(60, False), (100, True)])
+def test_warnings(expect, damping, told):
+    """A run that goes on says at its end what the whole run says: it neither forgets nor begins to count anew."""
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_max_depth": 0.2, "indenter_unload_velocity": 50,
+            "checkpoint_interval": 4, "cell_size": 0.5, "damping": damping}
+    whole = harness.run(case)
+    said = whole.summary["warnings"]
+    expect.that(f"damping {damping}: warnings of the whole run", bool(said) == told, f"{said}")
+    for checkpoint in sorted(whole.folder.glob("checkpoint_*.h5")):
+        later = harness.run({**case, "restart": checkpoint}).summary["warnings"]
+        expect.that(f"damping {damping}: after {checkpoint.stem}", later == said, f"{later}")
 
 
 def test_fewer_steps_than_frames(expect):

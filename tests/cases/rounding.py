@@ -59,6 +59,34 @@ def test_slivers_at_borders_of_levels(excess, ratio):
         assert column(result, "load_impulse_x") == pytest.approx(-1e-3 * size[1] * result.history["time"][-1], rel=SAME)
 
 
+@pytest.mark.parametrize("ratio", [2, 3, 4, 5, 6, 8])
+@pytest.mark.parametrize("border", [{"level_1_lower": [0, 5], "level_1_upper": [12, 12]}, {"level_1_lower": [3, 2], "level_1_upper": [7, 12]}])
+def test_sides_across_borders_of_levels(border, ratio):
+    """A border within a body has no outer faces, where the body's sides meet it neither: with ratios from 4 on it once had some."""
+    block = {**BLOCK, "block_lower": [1, 1], "block_upper": [9, 8], **border}
+    for side, axis, length in (("x_upper", "x", 7), ("y_upper", "y", 8)):
+        result = run(block, levels=2, refinement_ratio=ratio, loads="p", p_side=side, p_times=0, p_pressures=1e-3)
+        assert column(result, f"load_impulse_{axis}") == pytest.approx(-1e-3 * length * result.history["time"][-1], rel=SAME)
+    inner = harness.run({**WORDS, "al_youngs_modulus": 1e9, "al_density": 1000, **block, "levels": 2, "refinement_ratio": ratio}).frame()
+    x, faces = inner["position"], inner["faces"]
+    assert not numpy.any(faces[(x[:, 0] > 2) & (x[:, 0] < 8) & (x[:, 1] > 2) & (x[:, 1] < 7)])
+
+
+@pytest.mark.parametrize("ratio", [2, 3, 4])
+@pytest.mark.parametrize("radius", [2.3, 3, 3.3])
+@pytest.mark.parametrize("border", [5, 6, 8])
+def test_outline_across_a_border_of_levels(radius, border, ratio):
+    """The same pressure all around pushes nowhere: the steps of the outline on both sides of a border fit."""
+    pressed = {f"{side}_{name}": value for side in ("x_lower", "x_upper", "y_lower", "y_upper")
+               for name, value in (("side", side), ("times", 0), ("pressures", 1e-3))}
+    result = run({"domain_lower": [0, 0], "domain_upper": [12, 12], "cell_size": [0.5], "disk_center": [6, 6], "disk_radius": [radius],
+                  "level_1_lower": [border, 0], "level_1_upper": [12, 12]}, bodies="disk", disk_shape="disk", levels=2,
+                 refinement_ratio=ratio, loads="x_lower,x_upper,y_lower,y_upper", **pressed)
+    one_side = 1e-3 * 2 * radius * result.history["time"][-1]
+    for axis in "xy":
+        assert abs(column(result, f"load_impulse_{axis}")) < 1e-9 * one_side
+
+
 def energy_lost(history):
     """Of a body that gravity moves, at its most, of the work of gravity."""
     kept = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"] - history["external_work"]

@@ -59,6 +59,7 @@ private:
   PetscErrorCode StartSet();
   PetscErrorCode FindSet(ActiveSetReport *report);
   PetscErrorCode SetActivePart();
+  PetscErrorCode ExpectSlip();
   PetscErrorCode SolveActive(Vec right_side, Vec solution, ActiveSetReport *report);
   PetscErrorCode FindSlack();
   PetscErrorCode UpdateSet(int *changed);
@@ -83,7 +84,7 @@ private:
   PetscErrorCode SolveByRowSumsAndLoad();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
-  KSPHandle ksp_;
+  KSPHandle ksp_, direct_; ///< the second, with friction, for what the first does not solve
   MatHandle A_, active_part_;
   VecHandle diagonal_, r_, lambda_, active_, work_; ///< active: 1 or 0
   std::vector<PetscInt> rows_, columns_;            ///< of the entries that the matrices were made for

@@ -44,7 +44,7 @@ Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int cor
   const int axes = view.geometry.Dim() - 1;
   const double kernel = CornerHat(segment.place.part, corner, axes, width), spacing = view.grid.Geometry().spacing;
   Vec3 change = kernel * segment.normal;
-  if (segment.flows && !MovesSideways(view)) {
+  if (segment.sound > 0 && !MovesSideways(view)) {
     change = change + segment.gap * CornerHatSlope(segment.place.part, corner, axes, spacing, width);
     if (view.geometry.HasHoop()) change[0] += segment.gap * kernel / (0.5 * (segment.left + segment.right));
   }
@@ -69,6 +69,7 @@ static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
   for (int k = 0; k < *count; ++k) {
     to[k].kernel_area += from[k].kernel_area;
     to[k].flowing += from[k].flowing;
+    to[k].sound += from[k].sound;
     to[k].gap += from[k].gap;
     to[k].area += from[k].area;
     for (int i = 0; i < 9; ++i) to[k].share[i] += from[k].share[i];
@@ -129,7 +130,8 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
     const double x = view.grid.Coordinate(0, at[0]);
     ContactColumn &column = columns_[Place(at)];
     column.kernel_area += kernel;
-    column.flowing += segment.flows ? kernel : 0;
+    column.flowing += segment.sound > 0 ? kernel : 0;
+    column.sound += kernel * segment.sound;
     column.gap += kernel * segment.gap;
     column.area -= segment.area * hat[c] * segment.normal[dim - 1];
     for (int i = 0; i < corners; ++i) {

@@ -20,6 +20,7 @@ namespace
 constexpr double kSmallestArea = 0.05; ///< of a column's full kernel, with less of which it is left out
 constexpr double kSpare = 0.25;        ///< cells; see SpareGap
 constexpr double kWallDepth = 0.1;     ///< cells; see PressedShare
+constexpr double kRelease = 2e-4;      ///< see ReleasedGap
 
 /// Cells that a column at the tip may be deeper where the surface covers little of its kernel: a tip that cuts metal takes the
 /// surface away, and a column that let go all at once would come back with a blow.
@@ -32,6 +33,15 @@ double PressedShare(const ContactView &view, const SurfaceGap &gap)
 {
   if (gap.normal[view.geometry.Dim() - 1] < -kLeastFacing) return 1;
   return std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+}
+
+/// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
+/// contact and brings it to the next with a gap of hundredths of a cell; closed in a step it would be a blow, the harder the
+/// shorter the step. What is more than the tip moves closes with kRelease of the speed of sound.
+double ReleasedGap(const ContactView &view, const ContactColumn &column)
+{
+  const double travel = Norm(view.tip.end - view.tip.start) * column.flowing, most = travel + kRelease * column.sound * view.dt;
+  return column.flowing > 0 ? column.gap + column.flowing / column.kernel_area * std::max(0.0, -column.gap - most) : column.gap;
 }
 
 /// True for the columns of the cells around the tip.
@@ -123,7 +133,8 @@ private:
     for (int p : surface) {
       if (FarFromIndenter(view, points, p)) continue;
       const Material &material = view.bodies.Of(points, p);
-      const bool flows = material.AveragesVolume(), metal = material.PlaceOf(kPlasticStrain) >= 0;
+      const double sound = material.AveragesVolume() ? material.SpeedOfSound() : 0;
+      const bool metal = material.PlaceOf(kPlasticStrain) >= 0;
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);
       for (const SurfaceSegment &s : all) {
@@ -134,7 +145,7 @@ private:
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
         const double area = s.area * (metal ? 1 : PressedShare(view, gap));
         if (area > 0 && Faces(s, gap.normal) && IsHere(view, place.cell))
-          segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, flows});
+          segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound});
       }
       points_.push_back({p, segments_.size()});
     }
@@ -173,7 +184,7 @@ private:
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
       const double full = FullKernelArea(view, settings_.width, at), area = column.kernel_area;
-      const double gap = column.gap + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
+      const double gap = ReleasedGap(view, column) + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
       const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
       for (int u = 0; kept && u < per_column; ++u) unknowns_.push_back({KeyOf(view, at) + u, u == 0 ? gap : 0});

@@ -15,10 +15,10 @@
 namespace mlgimp
 {
 
-/// Distance of a point from the indenter's surface and the unit normal out of the indenter there.
+/// Distance of a point from the indenter's surface and the normal out of the indenter there.
 struct SurfaceGap {
   double distance; ///< m, negative inside the indenter
-  Vec3 normal;     ///< gradient of the distance
+  Vec3 normal;     ///< gradient of the distance; on an edge between faces the mean of theirs, shorter than 1
 };
 
 /// The surface of an indenter, in coordinates relative to its tip (its lowest point).

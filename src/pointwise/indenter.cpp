@@ -107,11 +107,14 @@ class HalfSpaces : public IndenterSurface
 public:
   SurfaceGap Gap(Vec3 x) const override
   {
+    constexpr double kEdge = 1e-6; // of the way to the plane's point: so near to an edge rounding would choose
     SurfaceGap gap{-HUGE_VAL, {}};
-    for (const Plane &plane : planes_) {
-      const double distance = Dot(plane.normal, x - plane.point);
-      if (distance > gap.distance) gap = {distance, plane.normal};
-    }
+    int faces = 0;
+    for (const Plane &plane : planes_) gap.distance = std::max(gap.distance, Dot(plane.normal, x - plane.point));
+    for (const Plane &plane : planes_)
+      if (Dot(plane.normal, x - plane.point) >= gap.distance - kEdge * Norm(x - plane.point))
+        gap.normal = gap.normal + plane.normal, ++faces;
+    gap.normal = (1.0 / faces) * gap.normal;
     return gap;
   }
   bool MayBeMirrored(int axis) const final

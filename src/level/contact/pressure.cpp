@@ -243,7 +243,7 @@ private:
     for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
       if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) return {};
     const double kernel = CornerHat(segment.place.part, corner, axes, settings_.width);
-    return segment.area * kernel * SurfaceTangent(segment.normal, axis, axes);
+    return segment.area * kernel * SurfaceTangent((1 / Norm(segment.normal)) * segment.normal, axis, axes);
   }
 
   int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }

@@ -38,7 +38,7 @@ struct BodyTable {
   }
 };
 
-/// h_p = min(0.3, a + b |E_p|^2), the strength of the short-wave viscosity; none where both are zero.
+/// a and b of the strength of the short-wave viscosity (short_wave.hpp); none where both are zero.
 struct ShortWaveViscosity {
   double a = 0, b = 0;
   bool On() const { return a > 0 || b > 0; }

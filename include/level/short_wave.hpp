@@ -44,11 +44,16 @@ template <class Geometry> double ElasticStrainSquared(const Row *elastic, int p)
   return Contract(strain, strain);
 }
 
-/// h_p = min(0.3, a + b |E|^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would make it a rate effect.
+/// Part of the strength by the cells that a point moves in a step. Without it waves of a body that crosses cells grow (MUSL).
+inline constexpr double kOfMotion = 30;
+
+/// h_p = min(0.3, a + b |E|^2 + kOfMotion (|u| dt/h)^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would
+/// make it a rate effect. cells_per_speed: dt/h; u: the grid's velocity at the points.
 template <class Geometry>
 void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, const ShortWaveViscosity &viscosity,
-                       double *strength)
+                       double cells_per_speed, const Row *u, double *strength)
 {
+  const double of_motion = kOfMotion * cells_per_speed * cells_per_speed;
   const Row *const F = points.F, *const x = points.x;
   const double *const radius = b.initial_radius;
   if (b.material.IsMetal()) {
@@ -61,20 +66,25 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
     for (int p = 0; p < b.count; ++p) strength[p] = GreenStrainSquared<Geometry>(F, Geometry::kHoop ? x[0][p] / radius[p] : 1, p);
   }
 #pragma omp simd
-  for (int p = 0; p < b.count; ++p) strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p]);
+  for (int p = 0; p < b.count; ++p) {
+    double speed2 = 0;
+#pragma GCC unroll 3
+    for (int d = 0; d < Geometry::kDim; ++d) speed2 += u[d][p] * u[d][p];
+    strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p] + of_motion * speed2);
+  }
 }
 
 /// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth.
 template <class Geometry>
 void ShortWaveStress(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, const ShortWaveViscosity &viscosity,
-                     const Row *smooth)
+                     double dt, const Row *u, const Row *smooth)
 {
   constexpr int kRate = Geometry::kRate;
   const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
   const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
   alignas(64) double strength[kBlock];
   alignas(64) Row s[kRate]; // D, then the stress
-  ShortWaveStrength<Geometry>(b, points, viscosity, strength);
+  ShortWaveStrength<Geometry>(b, points, viscosity, dt / grid.Geometry().spacing, u, strength);
   LoadRows<kRate>(b.short_wave_stress, b.count, s);
 #pragma omp simd
   for (int p = 0; p < b.count; ++p) {

@@ -141,6 +141,8 @@ def read_measured(path, depth="depth:um", load="load:mN", time=None):
     for what, values in (("depth", depths), ("load", loads)):
         if len(values) > 1 and np.mean(np.diff(values) ** 2) > SHUFFLED * np.var(values):
             raise ResultError(path, f"the {what} jumps to and fro: rows must be in the order of the test")
+        if -values.min() > values.max():
+            raise ResultError(path, f"the {what} goes below zero farther than above: into the surface is positive")
     return Curve(Path(path).name, times, depths, loads, None, None, None, False, [])
 
 

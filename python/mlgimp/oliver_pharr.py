@@ -12,6 +12,7 @@ from .errors import ResultError
 
 WINDOW = (0.5, 0.97)  # of the load at the start of the unloading: the part that is fitted
 LEAST_ROWS = 5  # in the window
+HARDNESS = (1e-6, 200)  # GPa, of gels and of diamond
 EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have 1 (flat punch) to 2 (cone)
 
 Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
@@ -129,6 +130,8 @@ def doubts(curve, cycle, fit, row):
     at_limit = min(abs(fit.exponent - limit) for limit in EXPONENTS) < 1e-6
     if at_limit and not (curve.tip and curve.tip.name == "flat_punch"):
         yield f"the exponent is at its limit {fit.exponent:.3g}: the unloading is no power law"
+    if not curve.plane and math.isfinite(row["hardness_GPa"]) and not HARDNESS[0] <= row["hardness_GPa"] <= HARDNESS[1]:
+        yield f"a hardness of {row['hardness_GPa']:.3g} GPa is that of no solid: are the units of depth and load right?"
     if fit.residual > 0.02:
         yield f"the unloading differs from its fit by {100 * fit.residual:.1f} % of the load"
     if abs(fitted_load(fit, fit.depth) / fit.load - 1) > 0.05:

@@ -14,6 +14,7 @@ namespace
 {
 
 constexpr double kMostDistortion = 0.05; ///< of a family that becomes one point where losses are bounded, cells
+constexpr double kNoStrain = 1e-4;       ///< losses are no larger part of less: such energies hang on rounding
 
 struct Sibling {
   std::int64_t id;
@@ -146,6 +147,12 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   if (model.materials[model.bodies[a.body[first]].material]->IsMetal()) SetVolumeRatio(a, first, volume_ratio);
 }
 
+double SpeedOfSoundOf(Level &level, int point)
+{
+  const Model &model = level.Physics();
+  return model.materials[model.bodies[level.PointStore().Arrays().body[point]].material]->SpeedOfSound();
+}
+
 /// The part of a family's strain energy that its parent may lack: as much energy as that of a parent of the usual size may. So
 /// the energy that mergers change in a cell does not depend on how small its points are, and where strain changes like the
 /// logarithm of the way to a tip, points of all sizes become larger in the end.
@@ -213,7 +220,8 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);
     MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
     PetscCall(level.SumPoints({points.front()}, &after));
-    if (std::abs(after.strain_energy - before.strain_energy) > allowed * before.strain_energy) {
+    const double speed = SpeedOfSoundOf(level, points.front()), least = 0.5 * before.mass * std::pow(kNoStrain * speed, 2);
+    if (std::abs(after.strain_energy - before.strain_energy) > allowed * std::max<double>(before.strain_energy, least)) {
       level.PointStore().Unpack(record.data(), points.front());
       continue;
     }

@@ -127,7 +127,7 @@ public:
       GatherRates(view.grid, w, b, plan, motion, projected, smooth);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
-      if (plan.short_wave.On()) ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, smooth);
+      if (plan.short_wave.On()) ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, plan.dt, motion.u, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);
       if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });

@@ -33,6 +33,12 @@ void CheckReach(OptionReader &reader, const Case &c)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
                   "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
                       FormatRounded(above));
+  const double deepest = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
+  if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  "such that the tip stays in the domain; by its motion it comes to a depth of " + FormatRounded(deepest) +
+                      " m, where the domain ends at " + FormatRounded(floor) + " m");
   if (c.model.contact.method != "none" && nearest > 0)
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
                      FormatRounded(nearest) + " m to the body until the end: there will be no contact");

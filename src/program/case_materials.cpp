@@ -66,14 +66,16 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
       reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
                        (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
   }
-  constexpr double kLargestStrain = 5, kMostSensitive = 1, kLeastHeat = 50, kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
-  const double last_strain = table ? c.plastic_strains.back() : NAN;
-  if (last_strain > kLargestStrain)
-    reader.WarnLater(prefix + "plastic_strains " + FormatNumber(last_strain) +
-                     ": is a strain of 500 per cent or more; 0.1 is 10");
+  constexpr double kLargestStrain = 5, kMostSensitive = 0.5, kLeastHeat = 50, kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
+  const std::pair<const char *, double> strains[] = {{"plastic_strains", table ? c.plastic_strains.back() : NAN},
+                                                     {"saturation_strain", c.saturation_strain},
+                                                     {"hardening_strain", c.hardening_strain}}; // NaN where not given
+  for (const auto &[name, strain] : strains)
+    if (strain > kLargestStrain)
+      reader.WarnLater(prefix + name + " " + FormatNumber(strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
   if (c.rate_sensitivity > kMostSensitive)
     reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
-                     ": more than doubles the flow stress at three times the rate; 0.01 is one per cent");
+                     ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
   if (!c.adiabatic && !std::isnan(c.heat_capacity))
     reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
   if (c.heat_capacity < kLeastHeat || c.heat_capacity > kMostHeat)
@@ -90,6 +92,9 @@ void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &com
       none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
     reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) +
                      ": changes nothing, as no material knows a temperature");
+  constexpr double kColdest = 60; // K; oxygen boils at 90
+  if (common.initial_temperature < kColdest)
+    reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) + ": is it in K? 20 degrees are 293");
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.

@@ -133,8 +133,10 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   std::string text;
   double number;
   Raw(option, std::to_string(*value), &text);
-  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > 2e9)
-    Refuse(option.name, text.empty() ? "(nothing)" : text, "a whole number " + range.Text());
+  constexpr double kLargest = 2e9; // an int
+  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargest)
+    Refuse(option.name, text.empty() ? "(nothing)" : text,
+           "a whole number " + range.Text() + (number > kLargest ? " and at most 2e9" : ""));
   *value = static_cast<int>(number);
 }
 
@@ -167,7 +169,7 @@ static std::string FormatNumbers(const std::vector<double> &values)
 bool OptionReader::Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
                            std::vector<double> *values)
 {
-  std::string text;
+  std::string text, strange;
   bool allowed = true;
   if (!Raw(option, required ? "required" : values->empty() ? "none" : FormatNumbers(*values), &text)) {
     if (required && !help_) Refuse(option.name, "", "given: " + option.help);
@@ -176,14 +178,16 @@ bool OptionReader::Numbers(const OptionText &option, const Range &range, std::si
   values->clear();
   for (const std::string &word : Split(text, ',')) {
     double value = 0;
-    allowed = allowed && ParseNumber(word, &value) && range.Contains(value);
+    const bool number = ParseNumber(word, &value);
+    if (!number && !text.empty()) strange = "; " + (word.empty() ? "(nothing)" : Shortened(word)) + " is no finite number";
+    allowed = allowed && number && range.Contains(value);
     values->push_back(value);
   }
   const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
   const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
   if (!allowed || values->size() < least || (most && values->size() > most))
     Refuse(option.name, text.empty() ? "(nothing)" : text,
-           count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas"));
+           count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas") + strange);
   if (identify_) identity_.back() = option.name + " " + FormatNumbers(*values); // 1 and 1.0 are the same case
   return true;
 }

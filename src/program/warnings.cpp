@@ -122,11 +122,23 @@ std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched
          " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
 }
 
-/// An indenter that has met no body; where a load moves it, OfLoad tells.
-std::string OfTouch(const Case &c, const Budgets &, const Watched &watched)
+/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. Where a load moves it, OfLoad tells.
+std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched)
 {
+  constexpr double kDeep = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
   if (!c.model.indenter || c.model.contact.method == "none" || c.model.indenter->by_load || watched.carried > 0) return "";
-  return "-indenter_tip " + FormatVector(c.model.indenter->tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
+  const Indenter &indenter = *c.model.indenter;
+  const auto is_below = [&](const Body &body) {
+    const Box bounds = body.region->Bounds();
+    bool below = true;
+    for (int axis = 0; axis < indenter.up; ++axis)
+      below = below && indenter.tip[axis] >= bounds.lower[axis] && indenter.tip[axis] <= bounds.upper[axis];
+    return below;
+  };
+  const bool above_body = std::any_of(c.model.bodies.begin(), c.model.bodies.end(), is_below);
+  const bool came_down = budgets.depth >= indenter.Depth(indenter.tip);
+  if (above_body && came_down && budgets.depth <= kDeep * c.CellSize(c.LevelAtTip())) return "";
+  return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
 }
 
 /// Damping that is strong beside the indenter's motion carries a part of the load.
@@ -152,14 +164,15 @@ std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watch
          FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
 }
 
-/// Bodies whose points part or crumple lose energy that no column has.
+/// Bodies whose points part or crumple, or whose waves few cells see, lose energy that no column has.
 std::string OfLoss(const Case &, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.5, kFloors = 1e6; // of what they were given
   if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
   return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no column explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
-         " J: points have parted or crumpled, and the results are wrong; look at the last frames, and try smaller cells or steps";
+         " J: cells are too few for their waves, or points have parted or crumpled; look at the last frames, and try smaller cells "
+         "or steps";
 }
 
 } // namespace

@@ -296,6 +296,14 @@ def test_measured_beside_a_run(tmp_path, capsys, expect):
     assert measured["modulus_GPa"] is None
 
 
+def test_units_of_no_solid_are_told(tmp_path, capsys):
+    """Depths in nm read as um make a hardness of 1e-6 of it, loads in mN read as N one of 1000 times it."""
+    (tmp_path / "m.csv").write_text(text_of(*metal()))
+    for unit, told in (("N", True), ("mN", False)):
+        main([str(tmp_path / "m.csv"), "--tip", "berkovich", "--depth", "depth:um", "--load", f"load:{unit}"])
+        assert ("is that of no solid" in capsys.readouterr().out) == told
+
+
 # ---- refusals ----
 
 GOOD = text_of(*metal())
@@ -307,6 +315,7 @@ MEASURED = {
     "only loading": ("depth,load\n" + "".join(ROWS[:400]), "no unloading"), "only unloading": ("depth,load\n" + "".join(ROWS[400:]), "without a loading"),
     "shuffled": ("depth,load\n" + "".join(np.random.default_rng(1).permutation(ROWS)), "order of the test"),
     "sorted by depth": ("depth,load\n" + "".join(sorted(ROWS, key=lambda row: float(row.split(",")[0]))), ""),
+    "depths up": (text_of(-metal()[0], metal()[1]), "the depth goes below zero"), "pull": (text_of(metal()[0], -metal()[1]), "the load goes below zero"),
     "one value": ("depth,load\n" + 20 * "1,1\n", "no unloading"), "a jump back": ("depth,load\n" + "".join(ROWS[:400] + ROWS[-2:]), "rows of the unloading"),
 }
 

@@ -39,7 +39,7 @@ public:
     std::int64_t seeds = 0;
     PetscFunctionBeginUser;
     for (const LevelGeometry &level : settings.levels)
-      seeds = Seeding(run.model, level.grid, level.sides, {}, settings.ratio, seeds).EndId();
+      seeds = Seeding(run.model, {{level.grid}, {}, settings.ratio}, 0, level.sides, seeds).EndId();
     ratio_ = settings.ratio;
     children_ = run.model.geometry.Dim() == 3 ? ratio_ * ratio_ * ratio_ : ratio_ * ratio_;
     numbers_ = PointNumbers(seeds, children_);

@@ -58,7 +58,7 @@ private:
   GridGeometry geometry_; ///< of the level
   BoundaryConditions sides_;
   std::int64_t first_id_;
-  int tiles_per_cell_ = 1;                    ///< the most of any body
+  int tiles_per_cell_ = 1;                   ///< the most of any body
   std::vector<std::vector<Tiling>> tilings_; ///< by levels, of the bodies
 };
 

@@ -157,7 +157,8 @@ template <class Law> double TemperatureOf(const Law &, const FlowStates &states,
 
 /// One step of the search for all points; returns how many are still open.
 template <class Law>
-[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, FlowSearch &search, double *strain)
+[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, FlowSearch &search,
+                                              double *strain)
 {
   constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -168,8 +169,7 @@ template <class Law>
     const double q = states.trial[p], d = strain[p];
     const FlowPoint flow = law.At(states.plastic_strain[p] + d, rate * d, TemperatureOf(law, states, p));
     const double excess = q - three_mu * d - flow.stress, by_rate = rate * flow.by_rate;
-    const bool found =
-        (std::abs(excess) <= kTolerance * q) | (search.upper[p] - search.lower[p] <= kEpsilon * search.upper[p]);
+    const bool found = (std::abs(excess) <= kTolerance * q) | (search.upper[p] - search.lower[p] <= kEpsilon * search.upper[p]);
     const double lower = excess > 0 ? d : search.lower[p], upper = excess > 0 ? search.upper[p] : d;
     const double change = excess / (three_mu + flow.by_strain + by_rate);
     const double newton = by_rate > 0 ? d * Exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;

@@ -97,8 +97,9 @@ void ReadMethod(OptionReader &reader, Case *c)
     reader.Refuse("-stress_update", update, "usl or musl with more than one level");
   if (model.stress_update == StressUpdate::kUsf && model.VolumeAverages() > 0)
     reader.Refuse("-stress_update", update, "usl or musl with -NAME_volume_average, the default of j2");
-  reader.Numbers({"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2 + motion) on the short-wave strain rate; 0,0 = none"},
-                 kNotNegative, 2, 2, false, &viscosity);
+  reader.Numbers(
+      {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2 + motion) on the short-wave strain rate; 0,0 = none"},
+      kNotNegative, 2, 2, false, &viscosity);
   model.short_wave = {viscosity[0], viscosity[1]};
   const auto is_metal = [](const auto &material) { return material->IsMetal(); };
   if (std::any_of(model.materials.begin(), model.materials.end(), is_metal)) model.nodal.xpic_fraction = 0.02;

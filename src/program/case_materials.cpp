@@ -66,7 +66,8 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
       reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
                        (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
   }
-  constexpr double kLargestStrain = 5, kMostSensitive = 0.5, kLeastHeat = 50, kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
+  constexpr double kLargestStrain = 5, kMostSensitive = 0.5, kLeastHeat = 50,
+                   kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
   const std::pair<const char *, double> strains[] = {{"plastic_strains", table ? c.plastic_strains.back() : NAN},
                                                      {"saturation_strain", c.saturation_strain},
                                                      {"hardening_strain", c.hardening_strain}}; // NaN where not given

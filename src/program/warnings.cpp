@@ -171,7 +171,8 @@ std::string OfLoss(const Case &, const Budgets &budgets, const Watched &watched)
   if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
   return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no column explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
-         " J: cells are too few for their waves, or points have parted or crumpled; look at the last frames, and try smaller cells "
+         " J: cells are too few for their waves, or points have parted or crumpled; look at the last frames, and try smaller "
+         "cells "
          "or steps";
 }
 
@@ -184,7 +185,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
     bool at_end; ///< while little work is done, there is little to compare with
   } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},   {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true},
-              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},     {OfTouch, true}};
+              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},      {OfTouch, true}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
@@ -194,7 +195,8 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   raise(kIndenterWork, std::abs(budgets.indenter_work));
   raise(kNoise, budgets.noise_energy);
   raise(kCarried, budgets.load);
-  if (c.model.indenter && c.model.indenter->by_load) raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
+  if (c.model.indenter && c.model.indenter->by_load)
+    raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)

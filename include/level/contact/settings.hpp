@@ -12,6 +12,7 @@ namespace mlgimp
 struct ContactSettings {
   std::string method = "pressure"; ///< one of ContactMethods, or none
   double width = 1;                ///< alpha: half width of the kernels of `pressure` in cells, (0, 1]
+  bool own_width = false;          ///< the user chose it
   double friction = 0;             ///< Coulomb's coefficient, of `pressure`; infinite where surfaces stick
   int serial_unknowns = 500;       ///< with fewer unknowns one rank solves
   bool monitor = false;            ///< a line per solve

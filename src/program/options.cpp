@@ -136,7 +136,7 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   constexpr double kLargest = 2e9; // an int
   if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargest)
     Refuse(option.name, text.empty() ? "(nothing)" : text,
-           "a whole number " + range.Text() + (number > kLargest ? " and at most 2e9" : ""));
+           "a whole number " + range.Text() + (number > kLargest && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
   *value = static_cast<int>(number);
 }
 
@@ -179,7 +179,8 @@ bool OptionReader::Numbers(const OptionText &option, const Range &range, std::si
   for (const std::string &word : Split(text, ',')) {
     double value = 0;
     const bool number = ParseNumber(word, &value);
-    if (!number && !text.empty()) strange = "; " + (word.empty() ? "(nothing)" : Shortened(word)) + " is no finite number";
+    if (!number && strange.empty() && !text.empty())
+      strange = "; " + (word.empty() ? "(nothing)" : Shortened(word)) + " is no finite number";
     allowed = allowed && number && range.Contains(value);
     values->push_back(value);
   }

@@ -310,7 +310,7 @@ private:
     return parts;
   }
 
-  /// Points with a segment under a loaded column.
+  /// Points with a segment under the kernel of a loaded column.
   int CountLoadedPoints(int dim, const std::vector<double> &lambda) const
   {
     int count = 0;
@@ -319,7 +319,8 @@ private:
       bool loaded = false;
       for (; s < of.end; ++s)
         for (int c = 0; c < 1 << (dim - 1); ++c)
-          loaded = loaded || lambda[columns_.Place(Corner(segments_[s].place.column, c))] > 0;
+          loaded = loaded || (lambda[columns_.Place(Corner(segments_[s].place.column, c))] > 0 &&
+                              CornerHat(segments_[s].place.part, c, dim - 1, settings_.width) > 0);
       count += loaded;
     }
     return count;

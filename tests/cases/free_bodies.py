@@ -137,8 +137,8 @@ FLIGHT = {
 @pytest.mark.parametrize("levels", [{}, {"levels": 2, "level_1_lower": "-3,-4", "level_1_upper": "3,4", "refinement_ratio": 3}],
                          ids=["one level", "a finer level"])
 def test_waves_of_a_flying_block_do_not_grow(expect, levels):
-    """Its waves keep the energy that they have, whatever cells and levels it crosses: they once had 1.4 times it on one level in the
-    end, and 55 times it on two, without a word."""
+    """Its waves keep the energy that they have, whatever cells and levels it crosses: they once had twice as much on one level in
+    the end, and 60 times as much on two, without a word."""
     history = harness.run({**FLIGHT, **levels, "b_velocity": "6,2"}).history
     speed2 = (history["momentum_x"]**2 + history["momentum_y"]**2) / history["mass"]**2
     waves = history["kinetic_energy"] + history["strain_energy"] - 0.5 * history["mass"] * speed2

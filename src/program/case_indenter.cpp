@@ -222,16 +222,17 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   }
 }
 
-/// Half width of the kernels of pressures, cells. In the plane, early contact of elastic bodies with a tip that is not flat is
-/// right with narrow ones, wherever it stands between columns (docs/verification.md); flat punches have better energies, and
-/// metals less noise, with wide ones.
+/// Half width of the kernels of pressures, cells. In the plane, early contact of elastic bodies with a pointed tip is right with
+/// narrow ones, wherever it stands between columns (docs/verification.md); flat punches have better energies, round tips loads
+/// that converge more evenly, and metals less noise, with wide ones.
 double DefaultContactWidth(const Case &c)
 {
-  constexpr double kNarrow = 0.7, kFlat = 1e-6; // cells
-  const bool flat = c.model.indenter->surface->Width(0) > kFlat * c.CellSize(c.LevelAtTip());
+  constexpr double kNarrow = 0.7, kNear = 1e-3, kBlunt = 0.05; // cells
+  const double h = c.CellSize(c.LevelAtTip());
+  const bool pointed = c.model.indenter->surface->Width(kNear * h) < kBlunt * h;
   const auto is_metal = [](const auto &material) { return material->IsMetal(); };
   const bool metal = std::any_of(c.model.materials.begin(), c.model.materials.end(), is_metal);
-  return c.model.geometry.kind == GeometryKind::kPlaneStrain && !flat && !metal ? kNarrow : 1;
+  return c.model.geometry.kind == GeometryKind::kPlaneStrain && pointed && !metal ? kNarrow : 1;
 }
 
 } // namespace

@@ -194,7 +194,8 @@ TEST(Options, ListsAndVectors)
   const std::pair<const char *, const char *> pairs[] = {
       {"1", ""}, {"1,2,3", ""}, {"1,", "; (nothing) is no finite number"}, {"a,b", "; a is no finite number"}};
   for (const auto &[bad, why] : pairs)
-    EXPECT_EQ(Refusal(std::string("-tip ") + bad, pair), std::string("-tip ") + bad + ": must be 2 numbers separated by commas" + why);
+    EXPECT_EQ(Refusal(std::string("-tip ") + bad, pair),
+              std::string("-tip ") + bad + ": must be 2 numbers separated by commas" + why);
 }
 
 TEST(Options, WordsAndFlags)

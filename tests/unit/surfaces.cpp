@@ -142,7 +142,8 @@ TEST(Surfaces, EdgesAreOfBothFaces)
   const auto pyramid = CreatePyramid(68, 4, 0, 0);
   for (const double x : {1e-9, 0.3, 0.7, 1 / 3.0, 1e3})
     for (const double rounding : {-1e-15, 0.0, 1e-15}) {
-      const Vec3 normal = pyramid->Gap({x, x * (1 + rounding), 0.1 * x}).normal, beside = pyramid->Gap({x, 0.9 * x, 0.1 * x}).normal;
+      const Vec3 normal = pyramid->Gap({x, x * (1 + rounding), 0.1 * x}).normal,
+                 beside = pyramid->Gap({x, 0.9 * x, 0.1 * x}).normal;
       EXPECT_NEAR(normal[0], normal[1], 1e-14) << "on the edge at " << x;
       EXPECT_NEAR(normal[2], beside[2], 1e-14) << "as steep as its faces";
       EXPECT_NEAR(beside[1], 0, 1e-14) << "beside it, of one face";

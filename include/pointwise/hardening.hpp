@@ -150,7 +150,7 @@ struct FlowSearch {
 template <class Law> double TemperatureOf(const Law &, const FlowStates &states, int p)
 {
   if constexpr (Law::kThermal)
-    return states.temperature[p];
+    return states.temperature[p]; // NOLINT(clang-analyzer-core.uninitialized.UndefReturn): a row that LoadRows has filled
   else
     return 0;
 }
@@ -173,11 +173,11 @@ template <class Law>
     const double lower = excess > 0 ? d : search.lower[p], upper = excess > 0 ? search.upper[p] : d;
     const double change = excess / (three_mu + flow.by_strain + by_rate);
     const double newton = by_rate > 0 ? d * Exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;
-    const double next = (newton > lower) & (newton < upper) ? newton : 0.5 * (lower + upper);
+    const double next = ((newton > lower) & (newton < upper)) ? newton : 0.5 * (lower + upper);
     const bool moves = (search.open[p] > 0) & !found;
     search.lower[p] = lower, search.upper[p] = upper;
     strain[p] = moves ? next : d;
-    search.open[p] = moves & (std::abs(next - d) > kLastStep * next) ? 1 : 0;
+    search.open[p] = (moves & (std::abs(next - d) > kLastStep * next)) ? 1 : 0;
     still_open += search.open[p];
   }
   return still_open;

@@ -33,7 +33,7 @@ void CheckReach(OptionReader &reader, const Case &c)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
                   "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
                       FormatRounded(above));
-  const double deepest = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  const double deepest = -nearest;
   const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
   if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),

@@ -308,7 +308,7 @@ void Simulation::WriteState()
 {
   state_.quasi_static = watch_.State();
   state_.watched = warnings_.State();
-  state_.warnings = warnings_.Lines();
+  state_.warnings = warnings_.KeptLines();
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
   last_checkpoint_ = state_.step;
 }

@@ -172,8 +172,7 @@ std::string OfLoss(const Case &, const Budgets &budgets, const Watched &watched)
   return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no column explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
          " J: cells are too few for their waves, or points have parted or crumpled; look at the last frames, and try smaller "
-         "cells "
-         "or steps";
+         "cells or steps";
 }
 
 } // namespace
@@ -210,19 +209,35 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
                            numbers_[kAsked],
                            numbers_[kCarried]};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
-    if (std::count(told_.begin(), told_.end(), k) || (kAll[k].at_end && !ended)) continue;
+    const bool told = std::any_of(told_.begin(), told_.end(), [k](const Told &one) { return one.kind == k; });
+    if (told || (kAll[k].at_end && !ended)) continue;
     const std::string line = kAll[k].line(c, budgets, watched);
     if (line.empty()) continue;
-    told_.push_back(k);
-    lines_.push_back(line);
+    told_.push_back({k, kAll[k].at_end, line});
     Warn(comm, line);
   }
+}
+
+std::vector<std::string> Warnings::Lines() const
+{
+  std::vector<std::string> lines;
+  for (const Told &told : told_) lines.push_back(told.line);
+  return lines;
+}
+
+std::vector<std::string> Warnings::KeptLines() const
+{
+  std::vector<std::string> lines;
+  for (const Told &told : told_)
+    if (!told.at_end) lines.push_back(told.line);
+  return lines;
 }
 
 std::vector<double> Warnings::State() const
 {
   std::vector<double> state = numbers_;
-  for (const std::size_t kind : told_) state.push_back(static_cast<double>(kind));
+  for (const Told &told : told_)
+    if (!told.at_end) state.push_back(static_cast<double>(told.kind));
   return state;
 }
 
@@ -230,8 +245,8 @@ void Warnings::SetState(const std::vector<double> &state, const std::vector<std:
 {
   numbers_.assign(state.begin(), state.begin() + kNumbers);
   told_.clear();
-  for (std::size_t k = kNumbers; k < state.size(); ++k) told_.push_back(static_cast<std::size_t>(state[k]));
-  lines_ = lines;
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    told_.push_back({static_cast<std::size_t>(state[kNumbers + k]), false, lines[k]});
 }
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)

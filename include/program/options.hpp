@@ -79,7 +79,7 @@ public:
   void WarnUnused() const;
   /// Keeps a warning until all input is accepted: what is refused gets one line.
   void WarnLater(std::string line) { warnings_.push_back(std::move(line)); }
-  void TellWarnings() const;
+  const std::vector<std::string> &Warnings() const { return warnings_; }
 
 private:
   bool Raw(const OptionText &option, const std::string &fallback, std::string *value);

@@ -29,6 +29,8 @@ public:
 
   /// Creates levels and points, or reads them from a checkpoint, and checks what only they can tell. Collective.
   void SetUp(MPI_Comm comm);
+  /// Takes warnings that are known before the first step; Run tells them, once nothing is refused any more.
+  void WarnAtStart(const std::vector<std::string> &lines) { at_start_.insert(at_start_.end(), lines.begin(), lines.end()); }
   /// Prepares the output folder and runs to the end.
   void Run();
 
@@ -92,6 +94,7 @@ private:
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
   double start_progress_ = 0, load_ = 0, friction_force_ = 0;
+  std::vector<std::string> at_start_; ///< warnings
   Warnings warnings_;
 };
 

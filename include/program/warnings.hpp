@@ -14,6 +14,8 @@ namespace mlgimp
 class Warnings
 {
 public:
+  /// Tells lines that are known before the first step; those of a run that goes on are not kept twice.
+  void Tell(MPI_Comm comm, const std::vector<std::string> &lines);
   /// Looks at the budgets of all ranks, which are the same on each, and warns of what is new; some are for the end
   /// of a run. Collective.
   void Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended);
@@ -27,6 +29,7 @@ public:
   static bool IsState(const std::vector<double> &state, const std::vector<std::string> &lines);
 
 private:
+  static constexpr std::size_t kAtStart = 99; ///< kind of those before the first step
   struct Told {
     std::size_t kind;
     bool at_end;
@@ -34,7 +37,7 @@ private:
   };
   /// Energies in J: the bodies' less all works when first looked at, and the most that they had or were given; the rest are the
   /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
-  enum Kept { kLooked, kAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
+  enum Kept { kLooked, kHadAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
   std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
   std::vector<Told> told_;
 };

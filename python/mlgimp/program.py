@@ -1,11 +1,12 @@
 """Runs the program mlgimp: finds it, shows how far it is, and turns its one line of an error into an exception."""
 
+import inspect
 import os
 import re
+import selectors
 import shutil
 import subprocess
 import sys
-import tempfile
 import warnings
 from pathlib import Path
 
@@ -30,11 +31,11 @@ def run(options, ranks=1, *, progress=None, **more):
     ranks: processes, started by mpiexec where they are several. progress: whether to show a bar; by default on a terminal and in
     a notebook.
 
-    Raises RunError with the program's line where the run does not reach its end; warnings of the program become warnings here.
+    Raises RunError with the program's line where the run does not reach its end; warnings of the program become warnings here,
+    as soon as it gives them.
     """
     values = {**({"options_file": options} if isinstance(options, (str, os.PathLike)) else options), **more}
-    for line in execute(values, ranks, is_watched() if progress is None else progress):
-        warnings.warn(line, stacklevel=2)
+    execute(values, ranks, is_watched() if progress is None else progress, warn)
     return read(output_folder(values))
 
 
@@ -44,25 +45,35 @@ def output_folder(options):
     return Path(options.get("output_dir") or Path("output") / (Path(file).stem if file else "run"))
 
 
-def execute(options, ranks=1, progress=False):
-    """Runs the program with a dict of options to its end and returns the lines of its warnings; see run."""
+def execute(options, ranks=1, progress=False, tell=lambda line: None):
+    """Runs the program with a dict of options to its end, see run; `tell` gets the line of each warning when it comes."""
     if not (isinstance(ranks, int) and ranks >= 1):
         raise Error(f"ranks={ranks}: must be a whole number >= 1")
     file, others = options.get("options_file"), {name: value for name, value in options.items() if name != "options_file"}
     words = ([] if file is None else ["-options_file", str(file)]) + text.to_words({**others, "monitor": progress})
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    with tempfile.TemporaryFile() as errors:
-        try:
-            process = subprocess.Popen([*start, find_program(), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                       stderr=errors, env={**ENVIRONMENT, **os.environ})
-        except OSError as problem:
-            raise Error(f"{problem.filename}: cannot be started ({problem.strerror})") from None
-        status = watch(process, progress)
-        errors.seek(0)
-        lines = errors.read().decode(errors="replace").splitlines()
+    lines = []
+
+    def keep(line):
+        lines.append(line)
+        if line.startswith("mlgimp: warning:"):
+            tell(line)
+
+    try:
+        process = subprocess.Popen([*start, find_program(), *words], bufsize=0, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, env={**ENVIRONMENT, **os.environ})
+    except OSError as problem:
+        raise Error(f"{problem.filename}: cannot be started ({problem.strerror})") from None
+    status = watch(process, progress, keep)
     if status != 0:
         raise RunError(line_of_failure(lines, status))
-    return [line for line in lines if line.startswith("mlgimp: warning:")]
+
+
+def warn(line):
+    """Warns in the name of the line outside of this package that has asked for the run."""
+    folder = Path(__file__).parent
+    callers = [Path(frame.filename).parent for frame in inspect.stack(context=0)]
+    warnings.warn(line, stacklevel=1 + next((k for k, place in enumerate(callers) if place != folder), 0))
 
 
 def find_program():
@@ -88,16 +99,13 @@ def is_watched():
     return sys.stdout.isatty() or "ipykernel" in sys.modules
 
 
-def watch(process, progress):
-    """Waits for a process, shows a bar where asked to, and returns the exit status; the process ends with an exception here."""
+def watch(process, progress, tell):
+    """Waits for a process, shows a bar where asked to, calls `tell` with each line of its standard error, and returns the exit
+    status; the process ends with an exception here."""
     with process:
         try:
-            for piece in iter(lambda: process.stdout.read1(65536), b""):
-                found = MONITOR.findall(piece.decode(errors="replace"))
-                if progress and found:
-                    depth, load, percent, left = found[-1]
-                    where = f"depth {1e6 * float(depth):.3g} um, load {1e3 * float(load):.3g} mN"
-                    show_bar(int(percent), 100, f"{percent} %, {where}, {left} s left")
+            for line in read_lines(process.stdout, process.stderr, show_progress if progress else lambda piece: None):
+                tell(line)
         except BaseException:
             process.terminate()
             raise
@@ -105,6 +113,35 @@ def watch(process, progress):
             if progress:
                 print()
     return process.returncode
+
+
+def read_lines(output, errors, show):
+    """Yields the lines of a stream of errors as they come, and calls `show` with each piece of the other; to the end of both."""
+    rest = b""
+    with selectors.DefaultSelector() as streams:
+        for stream in (output, errors):
+            streams.register(stream, selectors.EVENT_READ)
+        while streams.get_map():
+            for key, _ in streams.select():
+                piece = key.fileobj.read(65536)
+                if not piece:
+                    streams.unregister(key.fileobj)
+                elif key.fileobj is output:
+                    show(piece.decode(errors="replace"))
+                else:
+                    *lines, rest = (rest + piece).split(b"\n")
+                    yield from (line.decode(errors="replace") for line in lines)
+    if rest:
+        yield rest.decode(errors="replace")
+
+
+def show_progress(piece):
+    """Shows a bar for the last progress line in a piece of the program's output."""
+    found = MONITOR.findall(piece)
+    if found:
+        depth, load, percent, left = found[-1]
+        where = f"depth {1e6 * float(depth):.3g} um, load {1e3 * float(load):.3g} mN"
+        show_bar(int(percent), 100, f"{percent} %, {where}, {left} s left")
 
 
 def show_bar(done, count, words):

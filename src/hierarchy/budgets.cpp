@@ -27,9 +27,10 @@ PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
   Budgets &sum = *budgets;
   PetscFunctionBeginUser;
   sum = {};
-  for (auto &level : levels_) {
-    Budgets part = level->Totals();
-    PetscCall(level->SumPoints(&part));
+  for (int l = 0; l < Levels(); ++l) {
+    Budgets part = levels_[l]->Totals();
+    PetscCall(levels_[l]->SumPoints(&part));
+    if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness = Levels() - l;
     part.support_impulse += part.xpic_side_impulse;
     part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
     sum.Add(part);

@@ -46,7 +46,7 @@ void Main(const CommandLine &line)
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
   reader.RefuseUnused();
-  reader.TellWarnings();
+  simulation.WarnAtStart(reader.Warnings());
   simulation.Run();
   reader.WarnUnused();
 }

@@ -277,11 +277,6 @@ void OptionReader::RefuseUnused() const
   }
 }
 
-void OptionReader::TellWarnings() const
-{
-  for (const std::string &line : warnings_) Warn(comm_, line);
-}
-
 void OptionReader::WarnUnused() const
 {
   // Read by PETSc only when it finishes.

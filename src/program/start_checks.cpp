@@ -128,22 +128,21 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
 
 /// Such points are unstable from half a square of the Courant number down where they follow the new velocity: docs/method.md,
 /// section 1.
-void CheckThinPoints(MPI_Comm comm, const Case &c, std::size_t b, double thinnest)
+void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<std::string> *warnings)
 {
   const Body &body = c.model.bodies[b];
   const double speed = c.model.materials[body.material]->SpeedOfSound();
   const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
   const bool follows = c.model.stress_update == StressUpdate::kUsl || c.levels > 1 || c.model.VolumeAverages() > 0;
   if (!follows || std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
-  Warn(comm, "-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
-                 " of a cell thin, alone beyond a line of cells: unstable with usl, in metals and at borders of levels; move its "
-                 "sides, or take a -cfl "
-                 "below " +
-                 FormatRounded(std::sqrt(2 * thinnest)));
+  warnings->push_back("-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
+                      " of a cell thin, alone beyond a line of cells: unstable with usl, in metals and at borders of levels; "
+                      "move its sides, or take a -cfl below " +
+                      FormatRounded(std::sqrt(2 * thinnest)));
 }
 
 /// area: of the faces that the load acts on, m2 (m in the plane).
-void CheckLoad(MPI_Comm comm, const Case &c, std::size_t k, double area)
+void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::string> *warnings)
 {
   const Load &load = c.model.loads[k];
   const Body &body = c.model.bodies[load.body];
@@ -169,24 +168,26 @@ void CheckLoad(MPI_Comm comm, const Case &c, std::size_t k, double area)
     Refuse(start + "must act on " + FormatNumber(wanted) + unit + " of body " + body.name + "; the faces it acts on add up to " +
            FormatNumber(area) + unit);
   if (!beyond.empty())
-    Warn(comm, "-" + name + "_span " + beyond + ": reaches beyond the side of body " + body.name + "; the load acts on " +
-                   FormatRounded(wanted) + unit);
+    warnings->push_back("-" + name + "_span " + beyond + ": reaches beyond the side of body " + body.name +
+                        "; the load acts on " + FormatRounded(wanted) + unit);
   if (area < wanted - tolerance)
-    Warn(comm, start + "acts on " + FormatRounded(area) + " of the " + FormatRounded(wanted) + unit +
-                   " of its side; the rest touches a body or a held side of the domain");
+    warnings->push_back(start + "acts on " + FormatRounded(area) + " of the " + FormatRounded(wanted) + unit +
+                        " of its side; the rest touches a body or a held side of the domain");
 }
 
 } // namespace
 
-void CheckBodies(Hierarchy &hierarchy, const Case &c)
+std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c)
 {
+  std::vector<std::string> warnings;
   std::vector<BodySums> bodies;
   std::vector<double> loads;
   SumBodies(hierarchy, c.model, &bodies, &loads);
   const std::vector<double> thinnest = ThinnestAlone(hierarchy, c.model);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(hierarchy.Comm(), c, b, thinnest[b]);
-  for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(hierarchy.Comm(), c, k, loads[k]);
+    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(c, b, thinnest[b], &warnings);
+  for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(c, k, loads[k], &warnings);
+  return warnings;
 }
 
 void CheckIndenter(Hierarchy &hierarchy, const Case &c)

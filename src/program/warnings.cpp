@@ -77,6 +77,17 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
+/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to.
+std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
+{
+  const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
+  if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
+  const std::string level = "-level_" + std::to_string(finest);
+  return level + "_lower, " + level + "_upper: contact crosses a border of levels" + When(budgets) +
+         ": load and stress are right, but contact_area, contact_half_width and peak_pressure are uneven there, and pressures on "
+         "points; try a box that holds all of the contact";
+}
+
 /// Levels that follow the contact, and are too few for how wide it gets.
 std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &)
 {
@@ -177,6 +188,15 @@ std::string OfLoss(const Case &, const Budgets &budgets, const Watched &watched)
 
 } // namespace
 
+void Warnings::Tell(MPI_Comm comm, const std::vector<std::string> &lines)
+{
+  for (const std::string &line : lines) {
+    Warn(comm, line);
+    const bool kept = std::any_of(told_.begin(), told_.end(), [&](const Told &one) { return one.line == line; });
+    if (!kept) told_.push_back({kAtStart, false, line});
+  }
+}
+
 void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
 {
   constexpr struct {
@@ -184,12 +204,13 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
     bool at_end; ///< while little work is done, there is little to compare with
   } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},   {OfNoise, true},
               {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true},
-              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},      {OfTouch, true}};
+              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},      {OfTouch, true},
+              {OfBorder, false}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;
-  if (numbers_[kLooked] == 0) numbers_[kAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
+  if (numbers_[kLooked] == 0) numbers_[kHadAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
   raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
   raise(kIndenterWork, std::abs(budgets.indenter_work));
   raise(kNoise, budgets.noise_energy);
@@ -201,7 +222,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
   const Watched watched = {slow,
-                           unexplained - numbers_[kAtStart],
+                           unexplained - numbers_[kHadAtStart],
                            numbers_[kGiven],
                            numbers_[kIndenterWork],
                            numbers_[kNoise],
@@ -251,7 +272,7 @@ void Warnings::SetState(const std::vector<double> &state, const std::vector<std:
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
-  constexpr double kMostKinds = 100;
+  constexpr double kMostKinds = kAtStart + 1;
   const auto is_kind = [](double kind) { return kind >= 0 && kind < kMostKinds && kind == std::floor(kind); };
   return state.size() == kNumbers + lines.size() && std::all_of(state.begin() + kNumbers, state.end(), is_kind);
 }

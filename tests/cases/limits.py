@@ -149,6 +149,17 @@ def test_surface_torn_open_is_told(half_angle, depth, told):
     assert result.stderr.count(WARNING + "-indenter: contact has given") == told, result.stderr
 
 
+@pytest.mark.parametrize("upper, told", [("4,12", True), ("8,12", False)])
+@pytest.mark.parametrize("ranks", ON_RANKS)
+def test_contact_across_a_border_of_levels_is_told(ranks, upper, told):
+    """Columns of both levels press the nodes there, and what each carries is no pressure: 2.5 times that of a plate."""
+    plate = {**PRESS, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry", "domain_upper": "8,12", "indenter": "flat_punch",
+             "indenter_width": 20, "indenter_max_depth": 0.1, "levels": 2, "level_1_lower": "0,4", "level_1_upper": upper}
+    result = harness.run({**plate, "indenter_tip": "0,8"}, ranks=ranks)
+    crosses = [line for line in result.summary["warnings"] if line.startswith("-level_1_lower, -level_1_upper: contact crosses a border of levels by")]
+    assert len(crosses) == told, result.summary["warnings"]
+
+
 def test_elastic_contact_that_gives_more_than_the_indenter_is_told():
     """A wedge on the free edge of a body lets the column there go and meets it again in blows."""
     edge = {**PRESS, "domain_upper": "16,20", "block_upper": "16,16", "boundary_x_lower": "symmetry", "indenter": "wedge", "indenter_half_angle": 70,

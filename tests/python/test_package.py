@@ -7,7 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 import types
+import warnings
 
 import numpy as np
 import pytest
@@ -156,8 +158,16 @@ def test_the_programs_line(tmp_path, changes, line, ranks):
 
 
 def test_warnings_are_warnings(tmp_path):
-    with pytest.warns(UserWarning, match="mlgimp: warning: -contact point_pressure"):
-        mlgimp.run({**PRESS, "output_dir": tmp_path / "w", "contact": "point_pressure", "max_steps": 2, "frames": 0})
+    """They name the caller's line, come while the program runs (made errors they end it), and are in the summary."""
+    case = {**PRESS, "output_dir": tmp_path / "w", "contact": "point_pressure", "frames": 0, "overwrite": True}
+    with pytest.warns(UserWarning, match="mlgimp: warning: -contact point_pressure") as told:
+        results = mlgimp.run({**case, "max_steps": 2})
+    assert told[0].filename == __file__ and any("point_pressure" in line for line in results.summary["warnings"])
+    with warnings.catch_warnings(), pytest.raises(UserWarning, match="point_pressure"):
+        warnings.simplefilter("error")
+        begun = time.monotonic()
+        mlgimp.run({**case, "end_time": 1e3})
+    assert time.monotonic() - begun < 20
 
 
 def test_what_is_not_there(tmp_path, monkeypatch):

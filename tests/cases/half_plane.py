@@ -81,6 +81,7 @@ def flat_punch(expect, cells, limit, width=7):
     load, found = 2 * history["load"][-1], history["contact_half_width"][-1]
     contact = analytic.flat_punch_contact(a, load)
     expect(f"flat punch, {cells} cells: half width, relative error", abs(found / a - 1), at_most=limit)
+    expect(f"flat punch, {cells} cells: area of contact, of the punch's", history["contact_area"][-1] / a, near=1, tolerance=0.01)
     return measure(expect, f"flat punch, {cells} cells", result, size, contact, limit)
 
 

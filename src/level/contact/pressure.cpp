@@ -269,7 +269,7 @@ private:
       ranges.push_back({view.grid.Coordinate(0, at[0]), column.left, column.right});
     });
     ForEach(columns_.Box(), [&](Index at) {
-      if (!(lambda[columns_.Place(at)] > 0)) return;
+      if (!IsPressed(view, at, lambda)) return;
       report->area += PressedArea(view, at, lambda);
       for (int a = 0; a < dim - 1; ++a)
         report->reach = std::max(report->reach, std::abs(view.grid.Coordinate(a, at[a]) - view.tip.start[a]));
@@ -279,6 +279,23 @@ private:
     report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)
                                   : HalfWidth(ranges, lambda, true, view.tip.start[0], rounding);
     report->local_points = CountLoadedPoints(dim, lambda);
+  }
+
+  /// Whether a column is in contact: it is loaded, or it touches between two that are. The column next to a punch's edge, where
+  /// the pressure has no bound, is often the one that carries nothing.
+  bool IsPressed(const ContactView &view, Index at, const std::vector<double> &lambda) const
+  {
+    constexpr double kTouches = 0.01; // cells
+    const ContactColumn &column = columns_.At(at);
+    const auto loaded = [&](Index i) { return columns_.Box().Contains(i) && lambda[columns_.Place(i)] > 0; };
+    if (loaded(at)) return true;
+    bool between = false;
+    for (int a = 0; a < view.geometry.Dim() - 1; ++a) {
+      Index before = at, after = at;
+      --before[a], ++after[a];
+      between = between || (loaded(before) && loaded(after));
+    }
+    return between && column.gap < kTouches * view.grid.Geometry().spacing * column.kernel_area;
   }
 
   /// The projected area of a loaded column, m2: that of its faces. Metal that flows draws them out unevenly, so that they leave

@@ -19,6 +19,7 @@ from . import load_depth
 from .errors import Error, RunError
 from .options import read_options
 from .program import execute, show_bar
+from .results import read_summary
 
 Variable = namedtuple("Variable", "name option start lower upper")
 Variable.__doc__ = "What is sought: the name as given, the option of the case, its first guess and its limits."
@@ -33,6 +34,7 @@ LEAST_ROWS = 5  # of the measured unloading
 CONVERGED = 1e-3, 1e-3  # change of the constants, and of the sum of squares, which a standard error changes by 1/(2 PARTS)
 ALIKE = 0.98  # correlation of two constants that cannot be told apart
 VAGUE = 0.5  # relative half width of a confidence interval that determines nothing
+POOR = 0.05  # misfit of a curve that is another test's: steps of the load by columns of cells make half of it
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,11 @@ class Fit:
         return {each.option: float(value) for each, value in zip(self.variables, self.values)}
 
     @property
+    def best(self):
+        """The folder of the run that misses least."""
+        return self.folder / f"run_{min(self.rows, key=lambda row: row[-2])[0]:03d}"
+
+    @property
     def warnings(self):
         """Lines that tell what keeps the constants from being determined."""
         return list(doubts(self))
@@ -63,9 +70,8 @@ class Fit:
     def plot(self):
         """Returns the picture of the measured curve, the first run and the best one, as a matplotlib Figure."""
         from . import pictures  # matplotlib only where something is drawn
-        best = min(self.rows, key=lambda row: row[-2])[0]
-        drawn = (("first guess", 1, "0.6"), ("fit", best, "C1"))
-        runs = [(label, load_depth.read_run(self.folder / f"run_{number:03d}"), colour) for label, number, colour in drawn]
+        drawn = (("first guess", self.folder / "run_001", "0.6"), ("fit", self.best, "C1"))
+        runs = [(label, load_depth.read_run(run), colour) for label, run, colour in drawn]
         return pictures.compared(self.measured, runs)
 
 
@@ -275,6 +281,10 @@ def doubts(fit):
     found = fit.variables
     if not fit.finished:
         yield "the search stopped before its end: give more -evaluations, or a better first guess"
+    if fit.misfit > POOR:
+        yield (f"the best curve misses the measured one by {100 * fit.misfit:.2g} % of its largest load: no constants of this case give "
+               "it; compare tip, law, layers and the machine's compliance, and look at fit.png")
+    yield from (f"of the best run: {line}" for line in read_summary(fit.best).get("warnings", []))
     for k, one in enumerate(found):
         if fit.upper[k] - fit.lower[k] > 2 * VAGUE * fit.values[k]:
             yield f"{one.name} is hardly determined: the curve fits with {fit.lower[k]:.3g} to {fit.upper[k]:.3g}"

@@ -101,6 +101,29 @@ def test_a_search_that_is_cut_short(fitted):
     assert any("stopped before its end" in line for line in fitted(law, "E,yield_stress", words=("-evaluations", "2"))["warnings"])
 
 
+def test_a_curve_that_no_constants_give(fitted):
+    """Twice as stiff in the second half of the loading, as on a hard layer."""
+    def layered(constants, rows):
+        depth, load = law(constants, rows=rows)
+        return depth, load * np.where(depth > 0.25, 1 + 4 * (depth - 0.25), 1)
+    lines = fitted(layered, "E,yield_stress")["warnings"]
+    assert any("misses the measured one" in line for line in lines), lines
+
+
+def test_what_the_program_warns_of(fitted, monkeypatch):
+    """It is told of the best run, not of others."""
+    make = written_by(law)
+
+    def with_warning(options, ranks):
+        make(options, ranks)
+        close = abs(float(options["m_youngs_modulus"]) / TRUTH["m_youngs_modulus"] - 1) < 0.01
+        path = options["output_dir"] / "summary.json"
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"warnings": ["-damping 1: near" if close else "-damping 1: far"]}))
+    monkeypatch.setattr("test_fit.written_by", lambda model: with_warning)
+    lines = fitted(law, "E")["warnings"]
+    assert "of the best run: -damping 1: near" in lines and not any("far" in line for line in lines), lines
+
+
 def test_profile_does_not_depend_on_rows(expect):
     """Ten times as many rows, and a run that ends before the unloading does."""
     from test_indentation import curve

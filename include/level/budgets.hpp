@@ -138,7 +138,7 @@ struct Budgets {
   /// The finest level in contact, and by how many levels the coarsest one is below the number of all; set in the sums.
   ScalarBudget contact_level{"contact_level", Adds::kLargest, Shown::kNowhere},
       contact_coarseness{"contact_coarseness", Adds::kLargest, Shown::kNowhere};
-  ScalarBudget failed{"failed", Adds::kLargest, Shown::kNowhere};                   ///< 1 where the run cannot go on
+  ScalarBudget failed{"failed", Adds::kLargest, Shown::kNowhere}; ///< 1 where the run cannot go on
 
   Budget *begin() { return reinterpret_cast<Budget *>(this); }
   Budget *end() { return begin() + sizeof(Budgets) / sizeof(Budget); }

@@ -165,8 +165,9 @@ void Simulation::Run()
 {
   PrepareOutputFolder();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
-    WarnAtStart({"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
-                 "comes late"});
+    WarnAtStart(
+        {"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
+         "comes late"});
   warnings_.Tell(comm_, at_start_);
   for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();

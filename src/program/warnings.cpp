@@ -202,10 +202,9 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},   {OfNoise, true},
-              {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true}, {OfEnergy, true},
-              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},      {OfTouch, true},
-              {OfBorder, false}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
+              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
+              {OfLoss, true},         {OfTouch, true},      {OfBorder, false}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =

@@ -204,7 +204,7 @@ private:
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
-  std::vector<double> least_masses_;      ///< by place, kg; empty where points do not average their volume
+  std::vector<double> least_masses_;      ///< by place, see LeastMasses, kg
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;

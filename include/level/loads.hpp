@@ -34,8 +34,9 @@ struct FaceForce {
 PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
                         double time, std::vector<FaceForce> &applied, PointFailure &failure);
 
-/// Adds up impulse and work of the forces in a step, after sides and contact. Forces on nodes with no more than a mass are lost.
-/// Masses and velocities must be known on ghosts.
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets);
+/// Adds up impulse and work of the forces in a step, the latter as in WorkOnPoints. Forces on nodes with no more than a mass are
+/// lost. Sums, velocities and rates must be known on ghosts.
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, bool rates, double mass_cutoff, double dt,
+                 Budgets &budgets);
 
 } // namespace mlgimp

@@ -40,8 +40,8 @@ struct BoundaryConditions {
 
 /// Of the mass of a full cell of the lightest material: nodes with less are empty, and the forces on them are lost.
 inline constexpr double kEmptyNode = 1e-24;
-/// Of the mass of a full node, what nodes have at least in the motion that strains metals, see LeastMasses. Loads under cones are
-/// the same within 0.2 % from 1e-3 to 1e-2; with 1e-2 a steep cone can lose the surface of a soft metal.
+/// Of the mass of a full node, what nodes have at least in the motion that moves and strains points, see LeastMasses. Loads under
+/// cones are the same within 0.2 % from 1e-3 to 1e-2; with 1e-2 a steep cone can lose the surface of a soft metal.
 inline constexpr double kLeastMass = 1e-3;
 
 /// Settings of the nodal update.
@@ -78,10 +78,12 @@ struct PushedNode {
 
 /// The second velocity of nodes that contact pushes is ahead of what points have got of dv by this part of dv: contact asks how
 /// faces move with the new velocity, and points strained by that of points alone lag behind, so that noise of a bar under a punch
-/// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
+/// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns. Of dv it is
+/// what the motion feels, see RestrainLightNodes: a flat surface on a line of nodes else splits its last two layers of points.
 inline constexpr double kPushedAhead = 0.1, kRubbedAhead = 0.3;
 /// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
-std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed);
+std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
+                                                    const std::vector<double> &least_masses);
 
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
 /// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
@@ -105,9 +107,9 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
 /// Masses that nodes, by place, have at least in the motion that points are moved and strained by, kg: kLeastMass of a full
-/// node's, in proportion to the radius in axisymmetry; none where another level has a part in the motion. For points that strain
-/// by the new velocity, with no second extrapolation: what the forces of body and contact on a node leave of each other is
-/// divided by its mass, however small, and the average over the cell makes such a node's strain that of all points near it.
+/// node's, in proportion to the radius in axisymmetry; none where another level has a part in the motion. Forces on a node that
+/// points have just reached grow like their reach, and its mass like the square of that: what body, contact and tractions leave
+/// of each other would give it a velocity without bound, for contact, which reckons with it, and for strain by the new velocity.
 std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled);
 
 /// The part of a change of velocity dv = dt f/m that a node's motion lacks by its least mass M: 1 - m/M of lighter nodes.
@@ -135,7 +137,7 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
 /// extrapolation it is the new velocity itself. At nodes that are held, by place, the second velocity is the new one
 /// too; at those that follow the motion it is the new one, and what the second extrapolation would change of it.
-/// least_masses: of nodes, empty where they have none. Adds up the impulse of sides on the projected velocities.
+/// Adds up the impulse of sides on the projected velocities.
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                  const std::vector<double> &least_masses, const std::vector<std::ptrdiff_t> &held,
                  const std::vector<std::ptrdiff_t> &following, Budgets &budgets);

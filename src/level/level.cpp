@@ -65,9 +65,7 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 void Level::SetCoupledPlaces(CoupledPlaces places)
 {
   coupled_places_ = std::move(places);
-  least_masses_.clear();
-  if (model_.VolumeAverages() > 0 && grid_->Participates())
-    least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop(), coupled_places_);
+  if (grid_->Participates()) least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop(), coupled_places_);
 }
 
 void Level::SetPressures(const ContactPressures &pressures)
@@ -161,8 +159,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
-  AddLoadWork(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
-  if (!least_masses_.empty()) RestrainLightNodes(*grid_, geometry_.sides, nodal_, least_masses_);
+  RestrainLightNodes(*grid_, geometry_.sides, nodal_, least_masses_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,10 +181,11 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 PetscErrorCode Level::ExchangeRates(double dt)
 {
   PetscFunctionBeginUser;
-  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_);
+  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, least_masses_);
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
+  AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, least_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
@@ -211,8 +209,11 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (!rates) budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
-  if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!rates) {
+    budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
+    AddLoadWork(*grid_, applied_, false, nodal_.mass_cutoff, dt, budgets_);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(ExchangeRates(dt));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(second_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {

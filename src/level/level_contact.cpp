@@ -121,7 +121,7 @@ ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
           tip,
           border_,
           shared_,
-          least_masses_.empty() ? nullptr : least_masses_.data()};
+          least_masses_.data()};
 }
 
 PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)

@@ -68,16 +68,18 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets)
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, bool rates, double mass_cutoff, double dt,
+                 Budgets &budgets)
 {
   for (const FaceForce &face : applied)
     ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
-      const auto [velocity, change] = grid.Velocity(place);
-      if (grid.Sums()[place].mass <= mass_cutoff) return;
+      const NodeSums &node = grid.Sums()[place];
+      if (node.mass <= mass_cutoff) return;
+      const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change;
       for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
-        const double impulse = dt * weight * face.force[axis];
+        const double impulse = dt * weight * face.force[axis], p = node.momentum[axis];
         budgets.load_impulse[axis] += impulse;
-        budgets.external_work += impulse * (velocity[axis] - 0.5 * change[axis]);
+        budgets.external_work += 0.5 * impulse / node.mass * (p + (rates ? after[axis] : p + node.mass * change[axis]));
       }
     });
 }

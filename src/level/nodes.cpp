@@ -116,12 +116,14 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
   budgets.damping_work += dt * settings.damping * damped;
 }
 
-std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed)
+std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
+                                                    const std::vector<double> &least_masses)
 {
   std::map<std::ptrdiff_t, double> ahead;
   for (const PushedNode &one : pushed) {
     double &part = ahead[one.node];
-    part = std::max(part, one.rubbed ? kRubbedAhead : kPushedAhead);
+    const double felt = 1 - LackOf(least_masses[one.node], grid.Sums()[one.node].mass);
+    part = std::max(part, felt * (one.rubbed ? kRubbedAhead : kPushedAhead));
   }
   for (const auto &[node, part] : ahead)
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
@@ -286,7 +288,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  if (settings.xpic_fraction > 0 && !least_masses.empty()) ProjectWholeChange(grid, settings, least_masses);
+  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, least_masses);
   for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
   for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);

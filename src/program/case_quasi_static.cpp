@@ -180,11 +180,6 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
                         in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s");
   if (std::isfinite(end_time) && end_time < plan->end_time)
     plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
-  for (const auto &material : c.model.materials)
-    if (material->RateScale() == 1) {
-      plan->lines.push_back("quasi-static: a material knows a rate, and -rate_scale is 1: it flows as at the simulated speed");
-      break;
-    }
 }
 
 constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
@@ -241,6 +236,10 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   if (plan.own_xpic) c->model.nodal.xpic_fraction = kXpicFraction;
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
+  const auto &materials = c->model.materials;
+  if (std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->RateScale() == 1; }))
+    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; the scale is its time "
+                     "over that of the test");
 }
 
 } // namespace mlgimp

@@ -15,6 +15,7 @@ namespace mlgimp
 
 void PrepareHdf5()
 {
+  H5dont_atexit(); // a file whose closing has failed would be closed again at exit, with a crash; all others are closed by then
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   setenv("OMPI_MCA_io_ompio_priority", "0", 0);
 }

@@ -77,15 +77,16 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
-/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to.
+/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where the
+/// surface there comes to a line of nodes, those with little mass are not held back, and may make energy.
 std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
 {
   const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
   if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
   const std::string level = "-level_" + std::to_string(finest);
   return level + "_lower, " + level + "_upper: contact crosses a border of levels" + When(budgets) +
-         ": load and stress are right, but contact_area, contact_half_width and peak_pressure are uneven there, and pressures on "
-         "points; try a box that holds all of the contact";
+         ": contact_area, contact_half_width, peak_pressure and pressures on points are uneven there, and so may stress and load "
+         "be where the surface comes to a line of cells; try a box that holds all of the contact";
 }
 
 /// Levels that follow the contact, and are too few for how wide it gets.

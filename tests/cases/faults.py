@@ -355,6 +355,15 @@ def test_file_size_limit(tmp_path, size, ranks):
     assert not problems
 
 
+def test_frame_too_large(tmp_path):
+    """HDF5 cannot close a file that may not become as long as it has laid it out, and once tried again at exit, with a crash."""
+    size = 300 << 10
+    words = words_of({"options_file": harness.ROOT / "options" / "wedge_500nm.opts", "cell_size": 1e-6, "max_steps": 2, "frames": 1}, tmp_path)
+    done = subprocess.run(harness.command(words, 1), capture_output=True, text=True, env=harness.environment(1), cwd=harness.ROOT, timeout=60,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "points_000000.h5: File too large" in done.stderr, done
+
+
 def test_folder_read_only(expect):
     """A folder that may not be written: one line, and nothing of what it holds is lost."""
     with small_disk(1 << 20) as place:

@@ -104,8 +104,13 @@ TEST(Faces, ForcesOfAPressure)
       }
     EXPECT_LE(Norm(sum - force), 1e-13 * scale);
     Budgets totals;
-    ForEach(grid.Owned(), [&](Index node) { grid.Sums()[grid.Place(node)].mass = 1; });
-    AddLoadWork(grid, applied, 0, 2, totals);
+    ForEach(grid.Owned(), [&](Index node) {
+      NodeSums &sums = grid.Sums()[grid.Place(node)];
+      sums.mass = 2;
+      for (int d = 0; d < 2; ++d) sums.momentum[d] = 2, grid.Rates(grid.Place(node))[d] = 4;
+    });
+    AddLoadWork(grid, applied, true, 0, 2, totals);
+    EXPECT_NEAR(totals.external_work, 1.5 * (totals.load_impulse[0] + totals.load_impulse[1]), 1e-12 * scale);
     EXPECT_LE(Norm(totals.load_impulse - (n % 2 == 0 ? 2.0 : 0.0) * force), 1e-13 * scale) << "of owned points alone";
     for (int d = 0; d < 2; ++d)
       for (int k = 0; k < 2; ++k) EXPECT_NEAR(moments[d][k], force[d] * face.center[k], 1e-12 * scale);

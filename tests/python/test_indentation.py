@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import harness
+import mlgimp
 from mlgimp import load_depth, oliver_pharr, tips
 from mlgimp.load_depth import Column, Curve
 from mlgimp.oliver_pharr import Constants
@@ -349,6 +350,11 @@ WORDS = {
     "Poisson's ratio": ["m.csv", "--tip", "vickers", "--poisson", "0.7"], "beta": ["m.csv", "--tip", "vickers", "--beta", "0"],
     "drift without time": ["m.csv", "--tip", "vickers", "--drift", "0.1"], "area function": ["m.csv", "--area-function", "24.5,x"],
     "out": ["m.csv", "--tip", "vickers", "--out", "/dev/null/none"],
+    "modulus in Pa": ["m.csv", "--tip", "vickers", "--tip-elastic", "1141e9,0.07"],
+    "angle of another tip": ["m.csv", "--tip", "berkovich", "--half-angle", "30"], "radius of another tip": ["m.csv", "--tip", "berkovich", "--radius", "5"],
+    "faces of another tip": ["m.csv", "--tip", "vickers", "--faces", "3"], "size without a tip": ["m.csv", "--area-function", "24.5", "--radius", "5"],
+    "rounded sphere": ["m.csv", "--tip", "sphere", "--radius", "5", "--tip-radius", "0.1"],
+    "tip radius in m": ["m.csv", "--tip", "vickers", "--tip-radius", "1e-7"], "radius in m": ["m.csv", "--tip", "sphere", "--radius", "5e-6"],
 }
 
 
@@ -357,6 +363,19 @@ def test_words(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.csv").write_text(GOOD)
     refusal(*WORDS[name])
+
+
+@pytest.mark.parametrize("given, line", [
+    ({"poisson": 33}, "poisson=33: must be in"), ({"poisson": 0.7}, "poisson=0.7"), ({"poisson": 1.0}, "poisson=1.0"), ({"poisson": "0.3"}, "not as a text"),
+    ({"epsilon": -1}, "epsilon=-1"), ({"beta": math.nan}, "beta=nan"), ({"window": (0.98, 0.2)}, "LOW < HIGH"), ({"window": 0.5}, "LOW < HIGH"),
+    ({"tip_modulus": 1141e9}, "1141 GPa are 1141, not 1141e9"), ({"tip_poisson": 0.6}, "tip_poisson=0.6"), ({"foo": 1}, "foo: must be one of window, epsilon")])
+def test_constants_from_python(tmp_path, given, line):
+    """Python takes no constants that the command refuses."""
+    run = mlgimp.read(write_run(tmp_path / "run", CONE_OPTIONS))
+    with pytest.raises(mlgimp.Error, match=line):
+        run.oliver_pharr(**given)
+    good = {"poisson": np.float32(0.3), "window": "0.4,0.9", "tip_modulus": np.array(1141), "tip_poisson": 0.07, "epsilon": None}
+    assert math.isfinite(run.oliver_pharr(**good)[0]["modulus_GPa"])
 
 
 def test_folders(tmp_path):

@@ -173,11 +173,15 @@ def test_warnings_are_warnings(tmp_path):
 def test_what_is_not_there(tmp_path, monkeypatch):
     with pytest.raises(mlgimp.ResultError, match="no results here"):
         mlgimp.read(tmp_path)
-    with pytest.raises(mlgimp.Error, match="ranks=0: must be a whole number >= 1"):
-        mlgimp.run(PRESS, ranks=0)
+    for ranks in (0, 1.5, "2", True):
+        with pytest.raises(mlgimp.Error, match=f"ranks={ranks}: must be a whole number >= 1"):
+            mlgimp.run(PRESS, ranks=ranks)
+    for case in (None, [PRESS]):
+        with pytest.raises(mlgimp.Error, match="options=.*: must be the path of an options file, or a dict"):
+            mlgimp.run(case)
     monkeypatch.setenv("MLGIMP_BIN", str(tmp_path))
     with pytest.raises(mlgimp.Error, match=f"not at {tmp_path}/mlgimp: `make` builds it"):
-        mlgimp.run(PRESS)
+        mlgimp.run(PRESS, np.int64(1))
 
 
 def test_bar(capsys):
@@ -241,6 +245,9 @@ def test_cases_are_accepted(tmp_path, law, case):
     (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
     (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
     (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),
+    (dict(METAL, depth="2e-7"), "depth=2e-7: must be .* not as a text"), (dict(METAL, depth=1e-7, poissons_ratio="0.33"), "poissons_ratio=0.33: .* not as a text"),
+    (dict(METAL, depth=1e-7, unload="no"), "unload=no: must be True or False"), (dict(METAL, depth=1e-7, overwrite="no"), "overwrite=no"),
+    (dict(METAL, depth=1e-7, tip="sphere", radius=1e-6, tip_radius=1e-8), "tip_radius: must be left out for tip=sphere"),
     (dict(METAL, depth=1e-7, block=2), "block=2"), (dict(METAL, depth=1e-7, hardening="power"), "hardening_exponent: must be given")])
 def test_what_indent_refuses(tmp_path, case, line):
     with pytest.raises(mlgimp.Error, match=f"^{line}[^\n]*$"):
@@ -248,10 +255,36 @@ def test_what_indent_refuses(tmp_path, case, line):
     assert not (tmp_path / "case.opts").exists()
 
 
+def test_numbers_of_any_type():
+    """Those of numpy, also as arrays without dimensions, give the same case as those of Python."""
+    plain = indentation.indentation_options("j2", youngs_modulus=2.0**36, yield_stress=4e8, depth=0.125e-2, cells=5, unload=False)
+    assert plain == indentation.indentation_options("j2", youngs_modulus=np.float32(2.0**36), yield_stress=np.int64(400000000), depth=np.array(0.125e-2),
+                                                    cells=np.int64(5), unload=np.bool_(False))
+
+
 def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
+    """The options file of a case that it refuses does not stay in the way of the next call; a file that was there before stays."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
-        mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7)
+    for before in (False, True):
+        if before:
+            (tmp_path / "indentation.opts").touch()
+        with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
+            mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7, overwrite=before)
+        assert (tmp_path / "indentation.opts").exists() == before
+
+
+def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
+    """It is the record of results that are there."""
+    def fails(file, *others, **more):
+        (tmp_path / "output" / "case").mkdir(parents=True)
+        (tmp_path / "output" / "case" / "history.csv").touch()
+        raise mlgimp.RunError("mlgimp: error: step 7")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(indentation, "run", fails)
+    with pytest.raises(mlgimp.RunError):
+        mlgimp.indent("j2", **METAL, depth=1e-7, file="case.opts")
+    assert (tmp_path / "case.opts").exists()
+
 
 
 def test_version():

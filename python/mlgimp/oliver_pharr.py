@@ -19,6 +19,7 @@ EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have
 Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
 Constants.__doc__ = "What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default."
 
+UNSEEN = 0.002  # of the work: what may lie before the first row; the first interval of a run of twenty rows has less
 STIFFEST = 2000  # GPa, above which no solid is; diamond has 1141
 POISSON = Rule(lambda nu: -1 < nu <= 0.5, "in (-1, 0.5]")
 RULES = {  # for Constants
@@ -161,7 +162,12 @@ def doubts(curve, cycle, fit, row):
     rest = 3 * load_depth.noise(curve.depth) + 1e-6 * fit.depth
     if loading[-1] < 0.97 * loading[last_peak] and curve.depth[(cycle.begin + last_peak + cycle.start) // 2] < curve.depth[cycle.start] - rest:
         yield "the depth goes on growing while the load falls (nose): hold the load longer"
+    before = curve.load[0] * max(curve.depth[0], 0) / 2  # nJ, from a loading between P ~ h and P ~ h^2
+    if before > UNSEEN * row["total_work_nJ"]:
+        yield (f"the curve begins at {curve.depth[0]:.3g} um and {curve.load[0]:.3g} mN: about "
+               f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, and is in no figure of work here")
     if row["area_um2"] <= 0:
-        yield "the contact depth is below zero"
+        yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
+               f"the area of the tip at the contact depth, {row['area_um2']:.3g} um2, is not above zero: is the area function right?")
     elif abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
         yield f"the true contact area is {row['true_area_um2'] / row['area_um2']:.2f} of that by Oliver and Pharr"

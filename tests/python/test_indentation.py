@@ -132,6 +132,24 @@ def test_no_contact_left():
     assert row["area_um2"] == 0 and math.isnan(row["hardness_GPa"]) and math.isnan(row["modulus_GPa"]) and "below zero" in row["warnings"]
 
 
+def test_area_function_without_area():
+    """It is not the contact depth that is wrong."""
+    for coefficient in (0, -24.5):
+        [row] = oliver_pharr.analyse(curve(*metal(), tip=tips.tip_of_function([coefficient])))
+        assert "area of the tip" in row["warnings"] and "below zero" not in row["warnings"]
+
+
+def test_work_before_the_curve(expect):
+    """A curve that begins at a quarter of the depth lacks a sixty-fourth of its work; one that begins at the surface with few rows lacks none."""
+    depth, load = metal()
+    [row] = oliver_pharr.analyse(curve(depth[100:], load[100:]))
+    told = re.search(r"the curve begins at 0.125 um and 0.6.* mN: about (\S+) % of the work", row["warnings"])
+    expect("work that is missing, %", float(told[1]), near=100 / 64, tolerance=0.8)
+    expect("work that is there", row["total_work_nJ"] / (10 * 0.5 / 3), near=63 / 64, tolerance=1e-3)
+    rows = np.append(np.arange(10, 400, 20), np.arange(400, 799))
+    assert oliver_pharr.analyse(curve(depth[rows], load[rows]))[0]["warnings"] == ""
+
+
 # ---- cycles and holds ----
 
 def cycles_of(loads):

@@ -11,25 +11,19 @@ they are slices through the tip's axis, stress_xx.png, _zz and _xz, and there is
 import argparse
 from pathlib import Path
 
-import numpy as np
 from command import Parser, command, save
 
 from mlgimp import fields, movie, pictures, results
+from mlgimp.errors import Error
 from mlgimp.gallery import gallery
 
 
 def window_argument(text):
     """Returns xmin,xmax,ymin,ymax (m) as an array of four numbers, or near."""
-    if text == fields.NEAR:
-        return text
     try:
-        left, right, bottom, top = (float(number) for number in text.split(","))
-    except ValueError:
-        left, right, bottom, top = 0, 0, 0, 0
-    window = np.array([left, right, bottom, top])
-    if not (np.all(np.isfinite(window)) and left < right and bottom < top):
-        raise argparse.ArgumentTypeError(f"{text}: must be xmin,xmax,ymin,ymax with min < max, or {fields.NEAR}")
-    return window
+        return fields.given_window(text)
+    except Error as problem:
+        raise argparse.ArgumentTypeError(problem) from None
 
 
 def add_window_option(parser):

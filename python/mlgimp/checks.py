@@ -18,6 +18,11 @@ def refusal(name, value, allowed):
     return Error(f"{name}={' '.join(str(value).split())}: must be {allowed}")
 
 
+def no_number(name, value, allowed):
+    """Returns the Error for a value that should be a number; texts look like numbers in it."""
+    return refusal(name, value, allowed + ", as a number and not as a text" * isinstance(value, str))
+
+
 def plain(value):
     """Returns a number of numpy, or an array without dimensions, as a number of Python, and all else as it is."""
     return value.tolist() if hasattr(value, "tolist") else value
@@ -25,11 +30,9 @@ def plain(value):
 
 def number(name, value, rule):
     """Returns a number that meets a Rule, as float."""
-    if isinstance(value, str):
-        raise refusal(name, value, f"{rule.allowed}, as a number and not as a text")
     found = plain(value)
     if isinstance(found, bool) or not isinstance(found, numbers.Real) or not rule.good(found):
-        raise refusal(name, value, rule.allowed)
+        raise no_number(name, value, rule.allowed)
     return float(found)
 
 
@@ -48,7 +51,7 @@ def whole(name, value, least=-math.inf):
     """Returns a whole number of any type, from the least on, as int."""
     found = plain(value)
     if isinstance(found, bool) or not isinstance(found, numbers.Integral) or found < least:
-        raise refusal(name, value, "a whole number" + (f" >= {least}" if math.isfinite(least) else ""))
+        raise no_number(name, value, "a whole number" + (f" >= {least}" if math.isfinite(least) else ""))
     return int(found)
 
 

@@ -49,6 +49,7 @@ def common_scale(directory, numbers, component, window):
 @styled
 def movie(directory, path, component="von_mises_stress", window=None):
     """Writes the movie of a component of all frames: xx, yy, zz, xy or one of fields.SCALARS; window as in fields.fields."""
+    fields.check_component(component)
     writer, numbers = writer_for(path), list(results.numbered_frames(directory))
     last = fields.read_panel(directory)
     window = fields.window_of([last], window)

@@ -101,6 +101,29 @@ def test_pictures(pressed, tmp_path, monkeypatch):
         pressed[0].movie(tmp_path / "m.mp4")
 
 
+@pytest.mark.parametrize("window", ["far", (0, 1, 1, 0), (0, 1), "0,1", 3, (100, 101, 100, 101), np.zeros((2, 2))])
+def test_windows_that_pictures_refuse(pressed, tmp_path, window):
+    for draw in (lambda: pressed[0].plot("energy", window=window), lambda: pressed[0].movie(tmp_path / "m.gif", window=window)):
+        with pytest.raises(mlgimp.Error, match="^window=[^\n]*: must (be xmin,xmax,ymin,ymax with min < max, or near|hold a point)"):
+            draw()
+
+
+def test_windows_as_the_command_has_them(pressed):
+    axes = [pressed[0].plot("stress_yy", window=window)["stress_yy"].axes[0] for window in ("0,5,2,8", (0, 5, 2, 8))]
+    assert axes[0].get_xlim() == axes[1].get_xlim() and axes[0].get_ylim() == axes[1].get_ylim()
+
+
+def test_words_that_results_refuse(pressed, tmp_path):
+    """All errors of the package are its own."""
+    one = pressed[0]
+    calls = {"number=1: must be a whole number": lambda: one.frame("1"), "frame=1.5: must be a whole": lambda: one.plot("energy", frame=1.5),
+             "component=foo: must be one of xx": lambda: one.movie(tmp_path / "m.gif", component="foo"), "folder=None": lambda: mlgimp.read(None)}
+    for line, call in calls.items():
+        with pytest.raises(mlgimp.Error, match=f"^{line}"):
+            call()
+    np.testing.assert_array_equal(one.frame(np.int64(1))["id"], one.frame(1)["id"])
+
+
 def test_movie_shows_the_boxes_of_each_frame(pressed, tmp_path, monkeypatch):
     read, seen = fields.read_panel, []
 

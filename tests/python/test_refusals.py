@@ -43,6 +43,13 @@ def test_window(made, window):
     assert f"{window}: must be xmin,xmax,ymin,ymax" in refusal(plot.main, made, f"--window={window}")
 
 
+def test_window_that_holds_no_point(made):
+    """It is told before any picture is written."""
+    before = set(made.iterdir())
+    assert "window=1,2,1,2: must hold a point; they lie in -1.6" in refusal(plot.main, made, "--window=1,2,1,2")
+    assert "must hold a point" in refusal(plot.main, made, "--window=1,2,1,2", "--movie", made / "m.gif") and set(made.iterdir()) == before
+
+
 HISTORIES = {
     "empty": (b"", "no column time"), "binary": (bytes(range(128, 256)), "no text"),
     "another table": (b"depth_m,load_N\n0,0\n1,2\n", "no column time"), "text": (b"hello\nworld\n", "no column"),

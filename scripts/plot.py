@@ -54,7 +54,7 @@ def main(arguments=None):
     out = Path(options.out or options.directory)
     pictures.make_folder(out)
     if not results.has_indenter(results.read_history(options.directory)):
-        print("no load_depth.png: this run has no indenter")
+        print("no load_depth.png: this run has no indenter, or one that has not moved")
     for name, draw in drawn.items():
         save(draw(), out / f"{name}.png")
 

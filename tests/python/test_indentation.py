@@ -301,6 +301,45 @@ def test_kinds_of_text(tmp_path, head, mark, comma, depth, load):
     assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
 
 
+def with_clock(text, mark=","):
+    """A text with a column of times of day before the others."""
+    head, *rows = text.splitlines()
+    return "\n".join([f"clock{mark}{head}", *(f"10:{k // 60:02d}:{k % 60:02d}{mark}{row}" for k, row in enumerate(rows))]) + "\n"
+
+
+@pytest.mark.parametrize("content, depth", [
+    (text_of(*metal(), head="Depth (\N{MICRO SIGN}m),load\n").encode("cp1252"), "Depth (\N{MICRO SIGN}m):um"),
+    (text_of(*metal(), head="Depth (\N{MICRO SIGN}m),load\n").encode("utf-8-sig"), "Depth (\N{MICRO SIGN}m):um"),
+    (text_of(*metal()).replace("\n", ",\n").encode(), "depth:um"), (with_clock(text_of(*metal())).encode(), "depth:um"),
+    (with_clock(text_of(*metal()).replace(",", " "), " ").encode(), "depth:um"), (with_clock(text_of(*metal())).encode(), "2:um"),
+    (text_of(*metal()).replace("\n", ",loading\n").encode(), "depth:um"),
+    (b"# A ball of 2 um pressed 100 nm\n" + text_of(*metal(), mark=" ", head="depth load\n").encode(), "depth:um"),
+], ids=["Windows", "UTF-8", "a comma more", "times of day", "with spaces", "by its number", "words", "numbers in a remark"])
+def test_texts_of_instruments(tmp_path, content, depth):
+    """Only the columns that are asked for need be numbers."""
+    (tmp_path / "m.txt").write_bytes(content)
+    read = load_depth.read_measured(tmp_path / "m.txt", depth)
+    assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
+
+
+def test_rows_of_the_approach(tmp_path, expect):
+    """A tip that comes from farther over the surface than it goes into it; what a load cell that is not zeroed tells there is no work."""
+    depth, load = metal()
+    before = np.linspace(-1, 0, 200, endpoint=False)
+    (tmp_path / "m.csv").write_text(text_of(np.append(before, depth), np.append(np.full(200, 0.1), load)))
+    read = load_depth.read_measured(tmp_path / "m.csv")
+    [row] = oliver_pharr.analyse(read._replace(tip=CONE))
+    assert len(read.depth) == 800 and read.depth[0] == pytest.approx(-0.005) and "199 rows of the approach" in read.notes[0] and row["warnings"] == ""
+    expect("total work", row["total_work_nJ"] / (10 * 0.5 / 3), near=1, tolerance=1e-3)
+
+
+def test_a_wrong_name_is_told_the_right_ones():
+    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
+    with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
+
+
 def test_measured_beside_a_run(tmp_path, capsys, expect):
     """In nm and uN, with drift and rows written twice; the tip is that of the run."""
     folder = write_run(tmp_path / "run", CONE_OPTIONS)
@@ -328,7 +367,9 @@ def test_units_of_no_solid_are_told(tmp_path, capsys):
 GOOD = text_of(*metal())
 ROWS = GOOD.splitlines(True)[1:]
 MEASURED = {
-    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"), "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
+    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"), "one column": ("depth\n" + "".join(row.split(",")[0] + "\n" for row in ROWS), "line 800 has '0.42', and not two numbers"),
+    "a clock": (with_clock(GOOD).replace("clock,depth", "depth,h"), "line 2 is no row of numbers: it has '10:00:00' in column 1"),
+    "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
     "no such column": (GOOD.replace("load", "force", 1), "no column load"), "words": (GOOD + "end,of\n", "no row of numbers"),
     "not a number": (GOOD + "nan,1\n", "no row of numbers"), "a longer row": (GOOD + "1,2,3\n", "3 columns instead of 2"),
     "only loading": ("depth,load\n" + "".join(ROWS[:400]), "no unloading"), "only unloading": ("depth,load\n" + "".join(ROWS[400:]), "without a loading"),
@@ -398,6 +439,8 @@ def test_constants_from_python(tmp_path, given, line):
 
 def test_folders(tmp_path):
     assert "history.csv" in refusal(tmp_path)
+    (tmp_path / "history.csv").write_text(",".join(HISTORY) + "\n")
+    assert "history.csv has 0 rows" in refusal(tmp_path)
     folder = write_run(tmp_path / "run", {**CONE_OPTIONS, "-indenter_half_angle": "steep"})
     assert "summary.json" in refusal(folder)
     (folder / "summary.json").unlink()

@@ -12,6 +12,7 @@ import converge
 import figures
 import harness
 import plot
+import scaling
 from test_scripts import HISTORY, write_results
 
 pytestmark = pytest.mark.fast
@@ -143,6 +144,22 @@ def test_options_file(tmp_path, content):
 
 
 # ---- all ----
+
+def test_scaling_of_no_ranks():
+    for word in ("nosuch.opts", "0", "-help"):
+        assert f"{word}: must be whole numbers of ranks" in refusal(scaling.main, word)
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_gone(made, unbuffered):
+    """As `| head`: the command ends without a word."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / "plot.py", made], stdout=writer, stderr=subprocess.PIPE, text=True,
+                          env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (1, "")
+
 
 def test_no_home(made):
     """A user without a folder of his own hears nothing of matplotlib's cache."""

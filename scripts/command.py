@@ -21,8 +21,8 @@ from mlgimp.errors import Error
 
 
 def command(main):
-    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1, and in silence a
-    reader of its output that has gone, such as head."""
+    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1; a reader of
+    its output that has gone, such as head, ends it in silence."""
     @functools.wraps(main)
     def ended(*arguments):
         try:

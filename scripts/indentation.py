@@ -62,7 +62,8 @@ def spelt(name, value=""):
 
 
 E, NU = (oliver_pharr.RULES[name] for name in ("tip_modulus", "tip_poisson"))
-TIP_ELASTIC = Rule(lambda pair: len(pair) == 2 and E.good(pair[0]) and NU.good(pair[1]), f"E,NU with NU {NU.allowed}, E {E.allowed}")
+TIP_ELASTIC = Rule(lambda pair: len(pair) == 2 and E.good(pair[0]) and NU.good(pair[1]),
+                   f"E,NU with NU {NU.allowed}, E {E.allowed}")
 FINITE = Rule(math.isfinite, "a number")
 COEFFICIENTS = Rule(lambda numbers: all(map(math.isfinite, numbers)), "C0,C1,...")
 
@@ -71,9 +72,11 @@ def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
     group.add_argument("--tip", choices=tips.NEEDS, help="its kind")
-    group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES", help="of a cone or a pyramid, from the axis to a face")
+    group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES",
+                       help="of a cone or a pyramid, from the axis to a face")
     group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")
-    group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM", help="of a rounded cone or pyramid (0)")
+    group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM",
+                       help="of a rounded cone or pyramid (0)")
     group.add_argument("--faces", type=checked(tips.RULES["faces"], int), metavar="N", help="of a pyramid (4)")
     group.add_argument("--area-function", type=checked(COEFFICIENTS, load_depth.numbers),
                        metavar="C0,C1,...", help="area C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ... in nm2 of a contact depth h in nm")
@@ -97,6 +100,7 @@ def given_tip(options):
 
 def parse(arguments):
     """Returns the options of the command line."""
+    rules = oliver_pharr.RULES
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("curves", nargs="+", metavar="DIR|FILE", help="result folder of a run, or text with columns of a measured curve")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
@@ -106,11 +110,11 @@ def parse(arguments):
     parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, and for --drift")
     parser.add_argument("--drift", type=checked(FINITE), default=0, metavar="NM/S",
                         help="thermal drift of measured depths, which is taken off; needs --time")
-    parser.add_argument("--window", type=checked(oliver_pharr.RULES["window"], load_depth.numbers), default=oliver_pharr.WINDOW, metavar="LOW,HIGH",
-                        help="part of the unloading that is fitted, of its load (0.5,0.97)")
-    parser.add_argument("--epsilon", type=checked(oliver_pharr.RULES["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
-    parser.add_argument("--beta", type=checked(oliver_pharr.RULES["beta"]), help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
-    parser.add_argument("--poisson", type=checked(oliver_pharr.RULES["poisson"]), help="Poisson's ratio of the specimen (that of the run)")
+    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
+                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
+    parser.add_argument("--epsilon", type=checked(rules["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
+    parser.add_argument("--beta", type=checked(rules["beta"]), help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
+    parser.add_argument("--poisson", type=checked(rules["poisson"]), help="Poisson's ratio of the specimen (that of the run)")
     parser.add_argument("--tip-elastic", type=checked(TIP_ELASTIC, load_depth.numbers), default=(math.inf, 0.0), metavar="GPA,NU",
                         help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)

@@ -4,6 +4,7 @@ import math
 import numbers
 import os
 from collections import namedtuple
+from collections.abc import Mapping
 
 from .errors import Error
 
@@ -66,4 +67,11 @@ def path(name, value):
     """Returns the path of a file or folder, a text or a Path, as it is."""
     if not isinstance(value, (str, os.PathLike)):
         raise refusal(name, value, "the path of a file or folder")
+    return value
+
+
+def mapping(name, value):
+    """Returns a dict, or what behaves as one, as it is."""
+    if not isinstance(value, Mapping):
+        raise refusal(name, value, "a dict {name: value}")
     return value

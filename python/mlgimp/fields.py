@@ -29,7 +29,7 @@ MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the 
 BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
 NEAR = "near"  # window that shows the finest level
-WINDOW = Rule(lambda window: len(window) == 4 and -np.inf < window[0] < window[1] < np.inf and -np.inf < window[2] < window[3] < np.inf,
+WINDOW = Rule(lambda ends: len(ends) == 4 and bool(np.isfinite(ends).all()) and ends[0] < ends[1] and ends[2] < ends[3],
               f"xmin,xmax,ymin,ymax with min < max, or {NEAR}")
 
 
@@ -166,7 +166,7 @@ def extent(points):
 
 
 def given_window(window):
-    """Returns a window that a caller gives: None, NEAR, or (xmin, xmax, ymin, ymax) in m from a sequence or a text with commas."""
+    """Returns a given window: None, NEAR, or (xmin, xmax, ymin, ymax) in m, from a sequence or a text with commas."""
     is_word = window is None or isinstance(window, str) and window == NEAR
     return window if is_word else np.array(checks.several("window", window, WINDOW))
 
@@ -178,7 +178,8 @@ def window_of(panels, window=None):
     everything = np.where([True, False] * 2, extents.min(axis=0), extents.max(axis=0))
     if isinstance(window, np.ndarray):
         if not any(in_window(each.points, window).any() for each in panels):
-            raise Error(f"window={','.join(f'{end:g}' for end in window)}: must hold a point; they lie in {','.join(f'{end:.4g}' for end in everything)} m")
+            given, there = (",".join(f"{end:.4g}" for end in each) for each in (window, everything))
+            raise Error(f"window={given}: must hold a point; they lie in {there} m")
         return window
     if window is None or not len(panels[0].boxes):
         return everything

@@ -35,7 +35,7 @@ LEAST_ROWS = 5  # of the measured unloading
 CONVERGED = 1e-3, 1e-3  # change of the constants, and of the sum of squares, which a standard error changes by 1/(2 PARTS)
 ALIKE = 0.98  # correlation of two constants that cannot be told apart
 VAGUE = 0.5  # relative half width of a confidence interval that determines nothing
-POOR = 0.02  # misfit of another test's curve; that of the same test on other cells is up to 0.018 on 8 under the contact, 0.034 on 4
+POOR = 0.02  # misfit of another test's curve; that of the same test on other cells is up to 0.018 with 8 under the contact
 DEEPER = 0.03  # difference of largest depths above which they are two tests
 
 
@@ -164,7 +164,8 @@ def edges_of(curve):
         raise Error(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading "
                     f"above {LEAST_LOAD:g} of the load")
     if curve.depth[:cycle.start + 1].min() > LEAST_DEPTH * top:
-        raise Error(f"{curve.name}: must begin at less than {LEAST_DEPTH:g} of its largest depth {top:.3g} um, not at {curve.depth[0]:.3g} um")
+        raise Error(f"{curve.name}: must begin at less than {LEAST_DEPTH:g} of its largest depth {top:.3g} um, "
+                    f"not at {curve.depth[0]:.3g} um")
     return np.linspace(LEAST_DEPTH * top, top, PARTS + 1), np.linspace(0, top - curve.depth[down][counted], PARTS + 1)
 
 
@@ -295,7 +296,7 @@ def doubts(fit):
                "give the case the test's largest depth or load")
     if fit.misfit > POOR:
         yield (f"the best curve misses the measured one by {100 * fit.misfit:.2g} % of its largest load: no constants of this case give "
-               "it; compare tip, law, layers and the machine's compliance, take more cells under the contact, and look at fit.png")
+               "it; compare tip, law, layers and the machine's compliance, take finer cells, and look at fit.png")
     yield from (f"of the best run: {line}" for line in read_summary(fit.best).get("warnings", []))
     for k, one in enumerate(found):
         if fit.upper[k] - fit.lower[k] > 2 * VAGUE * fit.values[k]:

@@ -59,9 +59,9 @@ class Results:
     def oliver_pharr(self, **constants):
         """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
 
-        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3, and of a tip that is
-        not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, and `warnings` says what makes the figures
-        doubtful.
+        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3, and of a tip that
+        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, and `warnings` says what makes the
+        figures doubtful.
         """
         return oliver_pharr.analyse(self.curve(), oliver_pharr.checked_constants(**constants))
 

@@ -110,7 +110,7 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
         {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
         {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
     ]
-    return overridden(groups, options or {})
+    return overridden(groups, checks.mapping("options", options or {}))
 
 
 def overridden(groups, options):
@@ -133,7 +133,7 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
     """Returns the options of the tip's shape."""
     if geometry not in ("axisymmetric", "3d"):
         raise Error(f"geometry={geometry}: must be axisymmetric or 3d")
-    if tip not in tips.NEEDS or tip == "pyramid":
+    if not isinstance(tip, str) or tip not in tips.NEEDS or tip == "pyramid":
         raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
     sizes = {"half_angle": half_angle, "radius": radius, "tip_radius": None if tip_radius == 0 else tip_radius}
     tips.check_sizes(tip, sizes)

@@ -136,14 +136,15 @@ def column_of(name, given, units):
 def read_measured(path, depth="depth:um", load="load:mN", time=None):
     """Returns the Curve of a text with columns, with or without lines of text above them.
 
-    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. What was measured
-    on the way to the surface is left out.
+    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. What was
+    measured on the way to the surface is left out.
     """
     columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS), column_of("time", time, TIME_UNITS)]
     columns = [each for each in columns if each is not None]
     table = read_table(checks.path("path", path), [each.name for each in columns]) * [each.factor for each in columns]
-    if time is not None and np.any(np.diff(table[:, 2]) < 0):
-        raise ResultError(path, f"the time falls in data row {np.argmax(np.diff(table[:, 2]) < 0) + 2}; rows must be in the order of the test")
+    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if time is not None else []
+    if len(falls):
+        raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
     table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
     check_order_and_signs(path, *table.T[:2])
     approach = rows_of_approach(*table.T[:2])
@@ -174,9 +175,10 @@ def read_table(path, wanted):
     """Returns the numbers of a text in the columns with these names or numbers, [rows][columns].
 
     Columns are parted by semicolons, tabs, commas or spaces, whichever the last line has first; beside semicolons and tabs a comma is
-    a decimal point. Lines above the first row may have the names, also those that begin with #; in other columns there may be words.
+    a decimal point. Lines above the first row may have the names, also those that begin with #; other columns may hold words.
     """
-    lines = [(number, line.strip(" \r\n").lstrip("#")) for number, line in enumerate(read_text(path).splitlines(), start=1) if line.strip()]
+    lines = [(number, line.strip(" ").lstrip("#")) for number, line in enumerate(read_text(path).splitlines(), start=1)]
+    lines = [(number, line) for number, line in lines if line.strip()]
     if not lines:
         raise ResultError(path, "is empty")
     mark = next((mark for mark in ";\t," if mark in lines[-1][1].strip()), None)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib import animation
 from matplotlib import pyplot as plt
 
-from . import fields, results
+from . import checks, fields, results
 from .errors import Error, ResultError
 from .pictures import DOTS_PER_INCH, lab_unit, styled
 
@@ -26,7 +26,7 @@ ENDINGS = {".gif": GifWriter, ".mp4": animation.FFMpegWriter}
 
 def writer_for(path):
     """Returns matplotlib's writer for a file by its ending."""
-    writer = ENDINGS.get(Path(path).suffix.lower())
+    writer = ENDINGS.get(Path(checks.path("path", path)).suffix.lower())
     if writer is None:
         raise Error(f"{path}: the name of a movie must end in {' or '.join(ENDINGS)}")
     if not writer.isAvailable():

@@ -25,7 +25,8 @@ POISSON = Rule(lambda nu: -1 < nu <= 0.5, "in (-1, 0.5]")
 RULES = {  # for Constants
     "window": Rule(lambda window: len(window) == 2 and 0 <= window[0] < window[1] <= 1, "LOW,HIGH with 0 <= LOW < HIGH <= 1"),
     "epsilon": checks.POSITIVE, "beta": checks.POSITIVE, "poisson": POISSON,
-    "tip_modulus": Rule(lambda modulus: 0 < modulus <= STIFFEST or modulus == math.inf, f"in (0, {STIFFEST}] GPa; 1141 GPa are 1141, not 1141e9"),
+    "tip_modulus": Rule(lambda modulus: 0 < modulus <= STIFFEST or modulus == math.inf,
+                        f"in (0, {STIFFEST}] GPa; 1141 GPa are 1141, not 1141e9"),
     "tip_poisson": POISSON,
 }
 
@@ -165,9 +166,9 @@ def doubts(curve, cycle, fit, row):
     before = curve.load[0] * max(curve.depth[0], 0) / 2  # nJ, from a loading between P ~ h and P ~ h^2
     if before > UNSEEN * row["total_work_nJ"]:
         yield (f"the curve begins at {curve.depth[0]:.3g} um and {curve.load[0]:.3g} mN: about "
-               f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, and is in no figure of work here")
+               f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, which no figure of work has")
     if row["area_um2"] <= 0:
         yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
-               f"the area of the tip at the contact depth, {row['area_um2']:.3g} um2, is not above zero: is the area function right?")
+               f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")
     elif abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
         yield f"the true contact area is {row['true_area_um2'] / row['area_um2']:.2f} of that by Oliver and Pharr"

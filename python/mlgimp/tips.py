@@ -16,12 +16,13 @@ PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, ma
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
 NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",)} | dict.fromkeys(PYRAMIDS, ())
 
-MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # beside what they need
+MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
 SHARPEST = 1e-3  # um: a smaller radius is none in um
 RULES = {  # for sizes in degrees and um
     "half_angle": Rule(lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis"),
     "radius": Rule(lambda radius: SHARPEST <= radius < math.inf, f"a number >= {SHARPEST} in um; 5e-6 m are 5"),
-    "tip_radius": Rule(lambda radius: radius == 0 or SHARPEST <= radius < math.inf, f"0 or a number >= {SHARPEST} in um; 1e-7 m are 0.1"),
+    "tip_radius": Rule(lambda radius: radius == 0 or SHARPEST <= radius < math.inf,
+                       f"0 or a number >= {SHARPEST} in um; 1e-7 m are 0.1"),
     "faces": Rule(lambda count: count >= 3, "a whole number >= 3"),
 }
 

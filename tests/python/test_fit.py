@@ -118,8 +118,9 @@ def test_a_case_of_another_depth(fitted):
 
 
 @pytest.mark.parametrize("given, line", [
-    ({"vary": []}, r"vary=\[\]: must be a list"), ({"vary": None}, "vary="), ({"vary": [1]}, "vary="), ({"evaluations": 0}, "evaluations=0: must be a whole number >= 1"),
-    ({"ranks": 0}, "ranks=0"), ({"runs": "2"}, "runs=2"), ({"runs": 0}, "runs=0"), ({"measured": None}, "measured=None"), ({"case": {}}, "case=")])
+    ({"vary": []}, r"vary=\[\]: must be a list"), ({"vary": None}, "vary="), ({"vary": [1]}, "vary="),
+    ({"evaluations": 0}, "evaluations=0: must be a whole number >= 1"), ({"ranks": 0}, "ranks=0"), ({"runs": "2"}, "runs=2"),
+    ({"runs": 0}, "runs=0"), ({"measured": None}, "measured=None"), ({"case": {}}, "case=")])
 def test_fit_from_python_checks_first(tmp_path, monkeypatch, given, line):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(fitting, "execute", lambda *arguments: pytest.fail("there was a run"))
@@ -177,7 +178,8 @@ WORDS = {
 def test_one_line(tmp_path, monkeypatch, capsys, name):
     monkeypatch.chdir(tmp_path)
     table = np.column_stack(law(TRUTH))
-    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("late.csv", table[60:]), ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
+    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("late.csv", table[60:]),
+                       ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
         np.savetxt(file, rows, delimiter=",", header="depth,load", comments="")
     (tmp_path / "empty.csv").touch()
     (tmp_path / "case.opts").write_text(CASE)

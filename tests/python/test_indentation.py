@@ -140,7 +140,7 @@ def test_area_function_without_area():
 
 
 def test_work_before_the_curve(expect):
-    """A curve that begins at a quarter of the depth lacks a sixty-fourth of its work; one that begins at the surface with few rows lacks none."""
+    """A curve from a quarter of the depth on lacks a 64th of its work; one from the surface on, with few rows, lacks none."""
     depth, load = metal()
     [row] = oliver_pharr.analyse(curve(depth[100:], load[100:]))
     told = re.search(r"the curve begins at 0.125 um and 0.6.* mN: about (\S+) % of the work", row["warnings"])
@@ -323,13 +323,14 @@ def test_texts_of_instruments(tmp_path, content, depth):
 
 
 def test_rows_of_the_approach(tmp_path, expect):
-    """A tip that comes from farther over the surface than it goes into it; what a load cell that is not zeroed tells there is no work."""
+    """A tip that comes from farther over the surface than it goes into it; a load that is not zeroed does no work there."""
     depth, load = metal()
     before = np.linspace(-1, 0, 200, endpoint=False)
     (tmp_path / "m.csv").write_text(text_of(np.append(before, depth), np.append(np.full(200, 0.1), load)))
     read = load_depth.read_measured(tmp_path / "m.csv")
     [row] = oliver_pharr.analyse(read._replace(tip=CONE))
-    assert len(read.depth) == 800 and read.depth[0] == pytest.approx(-0.005) and "199 rows of the approach" in read.notes[0] and row["warnings"] == ""
+    assert len(read.depth) == 800 and read.depth[0] == pytest.approx(-0.005) and "199 rows of the approach" in read.notes[0]
+    assert row["warnings"] == ""
     expect("total work", row["total_work_nJ"] / (10 * 0.5 / 3), near=1, tolerance=1e-3)
 
 
@@ -367,7 +368,8 @@ def test_units_of_no_solid_are_told(tmp_path, capsys):
 GOOD = text_of(*metal())
 ROWS = GOOD.splitlines(True)[1:]
 MEASURED = {
-    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"), "one column": ("depth\n" + "".join(row.split(",")[0] + "\n" for row in ROWS), "line 800 has '0.42', and not two numbers"),
+    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"),
+    "one column": ("depth\n" + "".join(row.split(",")[0] + "\n" for row in ROWS), "line 800 has '0.42', and not two numbers"),
     "a clock": (with_clock(GOOD).replace("clock,depth", "depth,h"), "line 2 is no row of numbers: it has '10:00:00' in column 1"),
     "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
     "no such column": (GOOD.replace("load", "force", 1), "no column load"), "words": (GOOD + "end,of\n", "no row of numbers"),
@@ -410,10 +412,13 @@ WORDS = {
     "drift without time": ["m.csv", "--tip", "vickers", "--drift", "0.1"], "area function": ["m.csv", "--area-function", "24.5,x"],
     "out": ["m.csv", "--tip", "vickers", "--out", "/dev/null/none"],
     "modulus in Pa": ["m.csv", "--tip", "vickers", "--tip-elastic", "1141e9,0.07"],
-    "angle of another tip": ["m.csv", "--tip", "berkovich", "--half-angle", "30"], "radius of another tip": ["m.csv", "--tip", "berkovich", "--radius", "5"],
-    "faces of another tip": ["m.csv", "--tip", "vickers", "--faces", "3"], "size without a tip": ["m.csv", "--area-function", "24.5", "--radius", "5"],
+    "angle of another tip": ["m.csv", "--tip", "berkovich", "--half-angle", "30"],
+    "radius of another tip": ["m.csv", "--tip", "berkovich", "--radius", "5"],
+    "faces of another tip": ["m.csv", "--tip", "vickers", "--faces", "3"],
+    "size without a tip": ["m.csv", "--area-function", "24.5", "--radius", "5"],
     "rounded sphere": ["m.csv", "--tip", "sphere", "--radius", "5", "--tip-radius", "0.1"],
-    "tip radius in m": ["m.csv", "--tip", "vickers", "--tip-radius", "1e-7"], "radius in m": ["m.csv", "--tip", "sphere", "--radius", "5e-6"],
+    "tip radius in m": ["m.csv", "--tip", "vickers", "--tip-radius", "1e-7"],
+    "radius in m": ["m.csv", "--tip", "sphere", "--radius", "5e-6"],
 }
 
 
@@ -425,9 +430,11 @@ def test_words(tmp_path, monkeypatch, name):
 
 
 @pytest.mark.parametrize("given, line", [
-    ({"poisson": 33}, "poisson=33: must be in"), ({"poisson": 0.7}, "poisson=0.7"), ({"poisson": 1.0}, "poisson=1.0"), ({"poisson": "0.3"}, "not as a text"),
-    ({"epsilon": -1}, "epsilon=-1"), ({"beta": math.nan}, "beta=nan"), ({"window": (0.98, 0.2)}, "LOW < HIGH"), ({"window": 0.5}, "LOW < HIGH"),
-    ({"tip_modulus": 1141e9}, "1141 GPa are 1141, not 1141e9"), ({"tip_poisson": 0.6}, "tip_poisson=0.6"), ({"foo": 1}, "foo: must be one of window, epsilon")])
+    ({"poisson": 33}, "poisson=33: must be in"), ({"poisson": 0.7}, "poisson=0.7"), ({"poisson": 1.0}, "poisson=1.0"),
+    ({"poisson": "0.3"}, "not as a text"), ({"epsilon": -1}, "epsilon=-1"), ({"beta": math.nan}, "beta=nan"),
+    ({"window": (0.98, 0.2)}, "LOW < HIGH"), ({"window": 0.5}, "LOW < HIGH"),
+    ({"tip_modulus": 1141e9}, "1141 GPa are 1141, not 1141e9"),
+    ({"tip_poisson": 0.6}, "tip_poisson=0.6"), ({"foo": 1}, "foo: must be one of window, epsilon")])
 def test_constants_from_python(tmp_path, given, line):
     """Python takes no constants that the command refuses."""
     run = mlgimp.read(write_run(tmp_path / "run", CONE_OPTIONS))

@@ -48,7 +48,8 @@ def test_window_that_holds_no_point(made):
     """It is told before any picture is written."""
     before = set(made.iterdir())
     assert "window=1,2,1,2: must hold a point; they lie in -1.6" in refusal(plot.main, made, "--window=1,2,1,2")
-    assert "must hold a point" in refusal(plot.main, made, "--window=1,2,1,2", "--movie", made / "m.gif") and set(made.iterdir()) == before
+    assert "must hold a point" in refusal(plot.main, made, "--window=1,2,1,2", "--movie", made / "m.gif")
+    assert set(made.iterdir()) == before
 
 
 HISTORIES = {
@@ -155,8 +156,8 @@ def test_a_reader_that_has_gone(made, unbuffered):
     """As `| head`: the command ends without a word."""
     reader, writer = os.pipe()
     os.close(reader)
-    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / "plot.py", made], stdout=writer, stderr=subprocess.PIPE, text=True,
-                          env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
+    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / "plot.py", made], stdout=writer, stderr=subprocess.PIPE,
+                          text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
     os.close(writer)
     assert (done.returncode, done.stderr) == (1, "")
 

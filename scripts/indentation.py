@@ -161,8 +161,6 @@ def write_tables(folder, curves, rows):
     described = [{"name": curve.name, "tip": curve.tip.name if curve.tip else None, "notes": curve.notes,
                   "cycles": [without_nan(row) for row in rows if row["curve"] == curve.name]} for curve in curves]
     (folder / "indentation.json").write_text(json.dumps({"curves": described}, indent=2) + "\n")
-    print(folder / "indentation.csv")
-    print(folder / "indentation.json")
 
 
 def print_rows(curves, rows):
@@ -243,6 +241,7 @@ def main(arguments=None):
         write_tables(folder, curves, rows)
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
+    print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
     draw(curves, rows, fits, folder / "indentation.png")
     print_rows(curves, rows)
 

@@ -13,6 +13,7 @@ import figures
 import harness
 import plot
 import scaling
+from test_indentation import GOOD
 from test_scripts import HISTORY, write_results
 
 pytestmark = pytest.mark.fast
@@ -152,12 +153,14 @@ def test_scaling_of_no_ranks():
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_a_reader_that_has_gone(made, unbuffered):
+@pytest.mark.parametrize("words", [["plot.py", "made"], ["indentation.py", "m.csv", "--tip", "vickers"]], ids=["plot", "indentation"])
+def test_a_reader_that_has_gone(made, words, unbuffered):
     """As `| head`: the command ends without a word."""
+    (made.parent / "m.csv").write_text(GOOD)
     reader, writer = os.pipe()
     os.close(reader)
-    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / "plot.py", made], stdout=writer, stderr=subprocess.PIPE,
-                          text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
+    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / words[0], *words[1:]], cwd=made.parent, stdout=writer,
+                          stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
     os.close(writer)
     assert (done.returncode, done.stderr) == (1, "")
 

@@ -103,12 +103,12 @@ def test_a_search_that_is_cut_short(fitted):
 
 
 def test_a_curve_that_no_constants_give(fitted):
-    """Twice as stiff in the second half of the loading, as on a hard layer."""
+    """Stiffer by up to 40 % in the second half of the loading, as on a hard layer."""
     def layered(constants, rows):
         depth, load = law(constants, rows=rows)
-        return depth, load * np.where(depth > 0.25, 1 + 4 * (depth - 0.25), 1)
-    lines = fitted(layered, "E,yield_stress")["warnings"]
-    assert any("misses the measured one" in line for line in lines), lines
+        return depth, load * np.where(depth > 0.25, 1 + 1.6 * (depth - 0.25), 1)
+    found = fitted(layered, "E,yield_stress")
+    assert any("misses the measured one" in line for line in found["warnings"]) and 0.02 < found["misfit"] < 0.05, found
 
 
 def test_a_case_of_another_depth(fitted):

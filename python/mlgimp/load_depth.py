@@ -128,7 +128,7 @@ def column_argument(units):
 def column_of(name, given, units):
     """Returns the Column that a caller gives as COLUMN:UNIT, or as a Column."""
     try:
-        return None if given is None else column_argument(units)(given)
+        return column_argument(units)(given)
     except ValueError as problem:
         raise Error(f"{name}={given}: {problem}") from None
 
@@ -139,8 +139,8 @@ def read_measured(path, depth="depth:um", load="load:mN", time=None):
     depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. What was
     measured on the way to the surface is left out.
     """
-    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS), column_of("time", time, TIME_UNITS)]
-    columns = [each for each in columns if each is not None]
+    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
+    columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
     table = read_table(checks.path("path", path), [each.name for each in columns]) * [each.factor for each in columns]
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if time is not None else []
     if len(falls):

@@ -164,7 +164,7 @@ def doubts(curve, cycle, fit, row):
     if loading[-1] < 0.97 * loading[last_peak] and curve.depth[(cycle.begin + last_peak + cycle.start) // 2] < curve.depth[cycle.start] - rest:
         yield "the depth goes on growing while the load falls (nose): hold the load longer"
     before = curve.load[0] * max(curve.depth[0], 0) / 2  # nJ, from a loading between P ~ h and P ~ h^2
-    if before > UNSEEN * row["total_work_nJ"]:
+    if before > UNSEEN * abs(row["total_work_nJ"]):
         yield (f"the curve begins at {curve.depth[0]:.3g} um and {curve.load[0]:.3g} mN: up to "
                f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, which no figure of work has")
     if row["area_um2"] <= 0:

@@ -339,6 +339,8 @@ def test_a_wrong_name_is_told_the_right_ones():
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
     with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
+    with pytest.raises(mlgimp.Error, match="load=None: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", None)
 
 
 def test_measured_beside_a_run(tmp_path, capsys, expect):

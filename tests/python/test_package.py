@@ -305,15 +305,15 @@ def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
 
 
 def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
-    """It is the record of results that are there."""
+    """It is the record of results that are there, also in a folder that its options name."""
     def fails(file, *others, **more):
-        (tmp_path / "output" / "case").mkdir(parents=True)
-        (tmp_path / "output" / "case" / "history.csv").touch()
+        (tmp_path / "there").mkdir()
+        (tmp_path / "there" / "history.csv").touch()
         raise mlgimp.RunError("mlgimp: error: step 7")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(indentation, "run", fails)
     with pytest.raises(mlgimp.RunError):
-        mlgimp.indent("j2", **METAL, depth=1e-7, file="case.opts")
+        mlgimp.indent("j2", **METAL, depth=1e-7, file="case.opts", options={"output_dir": "there"})
     assert (tmp_path / "case.opts").exists()
 
 

@@ -153,7 +153,7 @@ def test_scaling_of_no_ranks():
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-@pytest.mark.parametrize("words", [["plot.py", "made"], ["indentation.py", "m.csv", "--tip", "vickers"]], ids=["plot", "indentation"])
+@pytest.mark.parametrize("words", [["plot.py", "made"], ["indentation.py", "m.csv", "--tip=vickers"]], ids=["plot", "analysis"])
 def test_a_reader_that_has_gone(made, words, unbuffered):
     """As `| head`: the command ends without a word."""
     (made.parent / "m.csv").write_text(GOOD)

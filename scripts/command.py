@@ -4,6 +4,7 @@ line where something is wrong. To be imported before the package."""
 import argparse
 import functools
 import logging
+import os
 import sys
 from pathlib import Path
 
@@ -20,13 +21,18 @@ from mlgimp.errors import Error
 
 
 def command(main):
-    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1."""
+    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1; a reader of
+    its output that has gone, such as head, ends it in silence."""
     @functools.wraps(main)
     def ended(*arguments):
         try:
-            return main(*arguments)
+            main(*arguments)
+            sys.stdout.flush()
         except Error as problem:
             raise SystemExit(f"error: {problem}") from None
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python would still write
+            raise SystemExit(1) from None
     return ended
 
 

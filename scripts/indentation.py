@@ -20,6 +20,7 @@ import numpy as np
 from command import Parser, command, save
 
 from mlgimp import load_depth, oliver_pharr, pictures, tips
+from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 from mlgimp.oliver_pharr import Constants
 
@@ -32,16 +33,16 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
 
 # ---- command line ----
 
-def checked(allowed, convert, good):
-    """Returns a function that reads a value for a command line and refuses it where it is not good."""
+def checked(rule, convert=float):
+    """Returns a function that reads a value that meets a Rule for a command line."""
     def read(text):
         try:
             value = convert(text)
-            if good(value):
+            if rule.good(value):
                 return value
         except ValueError:
             pass
-        raise argparse.ArgumentTypeError(f"{text}: must be {allowed}")
+        raise argparse.ArgumentTypeError(f"{text}: must be {rule.allowed}")
     return read
 
 
@@ -55,46 +56,51 @@ def column(units):
     return read
 
 
-def list_of(count):
-    """Returns a test for that many finite numbers."""
-    return lambda values: len(values) == count and all(map(math.isfinite, values))
+def spelt(name, value=""):
+    """Returns an argument of the package as the command line has it."""
+    return f"--{name.replace('_', '-')} {value}".rstrip()
 
 
-POSITIVE = checked("a number > 0", float, lambda value: 0 < value < math.inf)
-POISSON = checked("in (-1, 0.5]", float, lambda value: -1 < value <= 0.5)
+E, NU = (oliver_pharr.RULES[name] for name in ("tip_modulus", "tip_poisson"))
+TIP_ELASTIC = Rule(lambda pair: len(pair) == 2 and E.good(pair[0]) and NU.good(pair[1]),
+                   f"E,NU with NU {NU.allowed}, E {E.allowed}")
+FINITE = Rule(math.isfinite, "a number")
+COEFFICIENTS = Rule(lambda numbers: all(map(math.isfinite, numbers)), "C0,C1,...")
 
 
 def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
     group.add_argument("--tip", choices=tips.NEEDS, help="its kind")
-    group.add_argument("--half-angle", type=checked("in (0, 90)", float, lambda value: 0 < value < 90), metavar="DEGREES",
+    group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES",
                        help="of a cone or a pyramid, from the axis to a face")
-    group.add_argument("--radius", type=POSITIVE, metavar="UM", help="of a sphere or a flat punch")
-    group.add_argument("--tip-radius", type=POSITIVE, default=0, metavar="UM", help="of a rounded cone or pyramid")
-    group.add_argument("--faces", type=checked("a whole number >= 3", int, lambda value: value >= 3), default=4, metavar="N",
-                       help="of a pyramid (4)")
-    group.add_argument("--area-function", type=checked("C0,C1,...", load_depth.numbers, lambda c: all(map(math.isfinite, c))),
+    group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")
+    group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM",
+                       help="of a rounded cone or pyramid (0)")
+    group.add_argument("--faces", type=checked(tips.RULES["faces"], int), metavar="N", help="of a pyramid (4)")
+    group.add_argument("--area-function", type=checked(COEFFICIENTS, load_depth.numbers),
                        metavar="C0,C1,...", help="area C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ... in nm2 of a contact depth h in nm")
 
 
 def given_tip(options):
     """Returns the Tip of the command line; None where it names none."""
+    sizes = {name: getattr(options, name) for name in tips.RULES}
+    given = {name: size for name, size in sizes.items() if size is not None}
     if options.area_function and options.tip:
         raise Error("--area-function: must stand without --tip")
+    if given and not options.tip:
+        raise Error(f"{spelt(next(iter(given)))}: must stand beside --tip")
     if options.area_function:
         return tips.tip_of_function(options.area_function)
-    sizes = {name: getattr(options, name) for name in ("half_angle", "radius", "tip_radius", "faces")}
     if options.tip is None:
         return None
-    for name in tips.NEEDS[options.tip]:
-        if sizes[name] is None:
-            raise Error(f"--tip {options.tip}: needs --{name.replace('_', '-')}")
-    return tips.make_tip(options.tip, **sizes)
+    tips.check_sizes(options.tip, sizes, spelt)
+    return tips.make_tip(options.tip, **given)
 
 
 def parse(arguments):
     """Returns the options of the command line."""
+    rules = oliver_pharr.RULES
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("curves", nargs="+", metavar="DIR|FILE", help="result folder of a run, or text with columns of a measured curve")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
@@ -102,16 +108,15 @@ def parse(arguments):
                         help="of measured curves: name or number of the column, and its unit (depth:um)")
     parser.add_argument("--load", type=column(load_depth.LOAD_UNITS), default="load:mN", metavar="COLUMN:UNIT", help="(load:mN)")
     parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, and for --drift")
-    parser.add_argument("--drift", type=checked("a number", float, math.isfinite), default=0, metavar="NM/S",
+    parser.add_argument("--drift", type=checked(FINITE), default=0, metavar="NM/S",
                         help="thermal drift of measured depths, which is taken off; needs --time")
-    parser.add_argument("--window", type=checked("LOW,HIGH with 0 <= LOW < HIGH <= 1", load_depth.numbers,
-                                                 lambda w: len(w) == 2 and 0 <= w[0] < w[1] <= 1),
-                        default=oliver_pharr.WINDOW, metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
-    parser.add_argument("--epsilon", type=POSITIVE, help="of the contact depth h - epsilon P/S (by the tip)")
-    parser.add_argument("--beta", type=POSITIVE, help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
-    parser.add_argument("--poisson", type=POISSON, help="Poisson's ratio of the specimen (that of the run)")
-    parser.add_argument("--tip-elastic", type=checked("E,NU with E > 0", load_depth.numbers, lambda v: list_of(2)(v) and v[0] > 0 and -1 < v[1] <= 0.5),
-                        default=(math.inf, 0.0), metavar="GPA,NU", help="modulus and Poisson's ratio of a tip that is not rigid")
+    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
+                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
+    parser.add_argument("--epsilon", type=checked(rules["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
+    parser.add_argument("--beta", type=checked(rules["beta"]), help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
+    parser.add_argument("--poisson", type=checked(rules["poisson"]), help="Poisson's ratio of the specimen (that of the run)")
+    parser.add_argument("--tip-elastic", type=checked(TIP_ELASTIC, load_depth.numbers), default=(math.inf, 0.0), metavar="GPA,NU",
+                        help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)
     options = parser.parse_args(arguments)
     if options.drift and options.time is None:
@@ -156,8 +161,6 @@ def write_tables(folder, curves, rows):
     described = [{"name": curve.name, "tip": curve.tip.name if curve.tip else None, "notes": curve.notes,
                   "cycles": [without_nan(row) for row in rows if row["curve"] == curve.name]} for curve in curves]
     (folder / "indentation.json").write_text(json.dumps({"curves": described}, indent=2) + "\n")
-    print(folder / "indentation.csv")
-    print(folder / "indentation.json")
 
 
 def print_rows(curves, rows):
@@ -238,6 +241,7 @@ def main(arguments=None):
         write_tables(folder, curves, rows)
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
+    print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
     draw(curves, rows, fits, folder / "indentation.png")
     print_rows(curves, rows)
 

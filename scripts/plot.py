@@ -11,25 +11,19 @@ they are slices through the tip's axis, stress_xx.png, _zz and _xz, and there is
 import argparse
 from pathlib import Path
 
-import numpy as np
 from command import Parser, command, save
 
 from mlgimp import fields, movie, pictures, results
+from mlgimp.errors import Error
 from mlgimp.gallery import gallery
 
 
 def window_argument(text):
     """Returns xmin,xmax,ymin,ymax (m) as an array of four numbers, or near."""
-    if text == fields.NEAR:
-        return text
     try:
-        left, right, bottom, top = (float(number) for number in text.split(","))
-    except ValueError:
-        left, right, bottom, top = 0, 0, 0, 0
-    window = np.array([left, right, bottom, top])
-    if not (np.all(np.isfinite(window)) and left < right and bottom < top):
-        raise argparse.ArgumentTypeError(f"{text}: must be xmin,xmax,ymin,ymax with min < max, or {fields.NEAR}")
-    return window
+        return fields.given_window(text)
+    except Error as problem:
+        raise argparse.ArgumentTypeError(problem) from None
 
 
 def add_window_option(parser):
@@ -60,7 +54,7 @@ def main(arguments=None):
     out = Path(options.out or options.directory)
     pictures.make_folder(out)
     if not results.has_indenter(results.read_history(options.directory)):
-        print("no load_depth.png: this run has no indenter")
+        print("no load_depth.png: this run has no indenter, or one that has not moved")
     for name, draw in drawn.items():
         save(draw(), out / f"{name}.png")
 

@@ -18,6 +18,9 @@ import sys
 from math import log2, sqrt
 
 from bench import Run, block, case
+from command import command, whole_number_from
+
+from mlgimp.errors import Error
 
 LATENCY, BANDWIDTH = 2e-6, 10e9  # s, bytes/s
 POINT_SECONDS = 60e-9            # one core, default scheme, from `make bench`
@@ -68,12 +71,22 @@ def count_row(name, levels, ranks):
               f"{level['imbalance']:9.3f} {level['messages']:8.1f} {level['bytes'] / 1e3:8.1f} {level['reductions']:11.2f}", flush=True)
 
 
+def numbers_of_ranks(words):
+    """The numbers of ranks that the command line asks for."""
+    try:
+        return list(map(whole_number_from(1), words)) or [2, 4, 8, 16]
+    except ValueError:
+        raise Error(f"{' '.join(words)}: must be whole numbers of ranks >= 1") from None
+
+
+@command
 def main(words):
+    numbers = numbers_of_ranks(words)
     cases = {"one level": block(500, STEPS, points_per_rank=1),
              "five levels": case("multiscale_5level", max_steps=STEPS, frames=0)}
     print("case         ranks level  used   points imbalance messages       kB collectives")
     last = {}
-    for ranks in [int(word) for word in words] or [2, 4, 8, 16]:
+    for ranks in numbers:
         for name, options in cases.items():
             last[name] = counts(Run(options, ranks))
             count_row(name, last[name], ranks)

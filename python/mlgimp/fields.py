@@ -8,8 +8,9 @@ from matplotlib import pyplot as plt
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from . import results
-from .errors import ResultError
+from . import checks, results
+from .checks import Rule
+from .errors import Error, ResultError
 from .pictures import DOTS_PER_INCH, Unit, in_si_unit, lab_unit, si_unit, styled
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
@@ -28,6 +29,8 @@ MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the 
 BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
 NEAR = "near"  # window that shows the finest level
+WINDOW = Rule(lambda ends: len(ends) == 4 and bool(np.isfinite(ends).all()) and ends[0] < ends[1] and ends[2] < ends[3],
+              f"xmin,xmax,ymin,ymax with min < max, or {NEAR}")
 
 
 # ---- what is drawn ----
@@ -84,6 +87,12 @@ def mirrored(points, boxes):
     if len(boxes):
         boxes = np.stack([boxes[:, 0] * [0, 1] - boxes[:, 1] * [1, 0], boxes[:, 1]], axis=1)
     return both, boxes
+
+
+def check_component(component):
+    """Refuses what is no component of the stress and no scalar."""
+    if component not in (*STRESS_COLUMN, *SCALARS):
+        raise checks.refusal("component", component, f"one of {', '.join((*STRESS_COLUMN, *SCALARS))}")
 
 
 def values_of(points, component):
@@ -156,13 +165,23 @@ def extent(points):
     return np.column_stack([lower - margin, upper + margin]).ravel()
 
 
+def given_window(window):
+    """Returns a given window: None, NEAR, or (xmin, xmax, ymin, ymax) in m, from a sequence or a text with commas."""
+    is_word = window is None or isinstance(window, str) and window == NEAR
+    return window if is_word else np.array(checks.several("window", window, WINDOW))
+
+
 def window_of(panels, window=None):
     """Returns the window (xmin, xmax, ymin, ymax) in m for panels: the one given, all that there is, or near the finest level."""
-    if window is not None and not isinstance(window, str):
-        return np.asarray(window, float)
+    window = given_window(window)
     extents = np.array([extent(each.points) for each in panels])
     everything = np.where([True, False] * 2, extents.min(axis=0), extents.max(axis=0))
-    if window != NEAR or not len(panels[0].boxes):
+    if isinstance(window, np.ndarray):
+        if not any(in_window(each.points, window).any() for each in panels):
+            given, there = (",".join(f"{end:.4g}" for end in each) for each in (window, everything))
+            raise Error(f"window={given}: must hold a point; they lie in {there} m")
+        return window
+    if window is None or not len(panels[0].boxes):
         return everything
     lower, upper = panels[0].boxes[-1]
     margin = 0.1 * np.max(upper - lower)

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from collections import namedtuple
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from . import load_depth
+from . import checks, load_depth
 from .errors import Error, RunError
 from .options import read_options
 from .program import execute, show_bar
@@ -34,7 +35,8 @@ LEAST_ROWS = 5  # of the measured unloading
 CONVERGED = 1e-3, 1e-3  # change of the constants, and of the sum of squares, which a standard error changes by 1/(2 PARTS)
 ALIKE = 0.98  # correlation of two constants that cannot be told apart
 VAGUE = 0.5  # relative half width of a confidence interval that determines nothing
-POOR = 0.05  # misfit of a curve that is another test's: steps of the load by columns of cells make half of it
+POOR = 0.02  # misfit of another test's curve; that of the same test on other cells is up to 0.018 with 8 under the contact
+DEEPER = 0.03  # difference of largest depths above which they are two tests
 
 
 @dataclass(frozen=True)
@@ -86,14 +88,15 @@ def fit(measured, case, vary, *, ranks=1, runs=None, evaluations=30, output_dir=
     more: options of the program for all runs.
     The folder output_dir (output/fit_CASE) gets the runs, fit.csv with a row for each, and fit.json with the constants.
     """
-    curve = measured if isinstance(measured, load_depth.Curve) else load_depth.read_run(measured)
-    found = variables([vary] if isinstance(vary, str) else vary, {**read_options(case), **more})
+    ranks, evaluations = checks.whole("ranks", ranks, 1), checks.whole("evaluations", evaluations, 1)
+    at_once = max(1, (os.cpu_count() or 1) // ranks) if runs is None else checks.whole("runs", runs, 1)
+    curve = measured if isinstance(measured, load_depth.Curve) else load_depth.read_run(checks.path("measured", measured))
+    found = variables(vary, {**read_options(checks.path("case", case)), **more})
     folder = Path(output_dir or f"output/fit_{Path(case).stem}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise Error(f"-output_dir {folder}: must be a folder ({problem.strerror})") from None
-    at_once = runs or max(1, (os.cpu_count() or 1) // ranks)
     table = Runs({"options_file": case, "frames": 0, **more}, found, curve, folder, ranks, at_once)
     print_row(["run", *(shortened(each.option) for each in found), "misfit, %", "seconds"])
     result = search(table, evaluations)
@@ -125,7 +128,10 @@ def variable(name, case):
 
 
 def variables(names, case):
-    """Returns the Variables of names in a case's options, each once."""
+    """Returns the Variables of one name or several in a case's options, each once."""
+    names = [names] if isinstance(names, str) else list(names) if isinstance(names, Iterable) else []
+    if not names or not all(isinstance(name, str) for name in names):
+        raise checks.refusal("vary", names, "a list of names of options, at least one")
     found = [variable(name, case) for name in names]
     for k, each in enumerate(found):
         if each.option in [other.option for other in found[:k]]:
@@ -157,6 +163,9 @@ def edges_of(curve):
     if counted < LEAST_ROWS or top <= 0:
         raise Error(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading "
                     f"above {LEAST_LOAD:g} of the load")
+    if curve.depth[:cycle.start + 1].min() > LEAST_DEPTH * top:
+        raise Error(f"{curve.name}: must begin at less than {LEAST_DEPTH:g} of its largest depth {top:.3g} um, "
+                    f"not at {curve.depth[0]:.3g} um")
     return np.linspace(LEAST_DEPTH * top, top, PARTS + 1), np.linspace(0, top - curve.depth[down][counted], PARTS + 1)
 
 
@@ -281,9 +290,13 @@ def doubts(fit):
     found = fit.variables
     if not fit.finished:
         yield "the search stopped before its end: give more -evaluations, or a better first guess"
+    best, measured = (curve.depth[largest_cycle(curve).start] for curve in (load_depth.read_run(fit.best), fit.measured))
+    if abs(best / measured - 1) > DEEPER:
+        yield (f"the best run is pressed {best:.3g} um deep, the measured curve {measured:.3g} um: what lies beyond is a guess; "
+               "give the case the test's largest depth or load")
     if fit.misfit > POOR:
         yield (f"the best curve misses the measured one by {100 * fit.misfit:.2g} % of its largest load: no constants of this case give "
-               "it; compare tip, law, layers and the machine's compliance, and look at fit.png")
+               "it; compare tip, law, layers and the machine's compliance, take finer cells, and look at fit.png")
     yield from (f"of the best run: {line}" for line in read_summary(fit.best).get("warnings", []))
     for k, one in enumerate(found):
         if fit.upper[k] - fit.lower[k] > 2 * VAGUE * fit.values[k]:

@@ -3,13 +3,13 @@
 from functools import cached_property
 from pathlib import Path
 
-from . import load_depth, oliver_pharr, results
+from . import checks, load_depth, oliver_pharr, results
 from .errors import Error
 
 
 def read(folder):
     """Returns the Results of a run in a folder; raises a ResultError where there are none."""
-    found = Results(folder)
+    found = Results(checks.path("folder", folder))
     found.history  # so that a wrong folder is told here
     return found
 
@@ -45,6 +45,7 @@ class Results:
         number: one of frames, or from the end, as -1 for the last. `level` tells the level of each point, position is in m, stress
         in Pa (xx, yy, zz, xy, in space yz, xz too); README.md has the list.
         """
+        number = checks.whole("number", number)
         if number < 0:
             if -number > len(self.frames):
                 raise Error(f"{self.folder}: no frame {number}; there are {len(self.frames)}")
@@ -58,10 +59,11 @@ class Results:
     def oliver_pharr(self, **constants):
         """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
 
-        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3. What has no meaning
-        is NaN, and `warnings` says what makes the figures doubtful.
+        constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3, and of a tip that
+        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, and `warnings` says what makes the
+        figures doubtful.
         """
-        return oliver_pharr.analyse(self.curve(), oliver_pharr.Constants(**constants))
+        return oliver_pharr.analyse(self.curve(), oliver_pharr.checked_constants(**constants))
 
     def plot(self, *names, frame=None, window=None, out=None):
         """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.
@@ -69,7 +71,7 @@ class Results:
         names: load_depth, contact_pressure, stress_xx, stress_yy, stress_xy, von_mises_stress, energy, of metals pressure,
         equivalent_plastic_strain and in space plastic_surface.
         frame: its number, by default the last, and for contact_pressure that of the largest load.
-        window: (xmin, xmax, ymin, ymax) in m, or "near" for the finest level.
+        window: (xmin, xmax, ymin, ymax) in m, also as a text with commas, or "near" for the finest level.
         out: a folder, into which they are written as NAME.png and closed.
         """
         from . import pictures  # matplotlib only where something is drawn

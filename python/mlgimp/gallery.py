@@ -13,6 +13,7 @@ def gallery(directory, number=None, window=None):
     """
     history, title = results.read_history(directory), results.case_name(directory)
     panel = fields.read_panel(directory, number)
+    window = fields.window_of([panel], window)
     drawn = {}
     if results.has_indenter(history):
         drawn["load_depth"] = lambda: pictures.load_depth(history, title)

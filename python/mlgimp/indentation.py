@@ -3,10 +3,11 @@
 import math
 from pathlib import Path
 
-from . import tips
+from . import checks, tips
+from .checks import Rule
 from .errors import Error
-from .options import text_of, write_options
-from .program import run
+from .options import write_options
+from .program import output_folder, run
 
 RATIO = 4  # of cells of neighbouring levels
 BOX, GROWTH = 4.3, 3.4  # contact radii from the axis to the finest level's border; how much larger the next box is
@@ -18,6 +19,17 @@ REST = 0.1  # of the load, at which an unloading under load control ends
 THREE_FACES = ("berkovich", "cube_corner")  # no symmetry across x
 
 HARDENING = "yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain"
+RULES = {
+    "depth": Rule(lambda depth: 0 < depth <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9"),
+    "load": Rule(lambda load: 0 < load < math.inf, "a number > 0 in N; 10 mN are 10e-3"),
+    "youngs_modulus": Rule(lambda modulus: 1e3 <= modulus < math.inf, "a number >= 1e3 in Pa; 70 GPa are 70e9"),
+    "poissons_ratio": Rule(lambda nu: -1 < nu < 0.5, "in (-1, 0.5)"),
+    "cells": Rule(lambda count: 4 <= count <= 100, "in [4, 100]"),
+    "block": Rule(lambda width: 8 <= width <= 1000, "in [8, 1000] radii of the contact"),
+    "half_angle": tips.RULES["half_angle"],
+    "radius": Rule(lambda radius: 0 < radius <= 0.1, "in (0, 0.1] m; 5 um are 5e-6"),
+    "tip_radius": Rule(lambda radius: 0 <= radius <= 0.1, "in [0, 0.1] m; 100 nm are 100e-9"),
+} | dict.fromkeys(HARDENING, Rule(lambda value: 0 <= value < math.inf, "a number >= 0"))
 FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law
     "linear": lambda k, a: k["yield_stress"] + k.get("hardening_modulus", 0) * a,
     "power": lambda k, a: k["yield_stress"] * (1 + k["youngs_modulus"] * a / k["yield_stress"]) ** k["hardening_exponent"],
@@ -36,12 +48,26 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
     indentation_options. overwrite: replaces an options file and results that are there.
     """
     groups = indentation_options(law, tip=tip, depth=depth, load=load, **case)
-    if Path(file).exists() and not overwrite:
+    checks.path("file", file)
+    is_new = not Path(file).exists()
+    if not (checks.flag("overwrite", overwrite) or is_new):
         raise Error(f"{file}: is there already; give overwrite=True, or another file")
     largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N"
     write_options(file, groups, f"Indentation of {law} by {tip}, {largest}, written by mlgimp.indent. All values are SI.\n"
                                 "docs/options.md explains each option.")
-    return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
+    run_of = {"options_file": file, **{name: value for group in groups for name, value in group.items() if name == "output_dir"}}
+    try:
+        return run(run_of, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
+    except Error:
+        if is_new and not has_begun(run_of):
+            Path(file).unlink()  # so that the call may be put right and made again
+        raise
+
+
+def has_begun(run_of):
+    """Whether the run of an options file has written a history since the file was written."""
+    history = output_folder(run_of) / "history.csv"
+    return history.exists() and history.stat().st_mtime_ns >= Path(run_of["options_file"]).stat().st_mtime_ns
 
 
 def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3,
@@ -59,10 +85,15 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     tolerance: share of the load that inertia and damping may add; the time of the run goes like its inverse.
     options: other options, which count more, as {"damping": 1e7}.
     """
-    constants = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants}
+    if (depth is None) == (load is None):
+        raise Error("depth, load: one of them must be given")
+    goal = checked({"depth": depth} if load is None else {"load": load})
+    depth, load = goal.get("depth"), goal.get("load")
+    constants = checked({"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants})
+    cells, block = checked({"cells": cells, "block": block}).values()
+    checks.flag("unload", unload)
     if law == "j2" and "hardening" not in constants:
         constants.setdefault("hardening_modulus", 0.0)
-    check_numbers(constants, {"depth": depth, "load": load}, cells, block)
     shape = shape_of(tip, geometry, half_angle, radius, tip_radius)
     size = size_of_contact(shape, constants, depth, load)
     grid = grid_of(geometry, tip, float(f"{size / cells:.2g}"), cells, block)
@@ -80,7 +111,7 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
         {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
         {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
     ]
-    return overridden(groups, options or {})
+    return overridden(groups, checks.mapping("options", options or {}))
 
 
 def overridden(groups, options):
@@ -92,27 +123,9 @@ def overridden(groups, options):
 
 # ---- checks ----
 
-def check(name, value, good, allowed):
-    """Refuses a value that is not a number, or not good."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or not good(value):
-        raise Error(f"{name}={value}: must be {allowed}")
-
-
-def check_numbers(constants, goal, cells, block):
-    """Refuses what the sizes of the grid could not be computed from; the program looks at the rest."""
-    if (goal["depth"] is None) == (goal["load"] is None):
-        raise Error("depth, load: one of them must be given")
-    if goal["depth"] is not None:
-        check("depth", goal["depth"], lambda h: 0 < h <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9")
-    else:
-        check("load", goal["load"], lambda force: force > 0, "a number > 0 in N; 10 mN are 10e-3")
-    check("youngs_modulus", constants["youngs_modulus"], lambda modulus: modulus >= 1e3, "a number >= 1e3 in Pa; 70 GPa are 70e9")
-    check("poissons_ratio", constants["poissons_ratio"], lambda nu: -1 < nu < 0.5, "in (-1, 0.5)")
-    for name in HARDENING:
-        if name in constants:
-            check(name, constants[name], lambda value: value >= 0, "a number >= 0")
-    check("cells", cells, lambda count: 4 <= count <= 100, "in [4, 100]")
-    check("block", block, lambda width: 8 <= width <= 1000, "in [8, 1000] radii of the contact")
+def checked(given):
+    """Returns {name: value} with all numbers that the grid is computed from as float; the program looks at the rest."""
+    return {name: checks.number(name, value, RULES[name]) if name in RULES else value for name, value in given.items()}
 
 
 # ---- tip and contact ----
@@ -121,26 +134,15 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
     """Returns the options of the tip's shape."""
     if geometry not in ("axisymmetric", "3d"):
         raise Error(f"geometry={geometry}: must be axisymmetric or 3d")
-    if tip not in tips.NEEDS or tip == "pyramid":
+    if not isinstance(tip, str) or tip not in tips.NEEDS or tip == "pyramid":
         raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
-    given = {"half_angle": half_angle, "radius": radius}
-    for name in given:
-        if (given[name] is None) == (name in tips.NEEDS[tip]):
-            raise Error(f"{name}: must be {'given' if name in tips.NEEDS[tip] else 'left out'} for tip={tip}")
+    sizes = {"half_angle": half_angle, "radius": radius, "tip_radius": None if tip_radius == 0 else tip_radius}
+    tips.check_sizes(tip, sizes)
+    sizes = checked({name: value for name, value in sizes.items() if value is not None})
     if tip in tips.PYRAMIDS and geometry == "axisymmetric":  # the cone with the same area at each depth
         tangent = math.sqrt(float(tips.make_tip(tip).area(1.0)) / math.pi)
-        tip, given["half_angle"] = "cone", round(math.degrees(math.atan(tangent)), 2)
-    shape = {"indenter": tip}
-    if given["half_angle"] is not None:
-        check("half_angle", given["half_angle"], lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis")
-        shape["indenter_half_angle"] = given["half_angle"]
-    if radius is not None:
-        check("radius", radius, lambda r: 0 < r <= 0.1, "in (0, 0.1] m; 5 um are 5e-6")
-        shape["indenter_radius"] = radius
-    if tip_radius:
-        check("tip_radius", tip_radius, lambda r: 0 < r <= 0.1, "in [0, 0.1] m; 100 nm are 100e-9")
-        shape["indenter_tip_radius"] = tip_radius
-    return shape
+        tip, sizes["half_angle"] = "cone", round(math.degrees(math.atan(tangent)), 2)
+    return {"indenter": tip} | {f"indenter_{name}": value for name, value in sizes.items()}
 
 
 def tip_of(shape):

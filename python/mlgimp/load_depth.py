@@ -4,10 +4,11 @@ import math
 import re
 from collections import namedtuple
 from pathlib import Path
+from statistics import mode
 
 import numpy as np
 
-from . import results, tips
+from . import checks, results, tips
 from .errors import Error, ResultError
 
 Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes")
@@ -21,9 +22,11 @@ lowest load, and the slice before the unloading in which the tip is at rest."""
 DEPTH_UNITS = {"nm": 1e-3, "um": 1.0, "mm": 1e3, "m": 1e6, "A": 1e-4}  # in um
 LOAD_UNITS = {"nN": 1e-6, "uN": 1e-3, "mN": 1.0, "N": 1e3, "kN": 1e6}  # in mN
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in s
+UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS, "\N{MICRO SIGN}m", "\N{MICRO SIGN}N"}  # as words under the names of columns
 
 FALL, RISE = 0.3, 0.1  # of the largest load: by so much it falls in an unloading, and rises again in the next loading
 LEAST_LOAD = 0.01  # of the curve's largest: lower peaks are noise of the first contact
+FREE = 0.05  # of the largest load: what a tip over the surface may seem to carry
 SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
 LARGEST = 1e100  # number in a measured file, whose square is one too
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
@@ -38,8 +41,10 @@ def read_run(directory):
     without what inertia and damping add.
     """
     history, options = results.read_history(directory), results.read_summary(directory).get("options", {})
+    if len(history["time"]) < 2:
+        raise ResultError(directory, f"history.csv has {len(history['time'])} rows; a curve needs at least 2: has the run begun?")
     if not results.has_indenter(history):
-        raise ResultError(directory, "this run has no indenter")
+        raise ResultError(directory, "this run has no indenter, or one that has not moved")
     try:
         parts, tip, poisson = parts_of_tip(options), tip_of_run(options), poisson_of_run(options)
         plane = options.get("-geometry") == "plane_strain"
@@ -111,6 +116,8 @@ def column_argument(units):
     def read(text):
         if isinstance(text, Column):
             return text
+        if not isinstance(text, str):
+            raise ValueError("must be a text COLUMN:UNIT")
         name, _, unit = text.rpartition(":")
         if not name or unit not in units:
             raise ValueError(f"must be COLUMN:UNIT with a unit of {', '.join(units)}")
@@ -121,7 +128,7 @@ def column_argument(units):
 def column_of(name, given, units):
     """Returns the Column that a caller gives as COLUMN:UNIT, or as a Column."""
     try:
-        return None if given is None else column_argument(units)(given)
+        return column_argument(units)(given)
     except ValueError as problem:
         raise Error(f"{name}={given}: {problem}") from None
 
@@ -129,58 +136,104 @@ def column_of(name, given, units):
 def read_measured(path, depth="depth:um", load="load:mN", time=None):
     """Returns the Curve of a text with columns, with or without lines of text above them.
 
-    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column.
+    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. What was
+    measured on the way to the surface is left out.
     """
-    names, table = read_table(path)
-    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS), column_of("time", time, TIME_UNITS)]
-    columns = [None if each is None else each.factor * table[:, place_of(path, names, each.name, table.shape[1])] for each in columns]
-    if columns[2] is not None and np.any(np.diff(columns[2]) < 0):
-        raise ResultError(path, f"the time falls in data row {np.argmax(np.diff(columns[2]) < 0) + 2}; rows must be in the order of the test")
-    changed = np.append(True, np.any(np.diff(np.column_stack([c for c in columns if c is not None]), axis=0) != 0, axis=1))
-    depths, loads, times = (None if each is None else each[changed] for each in columns)
-    for what, values in (("depth", depths), ("load", loads)):
+    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
+    columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
+    table = read_table(checks.path("path", path), [each.name for each in columns]) * [each.factor for each in columns]
+    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if time is not None else []
+    if len(falls):
+        raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
+    table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
+    check_order_and_signs(path, *table.T[:2])
+    approach = rows_of_approach(*table.T[:2])
+    notes = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
+    depths, loads, *times = table[approach:].T
+    return Curve(Path(path).name, times[0] if times else None, depths, loads, None, None, None, False, notes)
+
+
+def check_order_and_signs(path, depth, load):
+    """Refuses curves whose rows are not in the order of the test, and those whose depth or load has the other sign."""
+    for what, values in (("depth", depth), ("load", load)):
         if len(values) > 1 and np.mean(np.diff(values) ** 2) > SHUFFLED * np.var(values):
             raise ResultError(path, f"the {what} jumps to and fro: rows must be in the order of the test")
-        if -values.min() > values.max():
-            raise ResultError(path, f"the {what} goes below zero farther than above: into the surface is positive")
-    return Curve(Path(path).name, times, depths, loads, None, None, None, False, [])
+    if -depth.min() > depth.max() and abs(load[np.argmin(depth)]) > FREE * np.abs(load).max():
+        raise ResultError(path, "the depth goes below zero under load farther than above: into the surface is positive")
+    if -load.min() > load.max():
+        raise ResultError(path, "the load goes below zero farther than above: into the surface is positive")
 
 
-def read_table(path):
-    """Returns the lines of words above the numbers of a text, as lists of names, and the numbers [rows][columns].
+def rows_of_approach(depth, load):
+    """Returns how many rows at the beginning are those of a free tip over the surface, all but the last of them."""
+    pressed = np.argmax(load > FREE * load.max())
+    over = np.flatnonzero(depth[:pressed] < 0)
+    return int(over[-1]) if len(over) else 0
+
+
+def read_table(path, wanted):
+    """Returns the numbers of a text in the columns with these names or numbers, [rows][columns].
 
     Columns are parted by semicolons, tabs, commas or spaces, whichever the last line has first; beside semicolons and tabs a comma is
-    a decimal point. Lines that begin with # are taken as names, too.
+    a decimal point. Lines above the first row may have the names, also those that begin with #; other columns may hold words.
     """
-    try:
-        lines = [line.strip().lstrip("#") for line in Path(path).read_text(encoding="utf-8-sig").splitlines()]
-    except (OSError, ValueError) as problem:
-        raise ResultError(path, f"cannot be read as text ({getattr(problem, 'strerror', None) or 'no text'})") from None
-    lines = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
+    lines = [(number, line.strip(" ").lstrip("#")) for number, line in enumerate(read_text(path).splitlines(), start=1)]
+    lines = [(number, line) for number, line in lines if line.strip()]
     if not lines:
         raise ResultError(path, "is empty")
-    mark = next((mark for mark in ";\t," if mark in lines[-1][1]), None)
-    names, rows = [], []
-    for number, line in lines:
-        words = [word.strip().strip('"') for word in line.split(mark)]
-        row = to_numbers(words, mark)
-        if row is None and rows:
-            raise ResultError(path, f"line {number} is no row of numbers")
-        if row and rows and len(row) != len(rows[0]):
-            raise ResultError(path, f"line {number} has {len(row)} columns instead of {len(rows[0])}")
-        (names if row is None else rows).append(words if row is None else row)
+    mark = next((mark for mark in ";\t," if mark in lines[-1][1].strip()), None)
+    lines = [(number, [word.strip().strip('"') for word in line.split(mark)]) for number, line in lines]
+    widths = [len(words) for _, words in lines if is_row(words, mark)]
+    if not widths:
+        number, words = lines[-1]
+        raise ResultError(path, f"has 0 rows of numbers; line {number} has {' '.join(words)[:60]!r}, and not two numbers")
+    count = mode(widths)
+    first = next(k for k, (_, words) in enumerate(lines) if len(words) == count and is_row(words, mark))
+    places = [place_of(path, [words for _, words in lines[:first]], name, count) for name in wanted]
+    rows = [row_of(path, number, words, mark, places, count) for number, words in lines[first:]]
     if len(rows) < 10:
         raise ResultError(path, f"has {len(rows)} rows of numbers; a curve needs at least 10")
-    return names, np.array(rows)
+    return np.array(rows)
 
 
-def to_numbers(words, mark):
-    """Returns numbers, or None where a word is none, or none that a curve may have."""
+def read_text(path):
+    """Returns a file's text, in UTF-8 or as older programs for Windows write it."""
     try:
-        row = [float(word.replace(",", ".") if mark in (";", "\t") else word) for word in words]
+        content = Path(path).read_bytes()
+    except OSError as problem:
+        raise ResultError(path, f"cannot be read as text ({problem.strerror})") from None
+    for encoding in ("utf-8-sig", "cp1252"):
+        try:
+            return content.decode(encoding)
+        except ValueError:
+            pass
+    raise ResultError(path, "cannot be read as text (no text)")
+
+
+def to_number(word, mark):
+    """Returns the number that a word is, or None where it is none, or none that a curve may have."""
+    try:
+        number = float(word.replace(",", ".") if mark in (";", "\t") else word)
     except ValueError:
         return None
-    return row if all(abs(x) < LARGEST for x in row) else None
+    return number if abs(number) < LARGEST else None
+
+
+def is_row(words, mark):
+    """Whether at least two of the words are numbers: a depth and a load."""
+    return sum(to_number(word, mark) is not None for word in words) >= 2
+
+
+def row_of(path, number, words, mark, places, count):
+    """Returns the numbers in some places of a line."""
+    row = [to_number(words[place], mark) if place < len(words) else None for place in places]
+    if None in row:
+        place = places[row.index(None)]
+        there = repr(words[place]) if place < len(words) else "nothing"
+        raise ResultError(path, f"line {number} is no row of numbers: it has {there} in column {place + 1}")
+    if len(words) != count:
+        raise ResultError(path, f"line {number} has {len(words)} columns instead of {count}")
+    return row
 
 
 def place_of(path, names, name, count):
@@ -191,7 +244,8 @@ def place_of(path, names, name, count):
             return matches[0]
     if re.fullmatch(r"\d+", name) and 1 <= int(name) <= count:
         return int(name) - 1
-    known = f"; there are {', '.join(max(names, key=len))}" if names else f"; columns have no names, only numbers 1 to {count}"
+    heads = [words for words in names if len(words) > 1 and not all(word.strip("()[]") in UNITS for word in words)]
+    known = f"; there are {', '.join(heads[-1])}" if heads else f"; columns have no names, only numbers 1 to {count}"
     raise ResultError(path, f"there is no column {name}{known}")
 
 

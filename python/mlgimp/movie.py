@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib import animation
 from matplotlib import pyplot as plt
 
-from . import fields, results
+from . import checks, fields, results
 from .errors import Error, ResultError
 from .pictures import DOTS_PER_INCH, lab_unit, styled
 
@@ -26,7 +26,7 @@ ENDINGS = {".gif": GifWriter, ".mp4": animation.FFMpegWriter}
 
 def writer_for(path):
     """Returns matplotlib's writer for a file by its ending."""
-    writer = ENDINGS.get(Path(path).suffix.lower())
+    writer = ENDINGS.get(Path(checks.path("path", path)).suffix.lower())
     if writer is None:
         raise Error(f"{path}: the name of a movie must end in {' or '.join(ENDINGS)}")
     if not writer.isAvailable():
@@ -49,6 +49,7 @@ def common_scale(directory, numbers, component, window):
 @styled
 def movie(directory, path, component="von_mises_stress", window=None):
     """Writes the movie of a component of all frames: xx, yy, zz, xy or one of fields.SCALARS; window as in fields.fields."""
+    fields.check_component(component)
     writer, numbers = writer_for(path), list(results.numbered_frames(directory))
     last = fields.read_panel(directory)
     window = fields.window_of([last], window)

@@ -7,8 +7,9 @@ from collections import namedtuple
 import numpy as np
 from scipy.optimize import curve_fit
 
-from . import load_depth, tips
-from .errors import ResultError
+from . import checks, load_depth, tips
+from .checks import Rule
+from .errors import Error, ResultError
 
 WINDOW = (0.5, 0.97)  # of the load at the start of the unloading: the part that is fitted
 LEAST_ROWS = 5  # in the window
@@ -18,9 +19,29 @@ EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have
 Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
 Constants.__doc__ = "What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default."
 
+UNSEEN = 0.002  # of the work: what may lie before the first row; the first interval of a run of twenty rows has less
+STIFFEST = 2000  # GPa, above which no solid is; diamond has 1141
+POISSON = Rule(lambda nu: -1 < nu <= 0.5, "in (-1, 0.5]")
+RULES = {  # for Constants
+    "window": Rule(lambda window: len(window) == 2 and 0 <= window[0] < window[1] <= 1, "LOW,HIGH with 0 <= LOW < HIGH <= 1"),
+    "epsilon": checks.POSITIVE, "beta": checks.POSITIVE, "poisson": POISSON,
+    "tip_modulus": Rule(lambda modulus: 0 < modulus <= STIFFEST or modulus == math.inf,
+                        f"in (0, {STIFFEST}] GPa; 1141 GPa are 1141, not 1141e9"),
+    "tip_poisson": POISSON,
+}
+
 Unloading = namedtuple("Unloading", "depth load stiffness stiffness_error exponent final_depth residual rows")
 Unloading.__doc__ = """Where an unloading begins (um, mN), its stiffness there with the standard error of the fit (mN/um), m and hf of
 P = A (h - hf)^m, the fit's root mean square residual over the load, and the rows that were fitted."""
+
+
+def checked_constants(**given):
+    """Returns the Constants that a caller gives by name; None stands for what is taken by default."""
+    for name in given:
+        if name not in RULES:
+            raise Error(f"{name}: must be one of {', '.join(RULES)}")
+    read = {name: checks.several if name == "window" else checks.number for name in RULES}
+    return Constants(**{name: read[name](name, value, RULES[name]) for name, value in given.items() if value is not None})
 
 
 def fit_unloading(curve, cycle, window=WINDOW):
@@ -142,7 +163,12 @@ def doubts(curve, cycle, fit, row):
     rest = 3 * load_depth.noise(curve.depth) + 1e-6 * fit.depth
     if loading[-1] < 0.97 * loading[last_peak] and curve.depth[(cycle.begin + last_peak + cycle.start) // 2] < curve.depth[cycle.start] - rest:
         yield "the depth goes on growing while the load falls (nose): hold the load longer"
+    before = curve.load[0] * max(curve.depth[0], 0) / 2  # nJ, from a loading between P ~ h and P ~ h^2
+    if before > UNSEEN * abs(row["total_work_nJ"]):
+        yield (f"the curve begins at {curve.depth[0]:.3g} um and {curve.load[0]:.3g} mN: up to "
+               f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, which no figure of work has")
     if row["area_um2"] <= 0:
-        yield "the contact depth is below zero"
+        yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
+               f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")
     elif abs(row["true_area_um2"] / row["area_um2"] - 1) > 0.1:
         yield f"the true contact area is {row['true_area_um2'] / row['area_um2']:.2f} of that by Oliver and Pharr"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from . import results
+from . import checks, results
 from .errors import ResultError
 
 Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the unit of this name
@@ -130,7 +130,7 @@ def energy(history, title):
 def make_folder(path):
     """Makes a folder for pictures, where there is none."""
     try:
-        Path(path).mkdir(parents=True, exist_ok=True)
+        Path(checks.path("out", path)).mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise ResultError(path, f"must be a folder for pictures ({problem.strerror})") from None
 

@@ -8,8 +8,10 @@ import shutil
 import subprocess
 import sys
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 
+from . import checks
 from . import options as text
 from .errors import Error, RunError
 from .folder import read
@@ -34,7 +36,9 @@ def run(options, ranks=1, *, progress=None, **more):
     Raises RunError with the program's line where the run does not reach its end; warnings of the program become warnings here,
     as soon as it gives them.
     """
-    values = {**({"options_file": options} if isinstance(options, (str, os.PathLike)) else options), **more}
+    if not isinstance(options, (str, os.PathLike, Mapping)):
+        raise checks.refusal("options", options, "the path of an options file, or a dict of options")
+    values = {**(options if isinstance(options, Mapping) else {"options_file": options}), **more}
     execute(values, ranks, is_watched() if progress is None else progress, warn)
     return read(output_folder(values))
 
@@ -47,8 +51,7 @@ def output_folder(options):
 
 def execute(options, ranks=1, progress=False, tell=lambda line: None):
     """Runs the program with a dict of options to its end, see run; `tell` gets the line of each warning when it comes."""
-    if not (isinstance(ranks, int) and ranks >= 1):
-        raise Error(f"ranks={ranks}: must be a whole number >= 1")
+    ranks = checks.whole("ranks", ranks, 1)
     file, others = options.get("options_file"), {name: value for name, value in options.items() if name != "options_file"}
     words = ([] if file is None else ["-options_file", str(file)]) + text.to_words({**others, "monitor": progress})
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []

@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from . import checks
 from .errors import ResultError
 
 Frame = namedtuple("Frame", "time step levels")
@@ -104,8 +105,7 @@ def find_frame(directory, number=None):
     numbered = numbered_frames(directory)
     if not numbered:
         raise ResultError(directory, "no results here (there is no points_*.h5)")
-    if number is None:
-        number = max(numbered)
+    number = max(numbered) if number is None else checks.whole("frame", number)
     if number not in numbered:
         raise ResultError(directory, f"no frame {number}; there are {min(numbered)} to {max(numbered)}")
     return numbered[number]

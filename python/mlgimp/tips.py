@@ -5,6 +5,9 @@ from collections import namedtuple
 
 import numpy as np
 
+from .checks import Rule
+from .errors import Error
+
 Tip = namedtuple("Tip", "name area epsilon beta")
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
 depth; and beta(nu) of the stiffness, nu None where it is not known."""
@@ -12,6 +15,32 @@ depth; and beta(nu) of the stiffness, nu None where it is not known."""
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
 NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",)} | dict.fromkeys(PYRAMIDS, ())
+
+MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
+SHARPEST = 1e-3  # um: a smaller radius is none in um
+RULES = {  # for sizes in degrees and um
+    "half_angle": Rule(lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis"),
+    "radius": Rule(lambda radius: SHARPEST <= radius < math.inf, f"a number >= {SHARPEST} in um; 5e-6 m are 5"),
+    "tip_radius": Rule(lambda radius: radius == 0 or SHARPEST <= radius < math.inf,
+                       f"0 or a number >= {SHARPEST} in um; 1e-7 m are 0.1"),
+    "faces": Rule(lambda count: count >= 3, "a whole number >= 3"),
+}
+
+
+def as_keyword(name, value=""):
+    """Returns an argument as Python has it, the name alone without a value."""
+    return f"{name}={value}".rstrip("=")
+
+
+def check_sizes(kind, given, spelt=as_keyword):
+    """Refuses a size that a kind of tip needs and does not get, and one that it does not have.
+
+    given: {name: value or None}; spelt(name) and spelt(name, value): an argument as the user has it.
+    """
+    for name, value in given.items():
+        needs, has = name in NEEDS[kind], name in NEEDS[kind] + MAY_HAVE.get(kind, ())
+        if needs if value is None else not has:
+            raise Error(f"{spelt(name)}: must be {'given' if needs else 'left out'} for {spelt('tip', kind)}")
 
 
 def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4):

@@ -9,7 +9,8 @@ import pytest
 import fit
 import harness
 from mlgimp import fitting
-from test_indentation import CONE_OPTIONS
+from mlgimp.errors import Error
+from test_indentation import CONE_OPTIONS, curve
 from test_scripts import HISTORY
 
 pytestmark = pytest.mark.fast
@@ -102,12 +103,30 @@ def test_a_search_that_is_cut_short(fitted):
 
 
 def test_a_curve_that_no_constants_give(fitted):
-    """Twice as stiff in the second half of the loading, as on a hard layer."""
+    """Stiffer by up to 40 % in the second half of the loading, as on a hard layer."""
     def layered(constants, rows):
         depth, load = law(constants, rows=rows)
-        return depth, load * np.where(depth > 0.25, 1 + 4 * (depth - 0.25), 1)
-    lines = fitted(layered, "E,yield_stress")["warnings"]
-    assert any("misses the measured one" in line for line in lines), lines
+        return depth, load * np.where(depth > 0.25, 1 + 1.6 * (depth - 0.25), 1)
+    found = fitted(layered, "E,yield_stress")
+    assert any("misses the measured one" in line for line in found["warnings"]) and 0.02 < found["misfit"] < 0.05, found
+
+
+def test_a_case_of_another_depth(fitted):
+    """What a shallower run would have given beyond its depth is a guess, however well it fits."""
+    lines = fitted(lambda constants, rows: law(constants, depth=0.4, rows=rows), "E,yield_stress")["warnings"]
+    assert any("is pressed 0.4 um deep, the measured curve 0.5 um" in line for line in lines), lines
+
+
+@pytest.mark.parametrize("given, line", [
+    ({"vary": []}, r"vary=\[\]: must be a list"), ({"vary": None}, "vary="), ({"vary": [1]}, "vary="),
+    ({"evaluations": 0}, "evaluations=0: must be a whole number >= 1"), ({"ranks": 0}, "ranks=0"), ({"runs": "2"}, "runs=2"),
+    ({"runs": 0}, "runs=0"), ({"measured": None}, "measured=None"), ({"case": {}}, "case=")])
+def test_fit_from_python_checks_first(tmp_path, monkeypatch, given, line):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(fitting, "execute", lambda *arguments: pytest.fail("there was a run"))
+    (tmp_path / "case.opts").write_text(CASE)
+    with pytest.raises(Error, match=line):
+        fitting.fit(**{"measured": curve(*law(TRUTH)), "case": "case.opts", "vary": "E", **given})
 
 
 def test_what_the_program_warns_of(fitted, monkeypatch):
@@ -126,7 +145,6 @@ def test_what_the_program_warns_of(fitted, monkeypatch):
 
 def test_profile_does_not_depend_on_rows(expect):
     """Ten times as many rows, and a run that ends before the unloading does."""
-    from test_indentation import curve
     few, many = (curve(*law(TRUTH, rows=rows)) for rows in (200, 2000))
     edges = fitting.edges_of(many)
     expect("rows", np.max(np.abs(fitting.profile(few, edges) / fitting.profile(many, edges) - 1)), at_most=0.01)
@@ -148,6 +166,7 @@ WORDS = {
     "unit": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:inch"], "-depth h:inch"),
     "no column": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:nm"], "no column h"), "empty": (["empty.csv", "case.opts", "-vary", "E"], "is empty"),
     "a jump": (["jump.csv", "case.opts", "-vary", "E"], "5 rows of its unloading"),
+    "begins under load": (["late.csv", "case.opts", "-vary", "E"], "must begin at less than 0.1 of its largest depth"),
     "only loading": (["loading.csv", "case.opts", "-vary", "E"], "no unloading"),
     "folder": (["m.csv", "case.opts", "-vary", "E", "-output_dir", "/dev/null/f"], "-output_dir"),
     "no results": ([".", "case.opts", "-vary", "E"], "history.csv"),
@@ -159,7 +178,8 @@ WORDS = {
 def test_one_line(tmp_path, monkeypatch, capsys, name):
     monkeypatch.chdir(tmp_path)
     table = np.column_stack(law(TRUTH))
-    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
+    for file, rows in (("m.csv", table), ("loading.csv", table[:300]), ("late.csv", table[60:]),
+                       ("jump.csv", table[list(range(300)) + [590, 595, 598]])):
         np.savetxt(file, rows, delimiter=",", header="depth,load", comments="")
     (tmp_path / "empty.csv").touch()
     (tmp_path / "case.opts").write_text(CASE)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import harness
+import mlgimp
 from mlgimp import load_depth, oliver_pharr, tips
 from mlgimp.load_depth import Column, Curve
 from mlgimp.oliver_pharr import Constants
@@ -129,6 +130,24 @@ def test_no_contact_left():
     """An unloading that is softer than any contact: nothing is known of the material, and a warning says why."""
     [row] = oliver_pharr.analyse(curve(*metal(top=0.1, final=-0.4)))
     assert row["area_um2"] == 0 and math.isnan(row["hardness_GPa"]) and math.isnan(row["modulus_GPa"]) and "below zero" in row["warnings"]
+
+
+def test_area_function_without_area():
+    """It is not the contact depth that is wrong."""
+    for coefficient in (0, -24.5):
+        [row] = oliver_pharr.analyse(curve(*metal(), tip=tips.tip_of_function([coefficient])))
+        assert "area of the tip" in row["warnings"] and "below zero" not in row["warnings"]
+
+
+def test_work_before_the_curve(expect):
+    """A curve from a quarter of the depth on lacks a 64th of its work; one from the surface on, with few rows, lacks none."""
+    depth, load = metal()
+    [row] = oliver_pharr.analyse(curve(depth[100:], load[100:]))
+    told = re.search(r"the curve begins at 0.125 um and 0.6.* mN: up to (\S+) % of the work", row["warnings"])
+    expect("work that is missing, %", float(told[1]), near=100 / 64, tolerance=0.8)
+    expect("work that is there", row["total_work_nJ"] / (10 * 0.5 / 3), near=63 / 64, tolerance=1e-3)
+    rows = np.append(np.arange(10, 400, 20), np.arange(400, 799))
+    assert oliver_pharr.analyse(curve(depth[rows], load[rows]))[0]["warnings"] == ""
 
 
 # ---- cycles and holds ----
@@ -282,6 +301,48 @@ def test_kinds_of_text(tmp_path, head, mark, comma, depth, load):
     assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
 
 
+def with_clock(text, mark=","):
+    """A text with a column of times of day before the others."""
+    head, *rows = text.splitlines()
+    return "\n".join([f"clock{mark}{head}", *(f"10:{k // 60:02d}:{k % 60:02d}{mark}{row}" for k, row in enumerate(rows))]) + "\n"
+
+
+@pytest.mark.parametrize("content, depth", [
+    (text_of(*metal(), head="Depth (\N{MICRO SIGN}m),load\n").encode("cp1252"), "Depth (\N{MICRO SIGN}m):um"),
+    (text_of(*metal(), head="Depth (\N{MICRO SIGN}m),load\n").encode("utf-8-sig"), "Depth (\N{MICRO SIGN}m):um"),
+    (text_of(*metal()).replace("\n", ",\n").encode(), "depth:um"), (with_clock(text_of(*metal())).encode(), "depth:um"),
+    (with_clock(text_of(*metal()).replace(",", " "), " ").encode(), "depth:um"), (with_clock(text_of(*metal())).encode(), "2:um"),
+    (text_of(*metal()).replace("\n", ",loading\n").encode(), "depth:um"),
+    (b"# A ball of 2 um pressed 100 nm\n" + text_of(*metal(), mark=" ", head="depth load\n").encode(), "depth:um"),
+], ids=["Windows", "UTF-8", "a comma more", "times of day", "with spaces", "by its number", "words", "numbers in a remark"])
+def test_texts_of_instruments(tmp_path, content, depth):
+    """Only the columns that are asked for need be numbers."""
+    (tmp_path / "m.txt").write_bytes(content)
+    read = load_depth.read_measured(tmp_path / "m.txt", depth)
+    assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
+
+
+def test_rows_of_the_approach(tmp_path, expect):
+    """A tip that comes from farther over the surface than it goes into it; a load that is not zeroed does no work there."""
+    depth, load = metal()
+    before = np.linspace(-1, 0, 200, endpoint=False)
+    (tmp_path / "m.csv").write_text(text_of(np.append(before, depth), np.append(np.full(200, 0.1), load)))
+    read = load_depth.read_measured(tmp_path / "m.csv")
+    [row] = oliver_pharr.analyse(read._replace(tip=CONE))
+    assert len(read.depth) == 800 and read.depth[0] == pytest.approx(-0.005) and "199 rows of the approach" in read.notes[0]
+    assert row["warnings"] == ""
+    expect("total work", row["total_work_nJ"] / (10 * 0.5 / 3), near=1, tolerance=1e-3)
+
+
+def test_a_wrong_name_is_told_the_right_ones():
+    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
+    with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
+    with pytest.raises(mlgimp.Error, match="load=None: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", None)
+
+
 def test_measured_beside_a_run(tmp_path, capsys, expect):
     """In nm and uN, with drift and rows written twice; the tip is that of the run."""
     folder = write_run(tmp_path / "run", CONE_OPTIONS)
@@ -309,7 +370,10 @@ def test_units_of_no_solid_are_told(tmp_path, capsys):
 GOOD = text_of(*metal())
 ROWS = GOOD.splitlines(True)[1:]
 MEASURED = {
-    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"), "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
+    "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"),
+    "one column": ("depth\n" + "".join(row.split(",")[0] + "\n" for row in ROWS), "line 800 has '0.42', and not two numbers"),
+    "a clock": (with_clock(GOOD).replace("clock,depth", "depth,h"), "line 2 is no row of numbers: it has '10:00:00' in column 1"),
+    "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
     "no such column": (GOOD.replace("load", "force", 1), "no column load"), "words": (GOOD + "end,of\n", "no row of numbers"),
     "not a number": (GOOD + "nan,1\n", "no row of numbers"), "a longer row": (GOOD + "1,2,3\n", "3 columns instead of 2"),
     "only loading": ("depth,load\n" + "".join(ROWS[:400]), "no unloading"), "only unloading": ("depth,load\n" + "".join(ROWS[400:]), "without a loading"),
@@ -349,6 +413,14 @@ WORDS = {
     "Poisson's ratio": ["m.csv", "--tip", "vickers", "--poisson", "0.7"], "beta": ["m.csv", "--tip", "vickers", "--beta", "0"],
     "drift without time": ["m.csv", "--tip", "vickers", "--drift", "0.1"], "area function": ["m.csv", "--area-function", "24.5,x"],
     "out": ["m.csv", "--tip", "vickers", "--out", "/dev/null/none"],
+    "modulus in Pa": ["m.csv", "--tip", "vickers", "--tip-elastic", "1141e9,0.07"],
+    "angle of another tip": ["m.csv", "--tip", "berkovich", "--half-angle", "30"],
+    "radius of another tip": ["m.csv", "--tip", "berkovich", "--radius", "5"],
+    "faces of another tip": ["m.csv", "--tip", "vickers", "--faces", "3"],
+    "size without a tip": ["m.csv", "--area-function", "24.5", "--radius", "5"],
+    "rounded sphere": ["m.csv", "--tip", "sphere", "--radius", "5", "--tip-radius", "0.1"],
+    "tip radius in m": ["m.csv", "--tip", "vickers", "--tip-radius", "1e-7"],
+    "radius in m": ["m.csv", "--tip", "sphere", "--radius", "5e-6"],
 }
 
 
@@ -359,8 +431,25 @@ def test_words(tmp_path, monkeypatch, name):
     refusal(*WORDS[name])
 
 
+@pytest.mark.parametrize("given, line", [
+    ({"poisson": 33}, "poisson=33: must be in"), ({"poisson": 0.7}, "poisson=0.7"), ({"poisson": 1.0}, "poisson=1.0"),
+    ({"poisson": "0.3"}, "not as a text"), ({"epsilon": -1}, "epsilon=-1"), ({"beta": math.nan}, "beta=nan"),
+    ({"window": (0.98, 0.2)}, "LOW < HIGH"), ({"window": 0.5}, "LOW < HIGH"),
+    ({"tip_modulus": 1141e9}, "1141 GPa are 1141, not 1141e9"),
+    ({"tip_poisson": 0.6}, "tip_poisson=0.6"), ({"foo": 1}, "foo: must be one of window, epsilon")])
+def test_constants_from_python(tmp_path, given, line):
+    """Python takes no constants that the command refuses."""
+    run = mlgimp.read(write_run(tmp_path / "run", CONE_OPTIONS))
+    with pytest.raises(mlgimp.Error, match=line):
+        run.oliver_pharr(**given)
+    good = {"poisson": np.float32(0.3), "window": "0.4,0.9", "tip_modulus": np.array(1141), "tip_poisson": 0.07, "epsilon": None}
+    assert math.isfinite(run.oliver_pharr(**good)[0]["modulus_GPa"])
+
+
 def test_folders(tmp_path):
     assert "history.csv" in refusal(tmp_path)
+    (tmp_path / "history.csv").write_text(",".join(HISTORY) + "\n")
+    assert "history.csv has 0 rows" in refusal(tmp_path)
     folder = write_run(tmp_path / "run", {**CONE_OPTIONS, "-indenter_half_angle": "steep"})
     assert "summary.json" in refusal(folder)
     (folder / "summary.json").unlink()

@@ -101,6 +101,32 @@ def test_pictures(pressed, tmp_path, monkeypatch):
         pressed[0].movie(tmp_path / "m.mp4")
 
 
+@pytest.mark.parametrize("window", ["far", (0, 1, 1, 0), (0, 1), "0,1", 3, (100, 101, 100, 101), np.zeros((2, 2))])
+def test_windows_that_pictures_refuse(pressed, tmp_path, window):
+    for draw in (lambda: pressed[0].plot("energy", window=window), lambda: pressed[0].movie(tmp_path / "m.gif", window=window)):
+        with pytest.raises(mlgimp.Error, match="^window=[^\n]*: must (be xmin,xmax,ymin,ymax with min < max|hold a point)"):
+            draw()
+
+
+def test_windows_as_the_command_has_them(pressed):
+    axes = [pressed[0].plot("stress_yy", window=window)["stress_yy"].axes[0] for window in ("0,5,2,8", (0, 5, 2, 8))]
+    assert axes[0].get_xlim() == axes[1].get_xlim() and axes[0].get_ylim() == axes[1].get_ylim()
+
+
+def test_words_that_results_refuse(pressed, tmp_path):
+    """All errors of the package are its own."""
+    one = pressed[0]
+    calls = {"number=1: must be a whole number": lambda: one.frame("1"),
+             "frame=1.5: must be a whole": lambda: one.plot("energy", frame=1.5),
+             "component=foo: must be one of xx": lambda: one.movie(tmp_path / "m.gif", component="foo"),
+             "folder=None": lambda: mlgimp.read(None), "path=1": lambda: one.movie(1),
+             "out=1": lambda: one.plot("energy", out=1)}
+    for line, call in calls.items():
+        with pytest.raises(mlgimp.Error, match=f"^{line}"):
+            call()
+    np.testing.assert_array_equal(one.frame(np.int64(1))["id"], one.frame(1)["id"])
+
+
 def test_movie_shows_the_boxes_of_each_frame(pressed, tmp_path, monkeypatch):
     read, seen = fields.read_panel, []
 
@@ -173,11 +199,15 @@ def test_warnings_are_warnings(tmp_path):
 def test_what_is_not_there(tmp_path, monkeypatch):
     with pytest.raises(mlgimp.ResultError, match="no results here"):
         mlgimp.read(tmp_path)
-    with pytest.raises(mlgimp.Error, match="ranks=0: must be a whole number >= 1"):
-        mlgimp.run(PRESS, ranks=0)
+    for ranks in (0, 1.5, "2", True):
+        with pytest.raises(mlgimp.Error, match=f"ranks={ranks}: must be a whole number >= 1"):
+            mlgimp.run(PRESS, ranks=ranks)
+    for case in (None, [PRESS]):
+        with pytest.raises(mlgimp.Error, match="options=.*: must be the path of an options file, or a dict"):
+            mlgimp.run(case)
     monkeypatch.setenv("MLGIMP_BIN", str(tmp_path))
     with pytest.raises(mlgimp.Error, match=f"not at {tmp_path}/mlgimp: `make` builds it"):
-        mlgimp.run(PRESS)
+        mlgimp.run(PRESS, np.int64(1))
 
 
 def test_bar(capsys):
@@ -241,6 +271,13 @@ def test_cases_are_accepted(tmp_path, law, case):
     (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
     (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
     (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),
+    (dict(METAL, depth="2e-7"), "depth=2e-7: must be .* not as a text"),
+    (dict(METAL, depth=1e-7, poissons_ratio="0.33"), "poissons_ratio=0.33: .* not as a text"),
+    (dict(METAL, depth=1e-7, unload="no"), "unload=no: must be True or False"),
+    (dict(METAL, depth=1e-7, overwrite="no"), "overwrite=no"),
+    (dict(METAL, depth=1e-7, options=[1]), "options=.*: must be a dict"),
+    (dict(METAL, depth=1e-7, tip=["cone"]), "tip=.*: must be one of cone"),
+    (dict(METAL, depth=1e-7, tip="sphere", radius=1e-6, tip_radius=1e-8), "tip_radius: must be left out for tip=sphere"),
     (dict(METAL, depth=1e-7, block=2), "block=2"), (dict(METAL, depth=1e-7, hardening="power"), "hardening_exponent: must be given")])
 def test_what_indent_refuses(tmp_path, case, line):
     with pytest.raises(mlgimp.Error, match=f"^{line}[^\n]*$"):
@@ -248,10 +285,37 @@ def test_what_indent_refuses(tmp_path, case, line):
     assert not (tmp_path / "case.opts").exists()
 
 
+def test_numbers_of_any_type():
+    """Those of numpy, also as arrays without dimensions, give the same case as those of Python."""
+    plain = indentation.indentation_options("j2", youngs_modulus=2.0**36, yield_stress=4e8, depth=0.125e-2, cells=5, unload=False)
+    of_numpy = indentation.indentation_options("j2", youngs_modulus=np.float32(2.0**36), yield_stress=np.int64(400000000),
+                                               depth=np.array(0.125e-2), cells=np.int64(5), unload=np.bool_(False))
+    assert plain == of_numpy
+
+
 def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
+    """The options file of a case that it refuses does not stay in the way of the next call; one that was there before stays."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
-        mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7)
+    for before in (False, True):
+        if before:
+            (tmp_path / "indentation.opts").touch()
+        with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
+            mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7, overwrite=before)
+        assert (tmp_path / "indentation.opts").exists() == before
+
+
+def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
+    """It is the record of results that are there, also in a folder that its options name."""
+    def fails(file, *others, **more):
+        (tmp_path / "there").mkdir()
+        (tmp_path / "there" / "history.csv").touch()
+        raise mlgimp.RunError("mlgimp: error: step 7")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(indentation, "run", fails)
+    with pytest.raises(mlgimp.RunError):
+        mlgimp.indent("j2", **METAL, depth=1e-7, file="case.opts", options={"output_dir": "there"})
+    assert (tmp_path / "case.opts").exists()
+
 
 
 def test_version():

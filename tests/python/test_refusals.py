@@ -12,6 +12,8 @@ import converge
 import figures
 import harness
 import plot
+import scaling
+from test_indentation import GOOD
 from test_scripts import HISTORY, write_results
 
 pytestmark = pytest.mark.fast
@@ -41,6 +43,14 @@ def test_pictures_into_a_folder_that_cannot_be(made, out):
 @pytest.mark.parametrize("window", ["nan,1,0,1", "0,inf,0,1", "-inf,0,0,1", "1,0,0,1", "0,1", "a,b,c,d"])
 def test_window(made, window):
     assert f"{window}: must be xmin,xmax,ymin,ymax" in refusal(plot.main, made, f"--window={window}")
+
+
+def test_window_that_holds_no_point(made):
+    """It is told before any picture is written."""
+    before = set(made.iterdir())
+    assert "window=1,2,1,2: must hold a point; they lie in -1.6" in refusal(plot.main, made, "--window=1,2,1,2")
+    assert "must hold a point" in refusal(plot.main, made, "--window=1,2,1,2", "--movie", made / "m.gif")
+    assert set(made.iterdir()) == before
 
 
 HISTORIES = {
@@ -136,6 +146,24 @@ def test_options_file(tmp_path, content):
 
 
 # ---- all ----
+
+def test_scaling_of_no_ranks():
+    for word in ("nosuch.opts", "0", "-help"):
+        assert f"{word}: must be whole numbers of ranks" in refusal(scaling.main, word)
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("words", [["plot.py", "made"], ["indentation.py", "m.csv", "--tip=vickers"]], ids=["plot", "analysis"])
+def test_a_reader_that_has_gone(made, words, unbuffered):
+    """As `| head`: the command ends without a word."""
+    (made.parent / "m.csv").write_text(GOOD)
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run([sys.executable, harness.ROOT / "scripts" / words[0], *words[1:]], cwd=made.parent, stdout=writer,
+                          stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": unbuffered})
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (1, "")
+
 
 def test_no_home(made):
     """A user without a folder of his own hears nothing of matplotlib's cache."""

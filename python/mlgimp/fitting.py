@@ -295,8 +295,8 @@ def doubts(fit):
         yield (f"the best run is pressed {best:.3g} um deep, the measured curve {measured:.3g} um: what lies beyond is a guess; "
                "give the case the test's largest depth or load")
     if fit.misfit > POOR:
-        yield (f"the best curve misses the measured one by {100 * fit.misfit:.2g} % of its largest load: no constants of this case give "
-               "it; compare tip, law, layers and the machine's compliance, take finer cells, and look at fit.png")
+        yield (f"the best curve misses the measured one by {100 * fit.misfit:.2g} % of its largest load: "
+               "compare tip, law, layers and the machine's compliance, try finer cells, and look at fit.png")
     yield from (f"of the best run: {line}" for line in read_summary(fit.best).get("warnings", []))
     for k, one in enumerate(found):
         if fit.upper[k] - fit.lower[k] > 2 * VAGUE * fit.values[k]:

@@ -70,3 +70,63 @@ def test_plate_that_slides_on_a_bar(expect):
     expect("friction over mu times the load, largest difference", numpy.max(numpy.abs(history["friction_force"][last] / (0.3 * history["load"][last]) - 1)),
            at_most=1e-3)
     expect("work of contact and friction over that of the indenter", given(history), near=1, tolerance=0.01)
+
+
+# ---- surfaces on a line of nodes, and nodes of little mass ----
+
+# Held at its sides and pressed by a plate; in um.
+CONFINED = {**SOLID, "cell_size": 1e-6, "b_lower": "0,0", "boundary_x_upper": "symmetry", "indenter": "flat_punch", "damping": 3e8,
+            "indenter_times": "0,5e-9,50e-9,55e-9", "indenter_velocities": "0,20,20,0", "end_time": 115e-9}
+PLANE = {"boundary_x_lower": "symmetry", "indenter_width": 80e-6}
+ROUND = {"geometry": "axisymmetric", "indenter_radius": 80e-6}
+
+
+def confined_stress(stretch):
+    """Cauchy stress of a neo-Hookean solid that may not widen, Pa."""
+    lam, mu = lame_constants(E, NU)
+    return (mu * (stretch**2 - 1) + lam * numpy.log(stretch)) / stretch
+
+
+@pytest.mark.parametrize("more", [PLANE, {**PLANE, "cfl": 0.2}, {**PLANE, "stress_update": "usl"}, ROUND, {**PLANE, "m_volume_average": "true"}],
+                         ids=("plane", "short steps", "usl", "round", "volume average"))
+@pytest.mark.parametrize("top, speed", [(12, 20), (11.5, 10)])
+def test_surface_that_comes_to_rest_on_a_line(expect, more, top, speed):
+    """Its last two layers of points once split: loads of 0.4 to 1.5 of the right one, and a third more energy than work."""
+    case = {**CONFINED, **more, "domain_lower": "0,0", "domain_upper": "12e-6,15e-6", "b_upper": f"12e-6,{top}e-6", "indenter_tip": f"0,{top}e-6",
+            "indenter_velocities": f"0,{speed},{speed},0", "frames": 1}
+    result = harness.run(case)
+    history, stress = result.history, result.frame()["stress"][:, 1]
+    exact = confined_stress(1 - history["depth"][-1] / (1e-6 * top))
+    area = 12e-6 if "indenter_width" in more else numpy.pi * 12e-6**2
+    rest = history["load"][history["time"] > 90e-9] / (-exact * area)
+    expect("load at rest over that of the law, least", rest.min(), near=1, tolerance=3e-3)
+    expect("load at rest over that of the law, largest", rest.max(), near=1, tolerance=3e-3)
+    expect("stress of points, largest error", numpy.max(numpy.abs(stress / exact - 1)), at_most=0.01)
+    expect("work of contact over that of the indenter", given(history), near=1, tolerance=5e-3)
+    energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
+    expect("energy over work", energy[-1] / history["indenter_work"][-1], near=1, tolerance=5e-3)
+
+
+@pytest.mark.parametrize("damping", [3e8, 3e7])
+def test_work_of_tractions_on_a_surface_near_a_line(expect, damping):
+    """Of nodes that hardly any point feels: it once went on at rest, to half of all work."""
+    history = harness.run({
+        **{name: value for name, value in CONFINED.items() if not name.startswith("indenter")}, "boundary_x_lower": "symmetry", "domain_lower": "0,0",
+        "domain_upper": "12e-6,15e-6", "b_upper": "12e-6,12.25e-6", "loads": "q", "q_side": "y_upper", "q_times": "0,15e-9",
+        "q_pressures": "0,2160553683.93", "end_time": 100e-9, "damping": damping}).history
+    energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
+    expect("energy over work", energy[-1] / history["external_work"][-1], near=1, tolerance=2e-3)
+
+
+def test_ball_on_a_nearly_incompressible_body(expect):
+    """Single rows once had 0.3 to 8 times the load; the volume average, which damps what a cell's points do alone, has none of that."""
+    ball = {**SOLID, "m_poissons_ratio": 0.49, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12e-6,13e-6", "cell_size": 0.5e-6,
+            "boundary_x_upper": "symmetry", "b_lower": "0,0", "b_upper": "12e-6,10e-6", "indenter": "sphere", "indenter_radius": 20e-6,
+            "indenter_tip": "0,10e-6", "indenter_times": "0,5e-9", "indenter_velocities": "0,30", "indenter_max_depth": 1.5e-6, "damping": 1e8, "cfl": 0.2}
+    own, mean = (harness.run({**ball, "m_volume_average": average}).history for average in ("false", "true"))
+    deep = own["depth"] > 0.3e-6
+    ratio = own["load"][deep] / numpy.interp(own["depth"][deep], mean["depth"], mean["load"])
+    peak = own["peak_pressure"][deep] / numpy.interp(own["depth"][deep], mean["depth"], mean["peak_pressure"])
+    expect("load over that with the volume average, least", ratio.min(), at_least=0.9)
+    expect("load over that with the volume average, largest", ratio.max(), at_most=1.1)
+    expect("peak pressure likewise", peak.max(), at_most=1.1)

@@ -10,6 +10,7 @@
 #include "level/contact/border_nodes.hpp"
 #include "level/level.hpp"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
@@ -54,6 +55,7 @@ public:
   NodeBlend BlendOf(Index node) const override;
   int BlockOf(Index coarse) const override;
   double MassOf(Index coarse) const override;
+  double MovedMassOf(Index coarse) const override { return std::max(MassOf(coarse), coarse_->LeastMass(coarse)); }
   Vec3 FreePart(Index coarse, Vec3 change) const override;
   void Push(Index coarse, Vec3 change_of_velocity) override;
   PetscErrorCode Spread(std::vector<PushedNode> *pushed) override;
@@ -161,6 +163,7 @@ private:
   SFHandle exchange_;                 ///< interface nodes to other ranks that know them
   SFHandle down_, up_;                ///< coarse nodes to interface nodes, and those of their owners to coarse nodes
   std::vector<NodeSums> coarse_sums_; ///< [advanced_]: of the coarse points
+  std::vector<double> least_masses_;  ///< [advanced_], see LeastMassOf
   std::vector<Vec3> previous_force_;  ///< [advanced_]
   std::vector<Vec3> contact_, left_;  ///< [advanced_]: impulse of contact on the coarse level; what fine points lack of it
   std::vector<SharedNode> shared_;    ///< by place on the coarse level

@@ -160,6 +160,9 @@ public:
   const LevelGeometry &Geometry() const { return geometry_; }
   const Model &Physics() const { return model_; }
   double MassCutoff() const { return nodal_.mass_cutoff; }
+  /// See nodes.hpp; of any node of the level's grid, and of a local one by place.
+  double LeastMass(Index node) const { return LeastMassOf(*grid_, nodal_, model_.geometry.HasHoop(), node); }
+  double LeastMass(std::ptrdiff_t place) const { return least_masses_[place]; }
   const LevelFailure &Failure() const { return failure_; }
   /// All that the level adds up on this rank but what SumPoints does.
   Budgets &Totals() { return budgets_; }
@@ -205,6 +208,7 @@ private:
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
   std::vector<double> least_masses_;      ///< by place, see LeastMasses, kg
+  std::vector<double> later_masses_;      ///< the same of nodes whose motion no other level has a part in, else 0
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;

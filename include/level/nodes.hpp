@@ -106,16 +106,19 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
-/// Masses that nodes, by place, have at least in the motion that points are moved and strained by, kg: kLeastMass of a full
-/// node's, in proportion to the radius in axisymmetry; none where another level has a part in the motion. Forces on a node that
+/// Mass that a node has at least in the motion that points are moved and strained by, kg: kLeastMass of a full node's, in
+/// proportion to the radius in axisymmetry. Forces on a node that
 /// points have just reached grow like their reach, and its mass like the square of that: what body, contact and tractions leave
 /// of each other would give it a velocity without bound, for contact, which reckons with it, and for strain by the new velocity.
-std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled);
+double LeastMassOf(const Grid &grid, const NodalSettings &settings, bool hoop, Index node);
+/// The same of all local nodes by place.
+std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop);
 
 /// The part of a change of velocity dv = dt f/m that a node's motion lacks by its least mass M: 1 - m/M of lighter nodes.
 inline double LackOf(double least_mass, double mass) { return mass < least_mass ? 1 - mass / least_mass : 0; }
 
 /// The velocities of nodes become p/m + dv m/max(m, M), that of the motion; the changes dv, by which points get momentum, stay.
+/// Not where M is zero: where another level has a part in the velocity, that part and its own are held back before they meet.
 void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
                         const std::vector<double> &least_masses);
 

@@ -57,7 +57,9 @@ Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
 void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
 {
   const NodeVelocity to = VelocityIn(pushed_, owned_place_.at(coarse));
-  for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
+  const double felt = MassOf(coarse) / MovedMassOf(coarse);
+  for (int axis = 0; axis < dim_; ++axis)
+    to.velocity[axis] = felt * change_of_velocity[axis], to.change[axis] = change_of_velocity[axis];
 }
 
 /// Whether contact on the finer level may push nodes that move with interface nodes; the same on all ranks.
@@ -95,13 +97,16 @@ PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
   }
   for (const BlendNode &node : band_) {
     PushedNode one{node.node, {}};
+    Vec3 motion{};
     for (int a = 0; a < node.count; ++a) {
       const NodeVelocity by = VelocityIn(pushed_, node.interface[a]);
-      for (int axis = 0; axis < dim_; ++axis) one.change[axis] += (1 - node.beta) * node.weight[a] * by.change[axis];
+      const double weight = (1 - node.beta) * node.weight[a];
+      for (int axis = 0; axis < dim_; ++axis)
+        one.change[axis] += weight * by.change[axis], motion[axis] += weight * by.velocity[axis];
     }
     if (one.change == Vec3{}) continue;
     const NodeVelocity to = fine_->Mesh().Velocity(node.node);
-    for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] += one.change[axis], to.change[axis] += one.change[axis];
+    for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] += motion[axis], to.change[axis] += one.change[axis];
     pushed->push_back(one);
   }
   std::fill(pushed_.begin(), pushed_.end(), 0.0);

@@ -30,6 +30,8 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   PetscCall(CreateTransfer(advanced_, &down_));
   PetscCall(CreateTransfer(owned_, &up_));
   coarse_sums_.assign(advanced_, {});
+  least_masses_.clear();
+  for (int k = 0; k < advanced_; ++k) least_masses_.push_back(coarse.LeastMass(known_[k].at));
   previous_force_.assign(advanced_, {});
   contact_.assign(advanced_, {});
   left_ = contact_;
@@ -114,7 +116,7 @@ PetscErrorCode LevelInterface::Restrict()
 
 /// old = (p^c + p^f)/m, dv = (dt (F_k + f^f) + J/r)/m with m = m^c + m^f, F_k = f^c + (k/r)(f^c - f^c of the step before) and J
 /// the impulse that contact on the coarse level had in the last step, and what fine points lack of it; then p^c += m^c dv, as the
-/// coarse points will get dv.
+/// coarse points will get dv. The velocity is that of the motion, old + dv m/max(m, M).
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->MassCutoff();
@@ -126,6 +128,7 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
     const double mass = coarse.mass + fine.mass;
     std::fill_n(now.velocity, velocity_size_, 0.0);
     if (mass <= cutoff) continue;
+    const double felt = 1 - LackOf(least_masses_[k], mass);
     const bool expects = mass > kLeastExpecting / kEmptyNode * cutoff;
     for (int axis = 0; axis < dim_; ++axis) {
       const double ahead = expects * extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
@@ -141,7 +144,7 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
         to_share_[k].impulse[axis] += expects * contact_[k][axis] / ratio_;
       }
       coarse.momentum[axis] += coarse.mass * dv;
-      now.velocity[axis] = old + dv;
+      now.velocity[axis] = old + felt * dv;
       now.change[axis] = dv;
       mean.velocity[axis] += now.velocity[axis] / ratio_;
       mean.change[axis] += dv;
@@ -149,11 +152,13 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
   }
 }
 
-/// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i
+/// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i, where v is that of the motion.
 void LevelInterface::Prolong()
 {
   for (const BlendNode &node : band_) {
-    double *const to = fine_->Mesh().Velocity(node.node).velocity;
+    const auto [to, change] = fine_->Mesh().Velocity(node.node);
+    const double lack = LackOf(fine_->LeastMass(node.node), fine_->Mesh().Sums()[node.node].mass);
+    for (int axis = 0; axis < dim_; ++axis) to[axis] -= lack * change[axis];
     for (int c = 0; c < velocity_size_; ++c) {
       double sum = 0;
       for (int a = 0; a < node.count; ++a)

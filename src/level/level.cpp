@@ -65,7 +65,11 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 void Level::SetCoupledPlaces(CoupledPlaces places)
 {
   coupled_places_ = std::move(places);
-  if (grid_->Participates()) least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop(), coupled_places_);
+  if (!grid_->Participates()) return;
+  least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop());
+  later_masses_ = least_masses_;
+  for (const std::ptrdiff_t place : coupled_places_.held) later_masses_[place] = 0;
+  for (const Index node : coupled_places_.blended) later_masses_[grid_->Place(node)] = 0;
 }
 
 void Level::SetPressures(const ContactPressures &pressures)
@@ -159,7 +163,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
-  RestrainLightNodes(*grid_, geometry_.sides, nodal_, least_masses_);
+  RestrainLightNodes(*grid_, geometry_.sides, nodal_, later_masses_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

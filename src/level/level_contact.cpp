@@ -84,14 +84,14 @@ void Level::PrepareSharedNodes()
   if (!shared_) return;
   for (CoupledNode &one : coupled_nodes_) {
     SharedNode &node = shared_[one.node];
-    const double mass = grid_->Sums()[one.node].mass + node.finer_mass;
+    const double mass = grid_->Sums()[one.node].mass + node.finer_mass, felt = 1 - LackOf(least_masses_[one.node], mass);
     if (mass <= nodal_.mass_cutoff) node = {}; // the last point has left
     const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_push - expected;
     if (by != Vec3{}) pushed_.push_back({one.node, by});
     one.change = one.change - node.finer_push;
     const NodeVelocity now = grid_->Velocity(one.node);
     for (int axis = 0; axis < grid_->Geometry().dim; ++axis)
-      now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
+      now.velocity[axis] -= felt * expected[axis], now.change[axis] -= expected[axis];
     node.impulse = {};
   }
 }
@@ -108,20 +108,8 @@ void Level::FindFollowing(Vec3 tip)
 
 ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
 {
-  return {*grid_,
-          group_,
-          points_,
-          bodies_,
-          geometry_.sides,
-          *model_.indenter,
-          model_.geometry,
-          nodal_.mass_cutoff,
-          time,
-          dt,
-          tip,
-          border_,
-          shared_,
-          least_masses_.data()};
+  return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter,     model_.geometry,     nodal_.mass_cutoff,
+          time,   dt,     tip,     border_, shared_,         least_masses_.data(), later_masses_.data()};
 }
 
 PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)

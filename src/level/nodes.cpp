@@ -193,16 +193,17 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
   return impulse;
 }
 
-std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop, const CoupledPlaces &coupled)
+double LeastMassOf(const Grid &grid, const NodalSettings &settings, bool hoop, Index node)
 {
   constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
+  const double share = hoop ? std::max(grid.Coordinate(0, node[0]) / grid.Geometry().spacing, kAtAxis) : 1;
+  return kLeastMass * share * settings.full_mass;
+}
+
+std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop)
+{
   std::vector<double> masses(grid.GhostedNodes());
-  ForEach(grid.Ghosted(), [&](Index node) {
-    const double share = hoop ? std::max(grid.Coordinate(0, node[0]) / grid.Geometry().spacing, kAtAxis) : 1;
-    masses[grid.Place(node)] = kLeastMass * share * settings.full_mass;
-  });
-  for (const std::ptrdiff_t place : coupled.held) masses[place] = 0;
-  for (const Index node : coupled.blended) masses[grid.Place(node)] = 0;
+  ForEach(grid.Ghosted(), [&](Index node) { masses[grid.Place(node)] = LeastMassOf(grid, settings, hoop, node); });
   return masses;
 }
 
@@ -243,14 +244,15 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 /// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
 /// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
 /// as the surface that contact sees.
-static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::ptrdiff_t node)
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, double least_mass, std::ptrdiff_t node)
 {
   const NodeSums &sums = grid.Sums()[node];
   const auto [motion, change] = grid.Velocity(node);
   double *const velocity = grid.Rates(node);
   const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
+  const double felt = 1 - LackOf(least_mass, sums.mass);
   for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
-    const double smoothed = smooths ? velocity[axis] - (sums.momentum[axis] / sums.mass + change[axis]) : 0;
+    const double smoothed = smooths ? velocity[axis] - (sums.momentum[axis] / sums.mass + felt * change[axis]) : 0;
     velocity[axis] = motion[axis] + smoothed;
   }
 }
@@ -290,7 +292,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
   });
   if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, least_masses);
   for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
-  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, node);
+  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, least_masses[node], node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -39,6 +39,7 @@ public:
 
   // Of coarser nodes that this rank advances.
   virtual double MassOf(Index coarse) const = 0;                ///< of the points of both levels, kg; 0 beyond the grid
+  virtual double MovedMassOf(Index coarse) const = 0;           ///< the same, that its motion has at least, see LeastMassOf
   virtual Vec3 FreePart(Index coarse, Vec3 change) const = 0;   ///< what sides leave of a change of velocity
   virtual void Push(Index coarse, Vec3 change_of_velocity) = 0; ///< felt after Spread
   /// Gives the coarser nodes and those that hang on them what they were pushed by, and adds what these felt to `pushed`.

@@ -41,17 +41,21 @@ double MassOf(const ContactView &view, Index node)
   return own > view.mass_cutoff && view.shared ? own + view.shared[place].finer_mass : own;
 }
 
-static double LeastMassOf(const ContactView &view, Index node)
+/// One of the two arrays' mass of a node, kg.
+static double LeastMassOf(const ContactView &view, const double *masses, Index node)
 {
-  return view.least_masses ? view.least_masses[view.grid.Place(node)] : 0;
+  return masses ? masses[view.grid.Place(node)] : 0;
 }
 
-double MovedMassOf(const ContactView &view, Index node) { return std::max(MassOf(view, node), LeastMassOf(view, node)); }
+double MovedMassOf(const ContactView &view, Index node)
+{
+  return std::max(MassOf(view, node), LeastMassOf(view, view.least_masses, node));
+}
 
 Vec3 VelocityOf(const ContactView &view, Index node)
 {
   const NodeVelocity at = view.grid.Velocity(view.grid.Place(node));
-  const double lack = LackOf(LeastMassOf(view, node), MassOf(view, node));
+  const double lack = LackOf(LeastMassOf(view, view.later_masses, node), MassOf(view, node));
   Vec3 velocity{};
   for (int d = 0; d < view.geometry.Dim(); ++d) velocity[d] = at.velocity[d] - lack * at.change[d];
   return FreePart(view, node, velocity);
@@ -67,10 +71,12 @@ Vec3 FreePart(const ContactView &view, Index node, Vec3 change)
 void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report)
 {
   const std::ptrdiff_t place = view.grid.Place(node);
-  const Vec3 taken = FreePart(view, node, impulse), by = (1 / MassOf(view, node)) * taken;
+  const double mass = MassOf(view, node), lacks_later = LackOf(LeastMassOf(view, view.later_masses, node), mass),
+               lacks = LackOf(LeastMassOf(view, view.least_masses, node), mass);
+  const Vec3 taken = FreePart(view, node, impulse), by = (1 / mass) * taken;
   const auto [velocity, change] = view.grid.Velocity(place);
   for (int d = 0; d < view.geometry.Dim(); ++d) {
-    velocity[d] += by[d];
+    velocity[d] += (1 - lacks + lacks_later) * by[d];
     change[d] += by[d];
   }
   if (view.shared) view.shared[place].impulse = view.shared[place].impulse + taken;

@@ -19,7 +19,7 @@ double MassOf(const ContactView &view, const ContactCoupling &at)
 }
 double MovedMassOf(const ContactView &view, const ContactCoupling &at)
 {
-  return at.coarser ? view.border->MassOf(at.node) : MovedMassOf(view, at.node);
+  return at.coarser ? view.border->MovedMassOf(at.node) : MovedMassOf(view, at.node);
 }
 
 /// Calls work(first, end) for the couplings of each node, which stand together.

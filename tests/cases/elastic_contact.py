@@ -130,3 +130,20 @@ def test_ball_on_a_nearly_incompressible_body(expect):
     expect("load over that with the volume average, least", ratio.min(), at_least=0.9)
     expect("load over that with the volume average, largest", ratio.max(), at_most=1.1)
     expect("peak pressure likewise", peak.max(), at_most=1.1)
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(3, marks=pytest.mark.mpi)])
+@pytest.mark.parametrize("ratio", [2, 3])
+def test_metal_whose_surface_meets_a_line_across_a_border(expect, ranks, ratio):
+    """Nodes of little mass there once made the work twice in the rest that follows. Loads of metals on both levels are off by some
+    per cent still, where the surface is within a hundredth of a cell of the line: here by 2.4 % with a ratio of 2."""
+    metal = {"m_model": "j2", "m_yield_stress": 400e6, "m_hardening_modulus": 2e9}
+    case = {**CONFINED, **PLANE, **metal, "domain_lower": "0,0", "domain_upper": "12e-6,15e-6", "b_upper": "12e-6,12.25e-6",
+            "indenter_tip": "0,12.25e-6", "indenter_times": "0,5e-9,12.25e-9,17.25e-9", "end_time": 72e-9, "levels": 2, "refinement_ratio": ratio,
+            "level_1_lower": "6e-6,6e-6", "level_1_upper": "12e-6,15e-6"}
+    history = harness.run(case, ranks=ranks).history
+    one = harness.run({name: value for name, value in case.items() if not name.startswith(("level", "refinement"))}).history
+    rest = history["time"] > 60e-9
+    expect("load at rest over that on one level", numpy.mean(history["load"][rest]) / one["load"][-1], near=1, tolerance=0.03)
+    energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
+    expect("energy over work", energy[-1] / history["indenter_work"][-1], near=1, tolerance=0.03)

@@ -138,7 +138,7 @@ TEST(ContactSystem, ReckonsWithLeastMasses)
     grid.Velocity(k).change[1] = force / mass, grid.Velocity(k).velocity[1] = (p + force) / mass;
   }
   ContactView view = body.View();
-  view.least_masses = least_masses.data();
+  view.least_masses = view.later_masses = least_masses.data();
   ASSERT_EQ(system.Create(true, 0, {}), PETSC_SUCCESS);
   const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -0.7}, {0, -0.7}}, {{8, 9, 0}, 0, {0, -0.3}, {0, -0.3}}};
   const double gap = -1e-3;

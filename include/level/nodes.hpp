@@ -107,9 +107,9 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
 /// Mass that a node has at least in the motion that points are moved and strained by, kg: kLeastMass of a full node's, in
-/// proportion to the radius in axisymmetry. Forces on a node that
-/// points have just reached grow like their reach, and its mass like the square of that: what body, contact and tractions leave
-/// of each other would give it a velocity without bound, for contact, which reckons with it, and for strain by the new velocity.
+/// proportion to the radius in axisymmetry. Forces on a node that points have just reached grow like their reach, and its mass
+/// like the square of that: what body, contact and tractions leave of each other would give it a velocity without bound, for
+/// contact, which reckons with it, and for strain by the new velocity.
 double LeastMassOf(const Grid &grid, const NodalSettings &settings, bool hoop, Index node);
 /// The same of all local nodes by place.
 std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop);
@@ -140,9 +140,10 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
 /// extrapolation it is the new velocity itself. At nodes that are held, by place, the second velocity is the new one
 /// too; at those that follow the motion it is the new one, and what the second extrapolation would change of it.
-/// Adds up the impulse of sides on the projected velocities.
+/// later_masses: least ones, 0 where another level has a part in the motion. Adds up the impulse of sides on the projected
+/// velocities.
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<double> &least_masses, const std::vector<std::ptrdiff_t> &held,
-                 const std::vector<std::ptrdiff_t> &following, Budgets &budgets);
+                 const std::vector<double> &least_masses, const std::vector<double> &later_masses,
+                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets);
 
 } // namespace mlgimp

@@ -271,8 +271,8 @@ static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, 
 }
 
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                 const std::vector<double> &least_masses, const std::vector<std::ptrdiff_t> &held,
-                 const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
+                 const std::vector<double> &least_masses, const std::vector<double> &later_masses,
+                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
     constexpr int components = NodeLayout::Rates(dim);
@@ -290,7 +290,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, least_masses);
+  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, later_masses);
   for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
   for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, least_masses[node], node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);

@@ -31,8 +31,7 @@ struct ContactView {
   BorderNodes *border = nullptr;        ///< to the next coarser level, where there is one
   SharedNode *shared = nullptr;         ///< by place: nodes that also move the next finer level's; none where there is none
   const double *least_masses = nullptr; ///< by place, see LeastMasses, kg; none where there is none
-  const double *later_masses =
-      nullptr; ///< the same, 0 where another level has a part in the motion and velocities are that already
+  const double *later_masses = nullptr; ///< the same, 0 where velocities are already those of the motion: at borders
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all

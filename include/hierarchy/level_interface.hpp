@@ -142,7 +142,7 @@ private:
     double *const first = &array[static_cast<std::size_t>(velocity_size_) * k];
     return {first, first + velocity_size_ / 2};
   }
-  void Prolong();
+  void Prolong(double dt);
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;

@@ -159,7 +159,7 @@ public:
   const Grid &Mesh() const { return *grid_; }
   const LevelGeometry &Geometry() const { return geometry_; }
   const Model &Physics() const { return model_; }
-  double MassCutoff() const { return nodal_.mass_cutoff; }
+  const NodalSettings &Nodal() const { return nodal_; }
   /// See nodes.hpp; of any node of the level's grid, and of a local one by place.
   double LeastMass(Index node) const { return LeastMassOf(*grid_, nodal_, model_.geometry.HasHoop(), node); }
   double LeastMass(std::ptrdiff_t place) const { return least_masses_[place]; }

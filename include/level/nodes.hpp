@@ -117,9 +117,16 @@ std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings,
 /// The part of a change of velocity dv = dt f/m that a node's motion lacks by its least mass M: 1 - m/M of lighter nodes.
 inline double LackOf(double least_mass, double mass) { return mass < least_mass ? 1 - mass / least_mass : 0; }
 
-/// The velocities of nodes become p/m + dv m/max(m, M), that of the motion; the changes dv, by which points get momentum, stay.
-/// Not where M is zero: where another level has a part in the velocity, that part and its own are held back before they meet.
-void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+/// What the motion lacks of dv along an axis, of a node that had the velocity p/m: body forces are as small as the mass is.
+inline double Lacking(const NodalSettings &settings, double dt, double lack, int axis, double change, double old)
+{
+  return lack * (change - dt * (settings.gravity[axis] - settings.damping * old));
+}
+
+/// The velocities of nodes become p/m + dv m/max(m, M), but with all that body forces do, that of the motion; the changes dv, by
+/// which points get momentum, stay. Not where M is zero: where another level has a part in the velocity, that part and its own
+/// are held back before they meet.
+void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                         const std::vector<double> &least_masses);
 
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
@@ -142,7 +149,7 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
 /// too; at those that follow the motion it is the new one, and what the second extrapolation would change of it.
 /// later_masses: least ones, 0 where another level has a part in the motion. Adds up the impulse of sides on the projected
 /// velocities.
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                  const std::vector<double> &least_masses, const std::vector<double> &later_masses,
                  const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets);
 

@@ -73,7 +73,7 @@ PetscErrorCode LevelInterface::Advance(int substep, double dt)
   PetscCall(Restrict());
   AdvanceInterface(substep, dt);
   if (!knows_hats_) PetscCall(BroadcastVelocity(&velocity_));
-  Prolong();
+  Prolong(dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +119,7 @@ PetscErrorCode LevelInterface::Restrict()
 /// coarse points will get dv. The velocity is that of the motion, old + dv m/max(m, M).
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
-  const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->MassCutoff();
+  const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->Nodal().mass_cutoff;
   for (int k = 0; k < advanced_; ++k) {
     const double counts = k < owned_ ? 1 : 0; // in the budgets of one rank only
     NodeSums &coarse = coarse_sums_[k];
@@ -128,7 +128,7 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
     const double mass = coarse.mass + fine.mass;
     std::fill_n(now.velocity, velocity_size_, 0.0);
     if (mass <= cutoff) continue;
-    const double felt = 1 - LackOf(least_masses_[k], mass);
+    const double lack = LackOf(least_masses_[k], mass);
     const bool expects = mass > kLeastExpecting / kEmptyNode * cutoff;
     for (int axis = 0; axis < dim_; ++axis) {
       const double ahead = expects * extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
@@ -136,7 +136,8 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
       const double contact = expects * (contact_[k][axis] + left_[k][axis]) / ratio_;
       double dv = (dt * (coarse.force[axis] + ahead + fine.force[axis]) + contact) / mass;
       budgets_.stagger_impulse[axis] += counts * (dt * ahead + contact);
-      if (held_axes_[k] >> axis & 1) {
+      const bool held = held_axes_[k] >> axis & 1;
+      if (held) {
         budgets_.support_impulse[axis] -= counts * mass * (old + dv);
         dv = -old;
       } else {
@@ -144,7 +145,7 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
         to_share_[k].impulse[axis] += expects * contact_[k][axis] / ratio_;
       }
       coarse.momentum[axis] += coarse.mass * dv;
-      now.velocity[axis] = old + felt * dv;
+      now.velocity[axis] = old + dv - (held ? 0 : Lacking(coarse_->Nodal(), dt, lack, axis, dv, old));
       now.change[axis] = dv;
       mean.velocity[axis] += now.velocity[axis] / ratio_;
       mean.change[axis] += dv;
@@ -153,12 +154,13 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
 }
 
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i, where v is that of the motion.
-void LevelInterface::Prolong()
+void LevelInterface::Prolong(double dt)
 {
   for (const BlendNode &node : band_) {
     const auto [to, change] = fine_->Mesh().Velocity(node.node);
     const double lack = LackOf(fine_->LeastMass(node.node), fine_->Mesh().Sums()[node.node].mass);
-    for (int axis = 0; axis < dim_; ++axis) to[axis] -= lack * change[axis];
+    for (int axis = 0; axis < dim_; ++axis)
+      to[axis] -= Lacking(fine_->Nodal(), dt, lack, axis, change[axis], to[axis] - change[axis]);
     for (int c = 0; c < velocity_size_; ++c) {
       double sum = 0;
       for (int a = 0; a < node.count; ++a)

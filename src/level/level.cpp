@@ -163,7 +163,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
-  RestrainLightNodes(*grid_, geometry_.sides, nodal_, later_masses_);
+  RestrainLightNodes(*grid_, geometry_.sides, nodal_, dt, later_masses_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,7 +191,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, dt, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -108,8 +108,8 @@ void Level::FindFollowing(Vec3 tip)
 
 ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
 {
-  return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter,     model_.geometry,     nodal_.mass_cutoff,
-          time,   dt,     tip,     border_, shared_,         least_masses_.data(), later_masses_.data()};
+  return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter,     model_.geometry,      nodal_.mass_cutoff,
+          time,   dt,     tip,     border_, shared_,         least_masses_.data(), later_masses_.data(), &nodal_};
 }
 
 PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)

@@ -217,12 +217,13 @@ static void ForEachLight(const Grid &grid, const NodalSettings &settings, const 
   });
 }
 
-void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                         const std::vector<double> &least_masses)
 {
   ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double lack, auto dim) {
     const auto [velocity, change] = grid.Velocity(place);
-    for (int axis = 0; axis < dim; ++axis) velocity[axis] -= lack * change[axis];
+    for (int axis = 0; axis < dim; ++axis)
+      velocity[axis] -= Lacking(settings, dt, lack, axis, change[axis], velocity[axis] - change[axis]);
   });
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool) {
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
@@ -244,33 +245,37 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 /// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
 /// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
 /// as the surface that contact sees.
-static void FollowMotion(const Grid &grid, const NodalSettings &settings, double least_mass, std::ptrdiff_t node)
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, double dt, double least_mass, std::ptrdiff_t node)
 {
   const NodeSums &sums = grid.Sums()[node];
   const auto [motion, change] = grid.Velocity(node);
   double *const velocity = grid.Rates(node);
   const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
-  const double felt = 1 - LackOf(least_mass, sums.mass);
+  const double lack = LackOf(least_mass, sums.mass);
   for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
-    const double smoothed = smooths ? velocity[axis] - (sums.momentum[axis] / sums.mass + felt * change[axis]) : 0;
+    const double old = smooths ? sums.momentum[axis] / sums.mass : 0,
+                 own = old + change[axis] - Lacking(settings, dt, lack, axis, change[axis], old);
+    const double smoothed = smooths ? velocity[axis] - own : 0;
     velocity[axis] = motion[axis] + smoothed;
   }
 }
 
-/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it.
+/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it. Held ones lack nothing.
 static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses)
 {
-  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double lack, auto dim) {
-    const double *const change = grid.Velocity(place).change;
+  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double, auto dim) {
+    const auto [motion, change] = grid.Velocity(place);
+    const NodeSums &node = grid.Sums()[place];
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     for (int axis = 0; axis < dim; ++axis) {
-      projected[axis] += lack * change[axis];
-      if (settings.second_extrapolation) velocity[axis] += settings.xpic_fraction * lack * change[axis];
+      const double lacking = node.momentum[axis] / node.mass + change[axis] - motion[axis];
+      projected[axis] += lacking;
+      if (settings.second_extrapolation) velocity[axis] += settings.xpic_fraction * lacking;
     }
   });
 }
 
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                  const std::vector<double> &least_masses, const std::vector<double> &later_masses,
                  const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
 {
@@ -292,7 +297,7 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
   });
   if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, later_masses);
   for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
-  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, least_masses[node], node);
+  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, dt, least_masses[node], node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

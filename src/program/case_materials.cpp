@@ -87,9 +87,10 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
 void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
-  if (common.rate_scale > 1)
-    reader.WarnLater("-rate_scale " + FormatNumber(common.rate_scale) +
-                     ": the simulation is slower than the test; is it its time over that of the test? 1e-8 where 100 ns stand for 10 s");
+  if (common.rate_scale > 1 && !none([](const auto &material) { return material->RateScale() > 0; }))
+    reader.WarnLater(
+        "-rate_scale " + FormatNumber(common.rate_scale) +
+        ": the simulation is slower than the test; is it its time over that of the test? 1e-8 where 100 ns stand for 10 s");
   if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->RateScale() > 0; }))
     reader.WarnLater("-rate_scale " + FormatNumber(common.rate_scale) + ": changes nothing, as no material knows a rate");
   if (common.initial_temperature != Constants().initial_temperature &&

@@ -143,7 +143,7 @@ TEST(ContactSystem, ReckonsWithLeastMasses)
   const std::vector<ContactCoupling> couplings = {{{8, 8, 0}, 0, {0, -0.7}, {0, -0.7}}, {{8, 9, 0}, 0, {0, -0.3}, {0, -0.3}}};
   const double gap = -1e-3;
   ASSERT_EQ(system.Solve(view, {{0, gap}}, couplings, kAnyToAny, &report), PETSC_SUCCESS);
-  RestrainLightNodes(grid, body.sides, NodalSettings(), least_masses);
+  RestrainLightNodes(grid, body.sides, NodalSettings(), 0, least_masses);
   const double approach =
       -0.7 * grid.Velocity(grid.Place({8, 8, 0})).velocity[1] - 0.3 * grid.Velocity(grid.Place({8, 9, 0})).velocity[1];
   EXPECT_NEAR(gap + view.dt * approach, 0, 1e-12);

@@ -42,7 +42,7 @@ std::array<double, 2> Restrained(double mass, Index node, bool hoop, bool held_b
   EXPECT_EQ(Fill(&grid, mass), PETSC_SUCCESS);
   std::vector<double> least_masses = LeastMasses(grid, settings, hoop);
   if (held_back) least_masses[grid.Place(node)] = 0;
-  RestrainLightNodes(grid, sides, settings, least_masses);
+  RestrainLightNodes(grid, sides, settings, 0, least_masses);
   const auto [velocity, change] = grid.Velocity(grid.Place(node));
   EXPECT_EQ(change[1], 2);
   return {velocity[0], velocity[1]};

@@ -32,6 +32,7 @@ struct ContactView {
   SharedNode *shared = nullptr;         ///< by place: nodes that also move the next finer level's; none where there is none
   const double *least_masses = nullptr; ///< by place, see LeastMasses, kg; none where there is none
   const double *later_masses = nullptr; ///< the same, 0 where velocities are already those of the motion: at borders
+  const NodalSettings *nodal = nullptr; ///< body forces, of which the motion lacks nothing; none where there is none
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all

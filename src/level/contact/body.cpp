@@ -56,8 +56,10 @@ Vec3 VelocityOf(const ContactView &view, Index node)
 {
   const NodeVelocity at = view.grid.Velocity(view.grid.Place(node));
   const double lack = LackOf(LeastMassOf(view, view.later_masses, node), MassOf(view, node));
+  const NodalSettings settings = lack > 0 && view.nodal ? *view.nodal : NodalSettings();
   Vec3 velocity{};
-  for (int d = 0; d < view.geometry.Dim(); ++d) velocity[d] = at.velocity[d] - lack * at.change[d];
+  for (int d = 0; d < view.geometry.Dim(); ++d)
+    velocity[d] = at.velocity[d] - Lacking(settings, view.dt, lack, d, at.change[d], at.velocity[d] - at.change[d]);
   return FreePart(view, node, velocity);
 }
 

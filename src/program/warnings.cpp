@@ -77,8 +77,8 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
-/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where the
-/// surface there comes to a line of nodes, those with little mass are not held back, and may make energy.
+/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where
+/// the surface there comes to a line of nodes, points may still split, and make energy.
 std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
 {
   const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);

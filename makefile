@@ -16,7 +16,7 @@ CXXFLAGS ?= -O1 -g1 $(ARCH) -fsanitize=address,undefined -fno-sanitize-recover=u
 BUILD    ?= build/sanitize
 BIN      ?= bin/sanitize
 else
-CXXFLAGS ?= -O3 -g $(ARCH)
+CXXFLAGS ?= -O3 -g1 $(ARCH)
 BUILD    ?= build
 BIN      ?= bin
 endif

@@ -1,4 +1,5 @@
 """What pytest is told about this project: expectations that go on, unit programs, studies, and the last line."""
+import os
 import pathlib
 import re
 import subprocess
@@ -9,6 +10,13 @@ import pytest
 import harness
 
 RANKS = {False: (1,), True: (1, 3)}  # of unit tests: those whose suite ends in OnRanks run on several
+
+
+def pytest_configure(config):
+    """Each process that -n has started keeps to a core of its own: ranks that wait for each other would take those of the rest."""
+    if hasattr(config, "workerinput") and hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, {cores[int(config.workerinput["workerid"].removeprefix("gw")) % len(cores)]})
 
 
 # ---- expectations ----

@@ -55,19 +55,18 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
     largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N"
     write_options(file, groups, f"Indentation of {law} by {tip}, {largest}, written by mlgimp.indent. All values are SI.\n"
                                 "docs/options.md explains each option.")
-    run_of = {"options_file": file, **{name: value for group in groups for name, value in group.items() if name == "output_dir"}}
     try:
-        return run(run_of, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
+        return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
     except Error:
-        if is_new and not has_begun(run_of):
+        if is_new and not has_begun(file):
             Path(file).unlink()  # so that the call may be put right and made again
         raise
 
 
-def has_begun(run_of):
+def has_begun(file):
     """Whether the run of an options file has written a history since the file was written."""
-    history = output_folder(run_of) / "history.csv"
-    return history.exists() and history.stat().st_mtime_ns >= Path(run_of["options_file"]).stat().st_mtime_ns
+    history = output_folder({"options_file": file}) / "history.csv"
+    return history.exists() and history.stat().st_mtime_ns >= Path(file).stat().st_mtime_ns
 
 
 def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3,

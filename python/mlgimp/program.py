@@ -39,14 +39,17 @@ def run(options, ranks=1, *, progress=None, **more):
     if not isinstance(options, (str, os.PathLike, Mapping)):
         raise checks.refusal("options", options, "the path of an options file, or a dict of options")
     values = {**(options if isinstance(options, Mapping) else {"options_file": options}), **more}
+    for name in {"options_file", "output_dir"} & values.keys():
+        checks.path(name, values[name])
     execute(values, ranks, is_watched() if progress is None else progress, warn)
     return read(output_folder(values))
 
 
 def output_folder(options):
-    """Returns the folder to which a run with these options writes."""
+    """Returns the folder to which a run with these options writes: the one they name, or their file names, or that of its name."""
     file = options.get("options_file")
-    return Path(options.get("output_dir") or Path("output") / (Path(file).stem if file else "run"))
+    given = {**(text.read_options(file) if file else {}), **options}.get("output_dir")
+    return Path(given or Path("output") / (Path(file).stem if file else "run"))
 
 
 def execute(options, ranks=1, progress=False, tell=lambda line: None):

@@ -297,15 +297,28 @@ def wrong_of_handmade(case, whole, variants, tmp_path, ranks):
     return wrong
 
 
-def test_handmade_checkpoints(tmp_path):
-    """Each is refused by one line: every other on one rank, a part on three, as one and as three ranks have written them."""
+def wrong_on_ranks(tmp_path, every, on_three):
+    """The same of each `every`-th variant on one rank, and of each `on_three`-th on three, as one and as three ranks have written them."""
     variants = list(handmade())
     assert len(variants) >= 200
     whole = checkpoint_of(TINY, tmp_path / "made")
     by_three = checkpoint_of({**TINY, "points_per_rank": "1"}, tmp_path / "three", ranks=3)
-    assert not wrong_of_handmade(TINY, whole, variants[::2], tmp_path, 1)
-    assert not wrong_of_handmade(TINY, whole, variants[::14], tmp_path, 3)
-    assert not wrong_of_handmade({**TINY, "points_per_rank": "1"}, by_three, variants[7::14], tmp_path, 3)
+    return (wrong_of_handmade(TINY, whole, variants[::every], tmp_path, 1)
+            + wrong_of_handmade(TINY, whole, variants[::on_three], tmp_path, 3)
+            + wrong_of_handmade({**TINY, "points_per_rank": "1"}, by_three, variants[on_three // 2 :: on_three], tmp_path, 3))
+
+
+def test_handmade_checkpoints(tmp_path):
+    assert not wrong_on_ranks(tmp_path, 3, 45)
+
+
+def verify_handmade(study, tmp_path):
+    """Checkpoints with senseless contents.
+
+    Numbers, shapes and types that no run would write, with right checksums: each must be refused by one line, on one rank and on three.
+    """
+    wrong = wrong_on_ranks(tmp_path, 1, 1)
+    study.expect(f"checkpoints with senseless contents that are taken, of {len(list(handmade()))}", len(wrong), at_most=0)
 
 
 def test_handmade_checkpoints_of_levels(tmp_path):

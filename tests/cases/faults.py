@@ -221,7 +221,7 @@ def test_damaged_checkpoint(expect):
     wrong = []
     for number, (name, bytes_now) in enumerate(damages):
         damaged.write_bytes(bytes_now)
-        problem = problem_of_refusal(case, damaged, 3 if number % 8 == 0 else 1, folder)
+        problem = problem_of_refusal(case, damaged, 3 if number % 16 == 0 else 1, folder)
         if problem:
             wrong.append(f"{name}: {problem}")
     expect.that(f"damaged checkpoints: {len(damages)} refused", not wrong, " || ".join(wrong)[:1000])

@@ -94,9 +94,9 @@ def test_levels_ranks_and_restart(expect, name):
     history = runs[1].history
     difference, column = largest_difference(runs[3].history, history)
     expect(f"history on three ranks (worst column {column})", difference, at_most=1e-9)
-    for ranks in (1, 3):
-        step = next(step for step in range(15, 1000, 15) if history["time"][step] > SHORT[1] + 5)
-        assert history["time"][step] < SHORT[2]
+    step = next(step for step in range(15, 1000, 15) if history["time"][step] > SHORT[1] + 5)
+    assert history["time"][step] < SHORT[2]
+    for ranks in (1, 3) if name == "cone" else (3,):
         again = harness.run({**case, "restart": runs[ranks].folder / f"checkpoint_{step:06d}.h5"}, ranks=ranks)
         expect.that(f"from the hold on, {ranks} ranks: to the last bit", rows_after(again.folder, 0) == rows_after(runs[ranks].folder, step))
     again = harness.run({**case, "restart": runs[3].folder / f"checkpoint_{step:06d}.h5"}, ranks=2)

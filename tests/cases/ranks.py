@@ -160,7 +160,8 @@ def test_something_happens(expect, name):
 
 
 @pytest.mark.parametrize("name, ranks", [(name, ranks) for name in CASES for ranks in RANKS
-                                         if name in ("collision", "levels, nodes") or ranks in (3, 8)])  # all: verify_ranks
+                                         if name in ("collision", "levels, nodes")
+                                         or ranks in ((3, 4) if name == "ball, merging" else (3, 8))])  # all: verify_ranks
 def test_same(expect, name, ranks):
     case, same = CASES[name]
     result = harness.run(case, ranks=ranks)

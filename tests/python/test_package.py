@@ -210,6 +210,19 @@ def test_what_is_not_there(tmp_path, monkeypatch):
         mlgimp.run(PRESS, np.int64(1))
 
 
+def test_where_results_go(tmp_path, monkeypatch):
+    """The folder that the call names, or else the options file, or else one of the file's name in output/."""
+    monkeypatch.chdir(tmp_path)
+    case = {**PRESS, "frames": 0, "max_steps": 1}
+    options.write_options("said.opts", {**case, "output_dir": "there"})
+    options.write_options("plain.opts", case)
+    found = [mlgimp.run("said.opts"), mlgimp.run("said.opts", output_dir="here"), mlgimp.run("plain.opts"), mlgimp.run(case)]
+    assert [str(results.folder) for results in found] == ["there", "here", "output/plain", "output/run"]
+    for more in ({"output_dir": 3}, {"options_file": 3}):
+        with pytest.raises(mlgimp.Error, match="=3: must be the path of a file or folder"):
+            mlgimp.run({**case, **more})
+
+
 def test_bar(capsys):
     show_bar(1, 3, "1 of 3")
     assert capsys.readouterr().out == "\r[##########....................] 1 of 3   "

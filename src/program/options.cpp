@@ -269,6 +269,8 @@ void OptionReader::RefuseUnused() const
   for (const std::string &unused : FindUnused()) {
     if (std::find(known_.begin(), known_.end(), unused) != known_.end())
       mlgimp::Refuse(Shortened(unused) + ": is not used in this case");
+    if (unused.find('=') != std::string::npos)
+      mlgimp::Refuse(Shortened(unused) + ": a blank must be between an option's name and its value, not =");
     const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
       return EditDistance(unused, a) < EditDistance(unused, b);
     });

@@ -248,6 +248,8 @@ TEST(Options, WhatNothingReads)
   EXPECT_EQ(Refusal("-cell_size 1", read), "");
   EXPECT_EQ(Refusal("-cell_siez 1", read),
             "-cell_siez: nothing reads this option in this case; the nearest known name is -cell_size");
+  EXPECT_EQ(Refusal("-thickness=2 -cell_size 1", read),
+            "-thickness=2: a blank must be between an option's name and its value, not =");
 }
 
 /// 1 and 1.0 are the same case; what does not count for it is left out.

@@ -45,6 +45,8 @@ public:
 
   /// While on (the default), options count for the identity of the case that a restart checks.
   void Identify(bool on) { identify_ = on; }
+  /// What the program itself has chosen for an option that was not given, for the identity.
+  void Chosen(const std::string &name, double value);
   /// "name value" of every option that counts for the identity.
   const std::vector<std::string> &Identity() const { return identity_; }
 

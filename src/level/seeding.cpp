@@ -133,14 +133,16 @@ int Seeding::FaceBits(const Seed &seed) const
   return bits;
 }
 
-/// The part of a tile's face that lies within the span of a load.
-static double ShareOf(const Load &load, const Tile &tile, int dim)
+/// The part of the area of a tile's face that lies within the span of a load.
+static double ShareOf(const Load &load, const Tile &tile, const Geometry &geometry)
 {
   double share = 1;
-  for (int k = 0; k < dim - 1; ++k) {
+  for (int k = 0; k < geometry.Dim() - 1; ++k) {
     const int along = TangentAxis(load.side, k);
-    const double half = tile.half_size[along], start = tile.center[along] - half, end = tile.center[along] + half;
-    const double part = (std::min(end, load.span[k][1]) - std::max(start, load.span[k][0])) / (2 * half);
+    const double half = tile.half_size[along], center = tile.center[along];
+    const double start = std::max(center - half, load.span[k][0]), end = std::min(center + half, load.span[k][1]);
+    const double radius = geometry.HasHoop() && along == 0 ? 0.5 * (start + end) / center : 1; // of the part, of that of the face
+    const double part = radius * (end - start) / (2 * half);
     share *= part < kRounding ? 0 : part > 1 - kRounding ? 1 : part;
   }
   return share;
@@ -170,7 +172,7 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
   for (int k = 0; k < a.loads; ++k) {
     const Load &load = model_.loads[k];
     const bool acts = load.body == seed.body && a.faces[p] & OuterFaceBit(load.side);
-    a.load_share[PointArrays::At(p, a.loads) + k] = acts ? ShareOf(load, seed.tile, dim) : 0;
+    a.load_share[PointArrays::At(p, a.loads) + k] = acts ? ShareOf(load, seed.tile, model_.geometry) : 0;
   }
   if (!a.history) return;
   std::fill_n(a.history + PointArrays::At(p, a.history_components), a.history_components, 0.0);

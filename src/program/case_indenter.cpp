@@ -265,6 +265,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
   if (!c->model.contact.own_width) c->model.contact.width = DefaultContactWidth(*c);
+  reader.Chosen("-contact_width", c->model.contact.width);
   CheckIndenterInput(reader, *c, kind);
 }
 

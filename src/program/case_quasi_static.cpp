@@ -234,6 +234,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   if (plan.own_damping) damping = (HasMetal(*c) ? kMetalDampingRatio : kDampingRatio) * critical;
   plan.damping_ratio = damping / critical;
   if (plan.own_xpic) c->model.nodal.xpic_fraction = kXpicFraction;
+  reader.Chosen("-damping", damping);
+  reader.Chosen("-xpic_fraction", c->model.nodal.xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
   const auto &materials = c->model.materials;

@@ -159,6 +159,12 @@ void OptionReader::NumberOrInfinity(const OptionText &option, const Range &range
   if (identify_) identity_.back() = option.name + " " + FormatNumber(*value);
 }
 
+void OptionReader::Chosen(const std::string &name, double value)
+{
+  for (std::string &one : identity_)
+    if (one.rfind(name + " ", 0) == 0) one = name + " " + FormatNumber(value);
+}
+
 static std::string FormatNumbers(const std::vector<double> &values)
 {
   std::vector<std::string> words;

@@ -25,6 +25,9 @@ double SideArea(Side side, Vec3 size, int dim)
   return area;
 }
 
+/// Circumference at a radius, m; 1 where there is no axis.
+double RoundAxis(const Geometry &geometry, double radius) { return geometry.HasHoop() ? geometry.OutOfPlane(radius) : 1; }
+
 /// Sums of all bodies, and the area of the faces that each load acts on. Collective.
 void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *bodies, std::vector<double> *loads)
 {
@@ -39,7 +42,11 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
       const auto area = [&](int s) { return SideArea(static_cast<Side>(s), 2 * a.HalfSize(p), a.dim); };
       for (int s = 0; s < 2 * a.dim; ++s)
         if (a.faces[p] & OuterFaceBit(static_cast<Side>(s))) body.faces[s] += area(s);
-      for (int k = 0; k < a.loads; ++k) (*loads)[k] += a.load_share[PointArrays::At(p, a.loads) + k] * area(model.loads[k].side);
+      for (int k = 0; k < a.loads; ++k) {
+        const Side side = model.loads[k].side;
+        const double x = a.Position(p)[0] + (AxisOf(side) == 0 ? SignOf(side) * a.HalfSize(p)[0] : 0);
+        (*loads)[k] += a.load_share[PointArrays::At(p, a.loads) + k] * area(side) * RoundAxis(model.geometry, x);
+      }
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, bodies->data(), static_cast<int>(bodies->size() * sizeof(BodySums) / sizeof(double)), MPI_DOUBLE,
@@ -141,29 +148,30 @@ void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<
                       FormatRounded(std::sqrt(2 * thinnest)));
 }
 
-/// area: of the faces that the load acts on, m2 (m in the plane).
+/// area: of the faces that the load acts on, m2 (in plane strain by its thickness, m).
 void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::string> *warnings)
 {
   const Load &load = c.model.loads[k];
   const Body &body = c.model.bodies[load.body];
   const Box bounds = body.region->Bounds();
-  const std::string name = c.load_names[k], start = "-loads " + name + ": ", unit = c.Dim() == 3 ? " m2" : " m";
-  double wanted = 1, largest_edge = 0;
+  const std::string name = c.load_names[k], start = "-loads " + name + ": ", unit = c.model.geometry.kind == GeometryKind::kPlaneStrain ? " m" : " m2";
+  const double farthest = RoundAxis(c.model.geometry, bounds.upper[0]);
+  double wanted = AxisOf(load.side) == 0 ? RoundAxis(c.model.geometry, bounds.At(load.side)) : 1, largest_edge = 0;
   std::string beyond; // what the user gave where it reaches beyond the side
   if (area == 0) Refuse(start + "must cover a free face of body " + body.name + "; see its side and span");
   if (!body.region->IsBox()) return;
   for (int t = 0; t < c.Dim() - 1; ++t) {
     const int along = TangentAxis(load.side, t);
     const double *const span = load.span[t];
-    const double part = std::min(bounds.upper[along], span[1]) - std::max(bounds.lower[along], span[0]);
+    const double from = std::max(bounds.lower[along], span[0]), to = std::min(bounds.upper[along], span[1]), part = to - from;
     const double first = std::isfinite(span[0]) ? span[0] : bounds.lower[along];
     const double last = std::isfinite(span[1]) ? span[1] : bounds.upper[along];
     if (last - first > part + 2 * kRounding * c.cell_size)
       beyond += (beyond.empty() ? "" : ",") + FormatNumber(first) + "," + FormatNumber(last);
-    wanted *= part;
+    wanted *= part * (along == 0 ? RoundAxis(c.model.geometry, 0.5 * (from + to)) : 1);
     largest_edge = std::max(largest_edge, part);
   }
-  const double tolerance = 2 * kRounding * c.cell_size * (c.Dim() == 3 ? 2 * largest_edge : 1);
+  const double tolerance = 2 * kRounding * c.cell_size * (c.Dim() == 3 ? 2 * largest_edge : farthest);
   if (IsFree(c, load.body, load.side) && !(std::abs(area - wanted) < tolerance))
     Refuse(start + "must act on " + FormatNumber(wanted) + unit + " of body " + body.name + "; the faces it acts on add up to " +
            FormatNumber(area) + unit);

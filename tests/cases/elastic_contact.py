@@ -147,3 +147,34 @@ def test_metal_whose_surface_meets_a_line_across_a_border(expect, ranks, ratio):
     expect("load at rest over that on one level", numpy.mean(history["load"][rest]) / one["load"][-1], near=1, tolerance=0.03)
     energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
     expect("energy over work", energy[-1] / history["indenter_work"][-1], near=1, tolerance=0.03)
+
+
+# A ridge two cells high on a block, and in space a pillar, under a punch that is wider.
+RIDGE = {"cell_size": 1, "domain_lower": "-12,0", "domain_upper": "12,18", "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
+         "boundary_y_lower": "symmetry", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block,ridge",
+         "block_lower": "-12,0", "block_upper": "12,12", "indenter": "flat_punch", "indenter_width": 12, "indenter_times": 0,
+         "indenter_velocities": 2e-3, "indenter_max_depth": 0.2, "damping": 0.1, "frames": 0, "history_interval": 10}
+PILLAR = {**RIDGE, "geometry": "3d", "domain_lower": "-6,-6,0", "domain_upper": "6,6,12", "boundary_z_lower": "symmetry", "block_lower": "-6,-6,0",
+          "block_upper": "6,6,6", "indenter_width": None, "indenter_radius": 5, "block_points_per_cell": 1, "ridge_points_per_cell": 1}
+
+
+def test_ridge(expect):
+    """The foot of a step is in the columns of its edge, and must not let go of them: half a cell beside the lines there was no load at all."""
+    def pressed(half, middle, **more):
+        return harness.run({**RIDGE, "ridge_lower": (middle - half, 12), "ridge_upper": (middle + half, 14), "indenter_tip": (middle, 14), **more}).history
+    for half in (1, 2):
+        fine = pressed(half, 0.0, cell_size=0.5)
+        for middle in (0.0, 0.25, 0.5):
+            history = pressed(half, middle)
+            expect(f"ridge of {2 * half} cells at {middle}: load over that on cells half as large", history["load"][-1] / fine["load"][-1], near=1, tolerance=0.05)
+            expect(f"ridge of {2 * half} cells at {middle}: area of contact, of its width", history["contact_area"][-1] / (2 * half), near=1, tolerance=0.03)
+
+
+def test_pillar(expect):
+    loads = []
+    for middle in (0.0, 0.5):
+        ends = {"ridge_lower": (middle - 2, middle - 2, 6), "ridge_upper": (middle + 2, middle + 2, 8), "indenter_tip": (middle, middle, 8)}
+        history = harness.run({name: value for name, value in {**PILLAR, **ends}.items() if value is not None}).history
+        loads.append(history["load"][-1])
+        expect(f"pillar at {middle}: area of contact, of that of 16 cells", history["contact_area"][-1] / 16, near=1, tolerance=0.06)
+    expect("load half a cell beside, of that on the lines", loads[1] / loads[0], near=1, tolerance=0.03)

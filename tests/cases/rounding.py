@@ -15,7 +15,8 @@ def run(lengths, unit=1.0, shift=(0.0, 0.0), **words):
     """A case whose lengths, pairs of which are places, are given in a unit, after a shift; masses and times stay."""
     moved = {name: [unit * (v + (shift[k % 2] if len(values) > 1 else 0)) for k, v in enumerate(values)]
              for name, values in lengths.items()}
-    return harness.run({**WORDS, "al_youngs_modulus": 1e9 / unit, "al_density": 1000 / unit**3, "thickness": unit, **words, **moved})
+    case = {**WORDS, "al_youngs_modulus": 1e9 / unit, "al_density": 1000 / unit**3, "thickness": unit, **words, **moved}
+    return harness.run({name: value for name, value in case.items() if value is not None})
 
 
 def column(result, name):
@@ -186,6 +187,19 @@ def test_span_of_a_load(span, unit):
     result = run(moved, unit, loads="p", p_side="y_upper", p_times=0, p_pressures=1e3 / unit, block_points_per_cell=1)
     length = min(span[1], 8) - max(span[0], 0)
     assert column(result, "load_impulse_y") == pytest.approx(-1e3 * length * unit * result.history["time"][-1], rel=SAME)
+
+
+@pytest.mark.parametrize("side, span", [("y_upper", (0.0, 0.2)), ("y_upper", (0.0, 1.2)), ("y_upper", (2.8, 6.5)), ("y_upper", (-1.0, 2.3)), ("x_upper", (1.3, 4.7))])
+@pytest.mark.parametrize("levels", [1, 2])
+def test_ring_of_a_load(side, span, levels):
+    """In axisymmetry on the area of a ring, also where the span ends within a point's face."""
+    case = {**BLOCK, "p_span": span, "level_1_lower": [0, 2], "level_1_upper": [4, 12]} if levels == 2 else {**BLOCK, "p_span": span}
+    result = run(case, geometry="axisymmetric", thickness=None, levels=levels, loads="p", p_side=side, p_times=0, p_pressures=1e-3)
+    from_, to = max(span[0], 0), min(span[1], 8)
+    area = numpy.pi * (to**2 - from_**2) if side == "y_upper" else 2 * numpy.pi * 8 * (to - from_)
+    history = result.history
+    impulse = history["load_impulse_y"] if side == "y_upper" else history["load_impulse_x"]
+    assert impulse[-1] == pytest.approx(-1e-3 * area * history["time"][-1], rel=1e-10)
 
 
 def test_half_width_with_a_column_at_the_tip():

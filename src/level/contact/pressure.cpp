@@ -35,6 +35,16 @@ double PressedShare(const ContactView &view, const SurfaceGap &gap)
   return std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
 }
 
+/// The largest gap with which a segment counts, m: that of the last column that may be in contact, and what the surface leans away
+/// from the indenter across its kernel. What is farther is another surface, as the foot of a step or what lies below a bridge, whose
+/// gap would let go of the column.
+double LargestGap(const ContactView &view, const SurfaceSegment &segment, Vec3 normal)
+{
+  const double facing = Dot(segment.normal, normal) / (Norm(segment.normal) * Norm(normal)),
+               slope = std::sqrt(std::max(0.0, 1 - facing * facing)), across = 2 * std::sqrt(view.geometry.Dim() - 1.0);
+  return std::min(kContactRange, kCandidateGap + across * slope) * view.grid.Geometry().spacing;
+}
+
 /// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
 /// contact and brings it to the next with a gap of hundredths of a cell; closed in a step it would be a blow, the harder the
 /// shorter the step. What is more than the tip moves closes with kRelease of the speed of sound.
@@ -144,7 +154,7 @@ private:
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
         const double area = s.area * (metal ? 1 : PressedShare(view, gap));
-        if (area > 0 && Faces(s, gap.normal) && IsHere(view, place.cell))
+        if (area > 0 && Faces(s, gap.normal) && gap.distance <= LargestGap(view, s, gap.normal) && IsHere(view, place.cell))
           segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound});
       }
       points_.push_back({p, segments_.size()});

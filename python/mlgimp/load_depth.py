@@ -1,5 +1,6 @@
 """Load-depth curves of runs and of measurements, in the units of the laboratory: mN, um, s; and the cycles in them."""
 
+import codecs
 import math
 import re
 from collections import namedtuple
@@ -174,14 +175,15 @@ def rows_of_approach(depth, load):
 def read_table(path, wanted):
     """Returns the numbers of a text in the columns with these names or numbers, [rows][columns].
 
-    Columns are parted by semicolons, tabs, commas or spaces, whichever the last line has first; beside semicolons and tabs a comma is
+    Columns are parted by semicolons, tabs, commas or spaces, whichever the last row has first; beside semicolons and tabs a comma is
     a decimal point. Lines above the first row may have the names, also those that begin with #; other columns may hold words.
     """
     lines = [(number, line.strip(" ").lstrip("#")) for number, line in enumerate(read_text(path).splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line.strip()]
     if not lines:
         raise ResultError(path, "is empty")
-    mark = next((mark for mark in ";\t," if mark in lines[-1][1].strip()), None)
+    marks = [mark_of(line) for _, line in reversed(lines) if is_row(line.split(mark_of(line)), mark_of(line))]
+    mark = marks[0] if marks else mark_of(lines[-1][1])
     lines = [(number, [word.strip().strip('"') for word in line.split(mark)]) for number, line in lines]
     widths = [len(words) for _, words in lines if is_row(words, mark)]
     if not widths:
@@ -197,17 +199,22 @@ def read_table(path, wanted):
 
 
 def read_text(path):
-    """Returns a file's text, in UTF-8 or as older programs for Windows write it."""
+    """Returns a file's text, in UTF-8, in UTF-16 with its mark, or as older programs for Windows write it."""
     try:
         content = Path(path).read_bytes()
     except OSError as problem:
         raise ResultError(path, f"cannot be read as text ({problem.strerror})") from None
-    for encoding in ("utf-8-sig", "cp1252"):
+    for encoding in ("utf-16",) if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else ("utf-8-sig", "cp1252"):
         try:
             return content.decode(encoding)
         except ValueError:
             pass
     raise ResultError(path, "cannot be read as text (no text)")
+
+
+def mark_of(line):
+    """Returns what parts the columns of a line; None for spaces."""
+    return next((mark for mark in ";\t," if mark in line.strip()), None)
 
 
 def to_number(word, mark):

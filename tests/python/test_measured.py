@@ -39,12 +39,20 @@ def with_clock(text, mark=","):
     (with_clock(text_of(*metal()).replace(",", " "), " ").encode(), "depth:um"), (with_clock(text_of(*metal())).encode(), "2:um"),
     (text_of(*metal()).replace("\n", ",loading\n").encode(), "depth:um"),
     (b"# A ball of 2 um pressed 100 nm\n" + text_of(*metal(), mark=" ", head="depth load\n").encode(), "depth:um"),
-], ids=["Windows", "UTF-8", "a comma more", "times of day", "with spaces", "by its number", "words", "numbers in a remark"])
+    (text_of(*metal(), head="Depth (\N{MICRO SIGN}m),load\n").encode("utf-16"), "Depth (\N{MICRO SIGN}m):um"),
+], ids=["Windows", "UTF-8", "a comma more", "times of day", "with spaces", "by its number", "words", "numbers in a remark", "UTF-16"])
 def test_texts_of_instruments(tmp_path, content, depth):
     """Only the columns that are asked for need be numbers."""
     (tmp_path / "m.txt").write_bytes(content)
     read = load_depth.read_measured(tmp_path / "m.txt", depth)
     assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
+
+
+def test_a_line_below_the_rows_is_told(tmp_path):
+    """What parts the columns is what parts them in a row, not there."""
+    (tmp_path / "m.csv").write_text(text_of(*metal()) + "Test finished OK\n")
+    with pytest.raises(mlgimp.Error, match="line 801 is no row of numbers: it has 'Test finished OK' in column 1"):
+        load_depth.read_measured(tmp_path / "m.csv")
 
 
 def test_rows_of_the_approach(tmp_path, expect):

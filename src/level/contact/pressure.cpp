@@ -35,9 +35,9 @@ double PressedShare(const ContactView &view, const SurfaceGap &gap)
   return std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
 }
 
-/// The largest gap with which a segment counts, m: that of the last column that may be in contact, and what the surface leans away
-/// from the indenter across its kernel. What is farther is another surface, as the foot of a step or what lies below a bridge, whose
-/// gap would let go of the column.
+/// The largest gap with which a segment counts, m: that of the last column that may be in contact, and what the surface leans
+/// away from the indenter across its kernel. What is farther is another surface, as the foot of a step or what lies below a
+/// bridge, whose gap would let go of the column.
 double LargestGap(const ContactView &view, const SurfaceSegment &segment, Vec3 normal)
 {
   const double facing = Dot(segment.normal, normal) / (Norm(segment.normal) * Norm(normal)),

@@ -131,11 +131,11 @@ $(BUILD)/%.tidy: %.cpp .clang-tidy
 # The scripts find the program, the options and the Python package beside them, as they do here.
 SHARE = $(DESTDIR)$(PREFIX)/share
 install: $(BIN)/mlgimp
-	install -D $< $(DESTDIR)$(PREFIX)/bin/mlgimp
-	install -d $(SHARE)/mlgimp $(SHARE)/man/man1
-	tar c --exclude=__pycache__ options scripts $(wildcard python) | tar x --no-same-owner -C $(SHARE)/mlgimp
-	ln -sfn ../../bin $(SHARE)/mlgimp/bin
-	MLGIMP_BIN=$(BIN) $(PYTHON) scripts/man_page.py > $(SHARE)/man/man1/mlgimp.1
+	install -D $< "$(DESTDIR)$(PREFIX)/bin/mlgimp"
+	install -d "$(SHARE)/mlgimp" "$(SHARE)/man/man1"
+	tar c --exclude=__pycache__ options scripts $(wildcard python) | tar x --no-same-owner -C "$(SHARE)/mlgimp"
+	ln -sfn ../../bin "$(SHARE)/mlgimp/bin"
+	MLGIMP_BIN=$(BIN) $(PYTHON) scripts/man_page.py > "$(SHARE)/man/man1/mlgimp.1"
 
 clean:
 	rm -rf build bin

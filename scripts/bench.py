@@ -9,6 +9,7 @@ its sweeps move stream, and that in which the core issues its instructions at si
 figure is a median, with least and greatest. The row of two runs at once, which know nothing of each other, tells what two
 ranks could gain. Results go to a temporary folder.
 """
+import argparse
 import concurrent.futures
 import json
 import os
@@ -19,6 +20,7 @@ import tempfile
 
 import numpy as np
 
+from command import Parser
 from log_view import LogView
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -274,6 +276,7 @@ def level_balance_rows():
 
 
 def main():
+    Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     print(f"{'':40s} {'median (least .. greatest)':28s} {'unit':18s} {'goal':8s} ratio")
     runs = sweep_rows()
     share_rows(runs)

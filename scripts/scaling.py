@@ -14,13 +14,12 @@ imbalance - 1, which is that of whole layers of nodes, grows as sqrt(f).
 Efficiency is points * POINT_SECONDS / T, summed over levels. Contact is what its root does alone. The prediction is from
 the largest number of ranks counted; with fewer than 16 a rank has too few neighbours.
 """
+import argparse
 import sys
 from math import log2, sqrt
 
 from bench import Run, block, case
-from command import command, whole_number_from
-
-from mlgimp.errors import Error
+from command import Parser, command, whole_number_from
 
 LATENCY, BANDWIDTH = 2e-6, 10e9  # s, bytes/s
 POINT_SECONDS = 60e-9            # one core, default scheme, from `make bench`
@@ -71,17 +70,18 @@ def count_row(name, levels, ranks):
               f"{level['imbalance']:9.3f} {level['messages']:8.1f} {level['bytes'] / 1e3:8.1f} {level['reductions']:11.2f}", flush=True)
 
 
-def numbers_of_ranks(words):
-    """The numbers of ranks that the command line asks for."""
+def number_of_ranks(word):
     try:
-        return list(map(whole_number_from(1), words)) or [2, 4, 8, 16]
+        return whole_number_from(1)(word)
     except ValueError:
-        raise Error(f"{' '.join(words)}: must be whole numbers of ranks >= 1") from None
+        raise argparse.ArgumentTypeError(f"{word}: must be a whole number >= 1") from None
 
 
 @command
 def main(words):
-    numbers = numbers_of_ranks(words)
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("ranks", nargs="*", type=number_of_ranks, default=[2, 4, 8, 16], metavar="RANKS")
+    numbers = parser.parse_args(words).ranks
     cases = {"one level": block(500, STEPS, points_per_rank=1),
              "five levels": case("multiscale_5level", max_steps=STEPS, frames=0)}
     print("case         ranks level  used   points imbalance messages       kB collectives")

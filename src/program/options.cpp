@@ -107,7 +107,7 @@ void OptionReader::Flag(const OptionText &option, bool *value)
   const std::set<std::string> yes = {"", "1", "true", "yes", "on"}, no = {"0", "false", "no", "off"};
   std::string text;
   if (!Raw(option, *value ? "true" : "false", &text)) return;
-  if (!yes.count(text) && !no.count(text)) Refuse(option.name, text, "true or false");
+  if (!yes.count(text) && !no.count(text)) Refuse(option.name, text, "true or false (or yes, no, on, off, 1, 0)");
   *value = yes.count(text) > 0;
 }
 

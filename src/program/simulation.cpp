@@ -113,14 +113,17 @@ void Simulation::CheckStep(double speed)
   const double scale = TimeScale(speed), limit = kLargestCfl * scale, step = StepLength(speed),
                left = time.end_time - state_.time;
   const bool by_damping = scale < case_.cell_size / speed;
+  const std::string end = "-end_time " + FormatNumber(time.end_time);
   constexpr double kMostSteps = 1e15; // far fewer than a double counts, far more than a machine makes
   if (time.time_step > limit)
     FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
                  (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
                  (state_.step > start_step_ ? " by now" : ""));
   if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMostSteps * step)))
-    FailOrRefuse("-end_time " + FormatNumber(time.end_time) + ": must be in reach; a step is " + FormatRounded(step) +
-                 " s at time " + FormatRounded(state_.time) + " s, with a speed of " + FormatRounded(speed) + " m/s");
+    FailOrRefuse((time.time_step > 0 ? "-time_step " + FormatNumber(time.time_step) + ": must bring " + end + " in reach"
+                                     : end + ": must be in reach") +
+                 "; a step is " + FormatRounded(step) + " s at time " + FormatRounded(state_.time) + " s, with a speed of " +
+                 FormatRounded(speed) + " m/s");
 }
 
 /// A line about a level that has moved, ended or begun.

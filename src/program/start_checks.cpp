@@ -154,7 +154,8 @@ void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::strin
   const Load &load = c.model.loads[k];
   const Body &body = c.model.bodies[load.body];
   const Box bounds = body.region->Bounds();
-  const std::string name = c.load_names[k], start = "-loads " + name + ": ", unit = c.model.geometry.kind == GeometryKind::kPlaneStrain ? " m" : " m2";
+  const std::string name = c.load_names[k], start = "-loads " + name + ": ",
+                    unit = c.model.geometry.kind == GeometryKind::kPlaneStrain ? " m" : " m2";
   const double farthest = RoundAxis(c.model.geometry, bounds.upper[0]);
   double wanted = AxisOf(load.side) == 0 ? RoundAxis(c.model.geometry, bounds.At(load.side)) : 1, largest_edge = 0;
   std::string beyond; // what the user gave where it reaches beyond the side

@@ -128,7 +128,7 @@ def kill_all(expect, count):
 
 @pytest.mark.slow
 def test_kill(expect):
-    kill_all(expect, KILLS // 8)
+    kill_all(expect, KILLS // 10)
 
 
 def verify_kill(study):

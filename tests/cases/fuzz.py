@@ -209,7 +209,7 @@ def test_memory(tmp_path, ranks):
 
 @pytest.mark.slow
 def test_fuzz(expect):
-    fuzz(expect, 60, 1)
+    fuzz(expect, 40, 1)
 
 
 def verify_fuzz(study):

@@ -67,6 +67,6 @@ def test_errors_that_the_other_ranks_do_not_know(tmp_path):
     """An error of PETSc, an exception or no memory on one rank, while the others wait for it."""
     places = places_of(CASE, tmp_path / "run")
     wrong = []
-    for kind, some in (("error", places[::12]), ("exception", places[6:10:2]), ("memory", places[7:8])):
+    for kind, some in (("error", places[::24]), ("exception", places[6:10:2]), ("memory", places[7:8])):
         wrong += wrong_of(CASE, tmp_path / "fails", some, kind)
     assert not wrong

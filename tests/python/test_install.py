@@ -7,7 +7,7 @@ import options_doc
 
 
 def test_install(tmp_path):
-    prefix, program = tmp_path / "prefix", harness.BIN.relative_to(harness.ROOT) / "mlgimp"
+    prefix, program = tmp_path / "a prefix", harness.BIN.relative_to(harness.ROOT) / "mlgimp"
     environment = {**harness.environment(1), "MAKEFLAGS": ""}
     subprocess.run(["make", "-s", "-o", str(program), f"BIN={program.parent}", f"PREFIX={prefix}", "install"], cwd=harness.ROOT,
                    env=environment, check=True, timeout=60)

@@ -213,7 +213,7 @@ TEST(Options, WordsAndFlags)
   EXPECT_FALSE(on);
   EXPECT_EQ(Refusal("-on", flag), "");
   EXPECT_TRUE(on);
-  EXPECT_EQ(Refusal("-on maybe", flag), "-on maybe: must be true or false");
+  EXPECT_EQ(Refusal("-on maybe", flag), "-on maybe: must be true or false (or yes, no, on, off, 1, 0)");
 }
 
 TEST(Options, Names)

@@ -142,7 +142,7 @@ static double ShareOf(const Load &load, const Tile &tile, const Geometry &geomet
     const double half = tile.half_size[along], center = tile.center[along];
     const double start = std::max(center - half, load.span[k][0]), end = std::min(center + half, load.span[k][1]);
     const double radius = geometry.HasHoop() && along == 0 ? 0.5 * (start + end) / center : 1; // of the part, of that of the face
-    const double part = radius * (end - start) / (2 * half);
+    const double part = radius * std::max(0.0, end - start) / (2 * half);
     share *= part < kRounding ? 0 : part > 1 - kRounding ? 1 : part;
   }
   return share;

@@ -202,6 +202,14 @@ def test_ring_of_a_load(side, span, levels):
     assert impulse[-1] == pytest.approx(-1e-3 * area * history["time"][-1], rel=1e-10)
 
 
+@pytest.mark.parametrize("span", [(-3.0, -1.0), (9.0, 10.0)])
+@pytest.mark.parametrize("geometry", ["plane_strain", "axisymmetric"])
+def test_span_beside_the_body(span, geometry):
+    words = {**WORDS, **BLOCK, "al_youngs_modulus": 1e9, "al_density": 1000, "geometry": geometry, "loads": "p", "p_side": "y_upper", "p_times": 0,
+             "p_pressures": 1, "p_span": span}
+    assert "-loads p: must cover a free face of body block" in harness.run(words, must_succeed=False).stderr
+
+
 def test_half_width_with_a_column_at_the_tip():
     """The column at the tip counts on both sides, whatever rounding says of it."""
     case = {**BLOCK, "block_lower": [1, 1], "block_upper": [11, 8], "indenter_tip": [6, 8]}

@@ -197,8 +197,8 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
     reader.Text({prefix + "body", "name of the body (default: the only one, else required)"}, bodies.size() > 1, &body);
     load.body = FindName(reader, prefix + "body", bodies, "-bodies", body);
     load.side = static_cast<Side>(reader.Choice({prefix + "side", "side of the body"}, sides, &side));
-    reader.Numbers({prefix + "span", "start,end along the side, in 3d two pairs (default: the whole side)", "m"}, kAnyNumber, numbers, numbers,
-                   false, &span);
+    reader.Numbers({prefix + "span", "start,end along the side, in 3d two pairs (default: the whole side)", "m"}, kAnyNumber,
+                   numbers, numbers, false, &span);
     std::copy_n(span.begin(), numbers, &load.span[0][0]);
     for (int k = 0; k < c->Dim() - 1; ++k)
       if (!(load.span[k][1] > load.span[k][0]))

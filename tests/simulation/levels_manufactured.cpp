@@ -187,8 +187,8 @@ PetscErrorCode Table(int n)
 
 PetscErrorCode TestOrder(const Case &levels, const Scheme &scheme, int last)
 {
-  const std::string name = std::string("manufactured, ") + levels.name + ", " + scheme.name + ": order, n = 16.." +
-                           std::to_string(last) + ", of the ";
+  const std::string name =
+      std::string("manufactured, ") + levels.name + ", " + scheme.name + ": order, n = 16.." + std::to_string(last) + ", of the ";
   const double doublings = std::log2(last / 16.0);
   Errors coarse, fine;
   PetscFunctionBeginUser;

@@ -148,8 +148,8 @@ def test_options_file(tmp_path, content):
 # ---- all ----
 
 def test_scaling_of_no_ranks():
-    for word in ("nosuch.opts", "0", "-help"):
-        assert f"{word}: must be whole numbers of ranks" in refusal(scaling.main, word)
+    for word in ("nosuch.opts", "0"):
+        assert f"{word}: must be a whole number >= 1" in refusal(scaling.main, word)
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

@@ -182,8 +182,8 @@ def read_table(path, wanted):
     lines = [(number, line) for number, line in lines if line.strip()]
     if not lines:
         raise ResultError(path, "is empty")
-    marks = [mark_of(line) for _, line in reversed(lines) if is_row(line.split(mark_of(line)), mark_of(line))]
-    mark = marks[0] if marks else mark_of(lines[-1][1])
+    rows = (line for _, line in reversed(lines) if is_row(line.split(mark_of(line)), mark_of(line)))
+    mark = mark_of(next(rows, lines[-1][1]))
     lines = [(number, [word.strip().strip('"') for word in line.split(mark)]) for number, line in lines]
     widths = [len(words) for _, words in lines if is_row(words, mark)]
     if not widths:

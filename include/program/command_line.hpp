@@ -14,7 +14,8 @@ struct CommandLine {
   std::vector<std::string> words; ///< "-name", "value", ...; what comes later overrides
   std::string name;               ///< of the last options file, without folder and ending; "run" where there is none
   std::string problem;            ///< one line, or empty
-  bool help = false;              ///< -help was among the words, and is there no more
+  bool help = false;              ///< -help, --help or -h was among the words, and is there no more
+  bool version = false;           ///< -version or --version was, likewise
 };
 
 /// Reads it on the first rank and gives it to all. Call after MPI_Init, before PetscInitialize. Collective.

@@ -15,8 +15,6 @@
 namespace mlgimp
 {
 
-inline constexpr const char *kVersion = "0.2";
-
 class Simulation
 {
 public:

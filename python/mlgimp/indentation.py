@@ -84,6 +84,9 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     tolerance: share of the load that inertia and damping may add; the time of the run goes like its inverse.
     options: other options, which count more, as {"damping": 1e7}.
     """
+    options = checks.mapping("options", options or {})
+    if "geometry" in options:
+        raise Error("options: geometry must be given as the argument geometry, which grid and tip follow")
     if (depth is None) == (load is None):
         raise Error("depth, load: one of them must be given")
     goal = checked({"depth": depth} if load is None else {"load": load})
@@ -110,7 +113,7 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
         {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
         {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
     ]
-    return overridden(groups, checks.mapping("options", options or {}))
+    return overridden(groups, options)
 
 
 def overridden(groups, options):

@@ -14,6 +14,7 @@ from .errors import Error, ResultError
 WINDOW = (0.5, 0.97)  # of the load at the start of the unloading: the part that is fitted
 LEAST_ROWS = 5  # in the window
 HARDNESS = (1e-6, 200)  # GPa, of gels and of diamond
+ROUNDING = 1e-4  # of the depth: what a fit's iteration leaves
 EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have 1 (flat punch) to 2 (cone)
 
 Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
@@ -30,9 +31,13 @@ RULES = {  # for Constants
     "tip_poisson": POISSON,
 }
 
-Unloading = namedtuple("Unloading", "depth load stiffness stiffness_error exponent final_depth residual rows")
+Unloading = namedtuple("Unloading", "depth load stiffness stiffness_error exponent final_depth residual rows raised")
 Unloading.__doc__ = """Where an unloading begins (um, mN), its stiffness there with the standard error of the fit (mN/um), m and hf of
-P = A (h - hf)^m, the fit's root mean square residual over the load, and the rows that were fitted."""
+P = A (h - hf)^m, the fit's root mean square residual over the load, the rows that were fitted, and how far above the surface hf
+came out (um) before it was held there."""
+
+PowerLaw = namedtuple("PowerLaw", "load slope exponent error residual raised")
+PowerLaw.__doc__ = "What fit_power_law() finds: P1, S with its standard error, m, root mean square residual, and how far hf was below zero."
 
 
 def checked_constants(**given):
@@ -47,7 +52,8 @@ def checked_constants(**given):
 def fit_unloading(curve, cycle, window=WINDOW):
     """Returns the Unloading of a cycle: least squares of P = A (h - hf)^m over the rows from the upper to the lower load of the window.
 
-    The unknowns are load and slope at the largest depth h1, and m: P = P1 (1 + S (h - h1)/(m P1))^m, hf = h1 - m P1/S.
+    The unknowns are load and slope at the largest depth h1, and m: P = P1 (1 + S (h - h1)/(m P1))^m, hf = h1 - m P1/S. A tip
+    touches nothing above the surface that it first met: where hf came out below zero, it is zero, and S = m P1/h1.
     """
     top_depth, top_load = np.mean(curve.depth[cycle.hold]), np.mean(curve.load[cycle.hold])
     rows = slice(cycle.start, cycle.end + 1)
@@ -62,20 +68,33 @@ def fit_unloading(curve, cycle, window=WINDOW):
     if not travel > 0:
         raise ResultError(curve.name, "the tip does not go back in the fitted part of the unloading")
 
+    law = fit_power_law(depth / travel, share, top_depth / travel)
+    stiffness, error = (slope / travel * top_load for slope in (law.slope, law.error))
+    first = cycle.start + fitted.start
+    return Unloading(top_depth, top_load, stiffness, error, law.exponent, top_depth - law.exponent * law.load / law.slope * travel,
+                     law.residual, slice(first, first + len(share)), law.raised * travel)
+
+
+def fit_power_law(depth, share, deepest):
+    """Returns the PowerLaw of shares of the load at depths from the largest, `deepest`, which is above zero."""
     def law(depth, load, slope, exponent):
         return load * np.maximum(1 + slope * depth / (exponent * load), 0) ** exponent
 
-    scaled = depth / travel
-    line = max(np.polyfit(scaled, share, 1)[0], 1e-3)
+    def held_law(depth, load, exponent):
+        return law(depth, load, exponent * load / deepest, exponent)
+
+    (least, most), raised = EXPONENTS, 0.0
+    line = max(np.polyfit(depth, share, 1)[0], 1e-3)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of a covariance that is not known where m is at its limit
-        (load, slope, exponent), covariance = curve_fit(law, scaled, share, (1.0, line, 1.5), bounds=((0.1, 1e-6, EXPONENTS[0]), (10, np.inf, EXPONENTS[1])))
-    residual = np.sqrt(np.mean((law(scaled, load, slope, exponent) - share) ** 2))
-    stiffness = slope / travel * top_load
-    error = math.sqrt(covariance[1, 1]) / travel * top_load
-    first = cycle.start + fitted.start
-    return Unloading(top_depth, top_load, stiffness, error, exponent, top_depth - exponent * load * top_load / stiffness, residual,
-                     slice(first, first + len(share)))
+        (load, slope, exponent), covariance = curve_fit(law, depth, share, (1.0, line, 1.5), bounds=((0.1, 1e-6, least), (10, np.inf, most)))
+        by = np.array([0, 1, 0])  # derivatives of the slope
+        if 0 < deepest * (1 + ROUNDING) < exponent * load / slope:
+            raised = exponent * load / slope - deepest
+            (load, exponent), covariance = curve_fit(held_law, depth, share, (1.0, 1.5), bounds=((0.1, least), (10, most)))
+            slope, by = exponent * load / deepest, np.array([exponent, load]) / deepest
+    residual = np.sqrt(np.mean((law(depth, load, slope, exponent) - share) ** 2))
+    return PowerLaw(load, slope, exponent, math.sqrt(by @ covariance @ by), residual, raised)
 
 
 def fitted_load(fit, depth):
@@ -155,6 +174,9 @@ def doubts(curve, cycle, fit, row):
         yield f"a hardness of {row['hardness_GPa']:.3g} GPa is that of no solid: are the units of depth and load right?"
     if fit.residual > 0.02:
         yield f"the unloading differs from its fit by {100 * fit.residual:.1f} % of the load"
+    if fit.raised > 0.05 * fit.depth:
+        yield (f"the unloading by itself points at {fit.raised:.3g} um above the surface, and is fitted with a final depth of 0: "
+               "is the zero of depths right, and are cells (or rows) enough?")
     if abs(fitted_load(fit, fit.depth) / fit.load - 1) > 0.05:
         yield f"the fitted curve has {100 * fitted_load(fit, fit.depth) / fit.load:.0f} % of the load at its start: hold before the unloading, and begin it slowly"
     if fit.stiffness_error > 0.05 * fit.stiffness:

@@ -145,12 +145,12 @@ std::string Parse(int argc, char **argv, CommandLine *line)
   return "";
 }
 
-/// Takes -help, without a value, out of the words; whether it was there.
-bool TakeHelp(std::vector<std::string> *words)
+/// Takes words of these, without a value, out of the others; whether one was there.
+bool Take(const std::set<std::string> &names, std::vector<std::string> *words)
 {
   const std::size_t before = words->size();
   for (std::size_t k = words->size(); k-- > 0;)
-    if ((*words)[k] == "-help" && (k + 1 == words->size() || IsOptionName((*words)[k + 1]))) words->erase(words->begin() + k);
+    if (names.count((*words)[k]) && (k + 1 == words->size() || IsOptionName((*words)[k + 1]))) words->erase(words->begin() + k);
   return words->size() < before;
 }
 
@@ -165,7 +165,8 @@ CommandLine ReadCommandLine(int argc, char **argv)
   line.name = ShareText(MPI_COMM_WORLD, line.name);
   line.problem = ShareText(MPI_COMM_WORLD, line.problem);
   line.words = words.empty() ? std::vector<std::string>() : Split(words, '\0');
-  line.help = TakeHelp(&line.words);
+  line.help = Take({"-help", "--help", "-h"}, &line.words);
+  line.version = Take({"-version", "--version"}, &line.words);
   return line;
 }
 

@@ -6,6 +6,7 @@
 #include "program/hdf5_file.hpp"
 #include "program/signals.hpp"
 #include "program/simulation.hpp"
+#include "program/versions.hpp"
 
 #include <csignal>
 #include <cstdio>
@@ -90,6 +91,12 @@ int main(int argc, char **argv)
   MPI_Init(&argc, &argv);
   const int rank = RankIn(MPI_COMM_WORLD);
   CommandLine line = ReadCommandLine(argc, argv);
+  if (line.version && line.problem.empty()) {
+    for (const auto &[name, version] : Versions())
+      if (rank == 0) std::printf("%s %s\n", name.c_str(), version.c_str());
+    MPI_Finalize();
+    return 0;
+  }
   if (argc == 1 || !line.problem.empty()) {
     if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
     if (rank == 0 && argc > 1) std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line.problem).c_str());

@@ -3,7 +3,7 @@
 
 #include "program/agree.hpp"
 #include "program/files.hpp"
-#include "program/hdf5_file.hpp"
+#include "program/versions.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -46,19 +46,11 @@ double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent even
   return seconds;
 }
 
-Json Versions()
+Json VersionsJson()
 {
-  unsigned major, minor, release;
-  int length;
-  char library[MPI_MAX_LIBRARY_VERSION_STRING];
-  const auto join = [](auto a, auto b, auto c) { return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c); };
-  H5get_libversion(&major, &minor, &release);
-  MPI_Get_library_version(library, &length);
-  const std::string name(library, std::min<std::size_t>(std::string(library).find(','), static_cast<std::size_t>(length)));
-  return {{"mlgimp", kVersion},
-          {"PETSc", join(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
-          {"MPI", name},
-          {"HDF5", join(major, minor, release)}};
+  Json json;
+  for (const auto &[name, version] : Versions()) json[name] = version;
+  return json;
 }
 
 Json LevelJson(const Level &level, double points, double largest, double time_step)
@@ -183,7 +175,7 @@ std::string Simulation::WriteSummary(const std::string &status)
   if (case_.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state_.moves, case_.Dim());
   json["warnings"] = warnings_.Lines();
   json["options"] = OptionsJson(case_.identity);
-  json["versions"] = Versions();
+  json["versions"] = VersionsJson();
   return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
     return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   });

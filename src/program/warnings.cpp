@@ -34,11 +34,11 @@ std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &
 }
 
 /// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
-std::string OfViscosity(const Case &c, const Budgets &budgets, const Watched &)
+std::string OfViscosity(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kGiven = 0.01; // of what bodies have taken; energy of strain is below zero by rounding where there is none
   const double energy = budgets.kinetic_energy + std::abs(budgets.strain_energy) + budgets.plastic_work;
-  if (budgets.short_wave_dissipation >= -kGiven * energy) return "";
+  if (budgets.short_wave_dissipation >= -kGiven * std::max(energy, watched.given)) return "";
   return "-short_wave_viscosity " + FormatNumber(c.model.short_wave.a) + "," + FormatNumber(c.model.short_wave.b) +
          ": has given " + FormatRounded(-budgets.short_wave_dissipation) + " J" + When(budgets) +
          " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";

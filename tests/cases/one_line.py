@@ -6,6 +6,8 @@ import resource
 import signal
 import subprocess
 
+import pytest
+
 import harness
 from safety import BLOCK, start, ended, refused, succeeds, wait_for
 
@@ -133,6 +135,14 @@ def test_usage(tmp_path):
         done = subprocess.run(harness.command([], ranks), capture_output=True, text=True, env=harness.environment(ranks), timeout=30)
         text = "\n".join(harness.lines_of(done.stderr))
         assert done.returncode == 1 and "-options_file" in text and "-help" in text and len(text) < 500
+
+
+@pytest.mark.parametrize("word", ["-version", "--version"])
+def test_version(word):
+    done = subprocess.run(harness.command([word], 2), capture_output=True, text=True, env=harness.environment(2), timeout=30)
+    lines = done.stdout.splitlines()
+    assert done.returncode == 0 and not harness.lines_of(done.stderr)
+    assert [line.split()[0] for line in lines] == ["mlgimp", "PETSc", "MPI", "HDF5"]
 
 
 def test_summary_is_json(tmp_path):

@@ -196,9 +196,9 @@ def test_memory(expect):
 
 
 def test_help(expect):
-    for ranks in (2, 1):
-        done = subprocess.run(harness.command(["-help"], ranks), capture_output=True, text=True, env=harness.ENVIRONMENT)
-        expect.that(f"-help: status, {ranks} ranks", done.returncode == 0 and not done.stderr, done.stderr[:200])
+    for word, ranks in (("--help", 2), ("-h", 1), ("-help", 1)):
+        done = subprocess.run(harness.command([word], ranks), capture_output=True, text=True, env=harness.ENVIRONMENT)
+        expect.that(f"{word}: status, {ranks} ranks", done.returncode == 0 and not done.stderr, done.stderr[:200])
     absent = []
     for option, expected in OPTIONS.items():
         lines = [line for line in done.stdout.splitlines() if re.match(rf"\s*-{option}\b", line)]

@@ -289,6 +289,7 @@ def test_cases_are_accepted(tmp_path, law, case):
     (dict(METAL, depth=1e-7, unload="no"), "unload=no: must be True or False"),
     (dict(METAL, depth=1e-7, overwrite="no"), "overwrite=no"),
     (dict(METAL, depth=1e-7, options=[1]), "options=.*: must be a dict"),
+    (dict(METAL, depth=1e-7, options={"geometry": "3d"}), "options: geometry must be given as the argument"),
     (dict(METAL, depth=1e-7, tip=["cone"]), "tip=.*: must be one of cone"),
     (dict(METAL, depth=1e-7, tip="sphere", radius=1e-6, tip_radius=1e-8), "tip_radius: must be left out for tip=sphere"),
     (dict(METAL, depth=1e-7, block=2), "block=2"), (dict(METAL, depth=1e-7, hardening="power"), "hardening_exponent: must be given")])
@@ -333,7 +334,7 @@ def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
 
 def test_version():
     """The package has the program's version."""
-    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "include/program/simulation.hpp").read_text())[1]
+    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "src/program/versions.cpp").read_text())[1]
     assert f'version = "{version}"' in (harness.ROOT / "pyproject.toml").read_text()
 
 

@@ -175,6 +175,7 @@ void Simulation::Run()
   for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Progress();
+  frames_before_ = state_.frames - FramesDue();
   if (state_.step == 0) {
     NoteRow();
     CheckWritten(WriteRows());
@@ -217,10 +218,15 @@ void Simulation::FollowBoxes()
     EndOn(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
 
-void Simulation::WriteFrameDue()
+int Simulation::FramesDue() const
 {
   const int all = case_.output.frames;
-  const int frame = AtEnd() ? all : static_cast<int>(std::floor(Progress() * all * (1 + 1e-9)));
+  return AtEnd() ? all : static_cast<int>(std::floor(Progress() * all * (1 + 1e-9)));
+}
+
+void Simulation::WriteFrameDue()
+{
+  const int frame = frames_before_ + FramesDue();
   if (frame <= state_.frames) return;
   CheckWritten(WriteRows());
   SettleFailure();

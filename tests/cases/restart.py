@@ -2,6 +2,7 @@
 import shutil
 import xml.etree.ElementTree
 
+import h5py
 import pytest
 
 import harness
@@ -116,6 +117,23 @@ def test_same_folder(expect):
         expect_same(expect, name, again, whole)
         expect_series(expect, name, folder, CASE["frames"])
         expect.that(f"{name}: every row once", list(again.history["step"]) == list(whole.history["step"]))
+
+
+@pytest.mark.parametrize("other, times", [({"frames": 4}, (0.75, 1)), ({"frames": 16}, (0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.9375, 1)),
+                                          ({"end_time": 2}, (0.75, 1, 1.25, 1.5, 1.75, 2))], ids=["fewer", "more", "later end"])
+def test_frames_go_on(expect, other, times):
+    """With another number of frames, or another end, those that follow have the next numbers, at the times of the case as it is now."""
+    case = {**CASE, "checkpoint_interval": 1}
+    whole = harness.run(case)
+    end, step = whole.history["time"][-1], whole.history["time"][1]
+    middle = int(whole.history["step"][whole.history["time"] >= 0.5 * end][0])
+    if "end_time" in other:
+        other = {"end_time": other["end_time"] * end}
+    harness.run({**case, **other, "restart": whole.folder / f"checkpoint_{middle:06d}.h5"}, folder=whole.folder)
+    expect_series(expect, "frames of both", whole.folder, 4 + len(times))
+    for number, time in enumerate(times, start=5):
+        with h5py.File(whole.folder / f"points_{number:06d}.h5") as frame:
+            expect(f"time of frame {number}, steps", (frame.attrs["time"] - time * end) / step, near=0, tolerance=1)
 
 
 @pytest.mark.parametrize("damping, told", [(60, False), (100, True)])

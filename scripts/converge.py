@@ -33,6 +33,7 @@ from mlgimp.program import execute
 Study = namedtuple("Study", "file refine quantity depth maximum place ranks")
 Resolution = namedtuple("Resolution", "cell_size folder points steps value")
 METHOD_ORDER = 2
+ROUNDING = 1e-6  # of the largest depth, in which a run is some digits short
 STRESSES = {**fields.STRESS_COLUMN, "yz": 4, "xz": 5}
 NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
 COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
@@ -99,7 +100,7 @@ def history_value(folder, own):
         return values[-1]
     way_in = slice(0, np.argmax(history["depth"]) + 1)
     depths = history["depth"][way_in]
-    if not depths[0] <= own.depth <= depths[-1]:
+    if not depths[0] <= own.depth <= depths[-1] * (1 + ROUNDING):
         raise Error(f"-depth {own.depth:g}: must be in [{depths[0]:g}, {depths[-1]:g}], as the run went")
     return np.interp(own.depth, depths, values[way_in])
 

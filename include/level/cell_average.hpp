@@ -74,7 +74,7 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
 {
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
-  CellSums *const cells = grid.Cells(b.average), *cell = cells + parts.cell[0];
+  CellSums *const cells = grid.Cells(b.average), *cell = cells;
   CellSums sum = *cell;
   for (int p = 0; p < b.count; ++p) {
     if (cell != cells + parts.cell[p]) {

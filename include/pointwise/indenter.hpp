@@ -50,6 +50,9 @@ std::unique_ptr<IndenterSurface> CreateFlatPunch(GeometryKind geometry, double r
 /// round.
 std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices);
 bool IsConvex(const std::vector<Vec3> &vertices);
+
+/// Vertices of a polygon without those that lie, to rounding, on the line between their neighbours.
+std::vector<Vec3> CornersOf(const std::vector<Vec3> &vertices);
 /// Of space, the tip down: faces at half_angle from the axis, the first with its normal at the angle `turn` from x about
 /// the axis, all in degrees. With a tip radius: all within that radius of such a pyramid, so that edges are round as well.
 std::unique_ptr<IndenterSurface> CreatePyramid(double half_angle, int faces, double turn, double tip_radius);

@@ -9,14 +9,16 @@ def gallery(directory, number=None, window=None):
     """Returns the pictures of a result folder as {name: function that draws it and returns a matplotlib Figure}.
 
     number: frame, by default the last, and for the pressure of contact that of the largest load. window: (xmin, xmax, ymin, ymax)
-    in m, "near" for the finest level, None for all that there is.
+    in m, "near" for the finest level, None for all that there is. Of a run without frames there are those of the history.
     """
     history, title = results.read_history(directory), results.case_name(directory)
-    panel = fields.read_panel(directory, number)
-    window = fields.window_of([panel], window)
     drawn = {}
     if results.has_indenter(history):
         drawn["load_depth"] = lambda: pictures.load_depth(history, title)
+    if number is None and not results.numbered_frames(directory):
+        return drawn | {"energy": lambda: pictures.energy(history, title)}
+    panel = fields.read_panel(directory, number)
+    window = fields.window_of([panel], window)
     if results.has_indenter(history) and "contact_pressure" in panel.points:
         drawn["contact_pressure"] = lambda: surface.contact_pressure(directory, number)
     for component in components_of(panel):

@@ -6,7 +6,7 @@ from pathlib import Path
 from . import checks, tips
 from .checks import Rule
 from .errors import Error
-from .options import write_options
+from .options import named, write_options
 from .program import output_folder, run
 
 RATIO = 4  # of cells of neighbouring levels
@@ -84,7 +84,7 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     tolerance: share of the load that inertia and damping may add; the time of the run goes like its inverse.
     options: other options, which count more, as {"damping": 1e7}.
     """
-    options = checks.mapping("options", options or {})
+    options = named(checks.mapping("options", options or {}))
     if "geometry" in options:
         raise Error("options: geometry must be given as the argument geometry, which grid and tip follow")
     if (depth is None) == (load is None):

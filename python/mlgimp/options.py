@@ -5,7 +5,6 @@ Values may be numbers, texts, True and False, sequences of numbers or texts (vec
 
 import os
 import re
-import shlex
 from pathlib import Path
 
 from .errors import Error
@@ -35,11 +34,11 @@ def to_words(options):
 
 
 def of_words(words):
-    """Returns the options of a command line; values are texts, and None for a flag."""
+    """Returns the options of a command line by their names in small letters; values are texts, and None for a flag."""
     options, name = {}, None
     for word in words:
         if re.match(r"-[A-Za-z]", word):
-            name = word[1:]
+            name = word[1:].lower()
             options[name] = None
         elif name is None or options[name] is not None:
             raise Error(f"{word}: must follow an option")
@@ -48,13 +47,28 @@ def of_words(words):
     return options
 
 
+def named(options):
+    """Returns options by their names in small letters, since capitals make no difference to the program."""
+    small = {}
+    for name, value in options.items():
+        if not isinstance(name, str) or not re.match(r"[A-Za-z]", name):
+            raise Error(f"{name}: must be an option's name without its dash")
+        if name.lower() in small:
+            raise Error(f"{name}: must be given once; capitals make no difference")
+        small[name.lower()] = value
+    return small
+
+
 def read_options(path):
     """Returns the options of an options file; values are texts, and None for a flag."""
     try:
-        words = shlex.split(Path(path).read_text(), comments=True)
+        lines = Path(path).read_text().splitlines()
     except (OSError, ValueError) as problem:
         raise Error(f"{path}: must be a text of options ({problem})") from None
-    return of_words(words)
+    try:
+        return of_words(word for line in lines for word in line.partition("#")[0].split())
+    except Error as problem:
+        raise Error(f"{path}: {problem}") from None
 
 
 def write_options(path, options, comment=""):
@@ -66,12 +80,19 @@ def write_options(path, options, comment=""):
     lines = [f"# {line}".rstrip() for line in comment.splitlines()]
     for group in groups:
         lines += [""] * bool(lines)
-        lines += [" ".join(map(shlex.quote, to_words({name: value}))) for name, value in group.items()]
+        lines += [line_of(*to_words({name: value})) for name, value in group.items()]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         Path(path).write_text("\n".join(lines) + "\n")
     except OSError as problem:
         raise Error(f"{path}: cannot be written ({problem.strerror})") from None
+
+
+def line_of(name, value=""):
+    """Returns a line of an options file, as the program reads it: blanks part words, and # begins a comment."""
+    if re.search(r"[\s#]", value):
+        raise Error(f"{name} {value}: must have neither blanks nor # in an options file")
+    return f"{name} {value}".rstrip()
 
 
 def number_of(options, name, default):

@@ -38,7 +38,7 @@ def run(options, ranks=1, *, progress=None, **more):
     """
     if not isinstance(options, (str, os.PathLike, Mapping)):
         raise checks.refusal("options", options, "the path of an options file, or a dict of options")
-    values = {**(options if isinstance(options, Mapping) else {"options_file": options}), **more}
+    values = {**text.named(options if isinstance(options, Mapping) else {"options_file": options}), **text.named(more)}
     for name in {"options_file", "output_dir"} & values.keys():
         checks.path(name, values[name])
     execute(values, ranks, is_watched() if progress is None else progress, warn)

@@ -265,6 +265,18 @@ std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertice
   return std::make_unique<ConvexPolygon>(vertices);
 }
 
+std::vector<Vec3> CornersOf(const std::vector<Vec3> &v)
+{
+  constexpr double kFlat = 1e-9; // sine of the angle
+  std::vector<Vec3> corners;
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    const Vec3 a = v[k] - v[(k + v.size() - 1) % v.size()], b = v[(k + 1) % v.size()] - v[k];
+    const bool between = Dot(a, b) > 0 && std::abs(a[0] * b[1] - a[1] * b[0]) <= kFlat * Norm(a) * Norm(b);
+    if (!between) corners.push_back(v[k]);
+  }
+  return corners;
+}
+
 bool IsConvex(const std::vector<Vec3> &v)
 {
   const double sign = TwiceArea(v);

@@ -101,10 +101,14 @@ void ReadMethod(OptionReader &reader, Case *c)
       {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2 + motion) on the short-wave strain rate; 0,0 = none"},
       kNotNegative, 2, 2, false, &viscosity);
   model.short_wave = {viscosity[0], viscosity[1]};
-  const auto is_metal = [](const auto &material) { return material->IsMetal(); };
-  if (std::any_of(model.materials.begin(), model.materials.end(), is_metal)) model.nodal.xpic_fraction = 0.02;
+  for (const auto &material : model.materials) {
+    constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
+    if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, 0.02);
+    if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu()) model.nodal.xpic_fraction = 0.05;
+  }
   c->quasi_static.own_xpic = !reader.Number(
-      {"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or -quasi_static)"},
+      {"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or -quasi_static, "
+                         "0.05 with levels and a Poisson's ratio of 0.4)"},
       Closed(0, 1), false, &model.nodal.xpic_fraction);
   reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC"}, Closed(1, 2), &model.nodal.xpic_order);
   c->quasi_static.own_damping = !reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"},

@@ -34,6 +34,7 @@ void ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
   reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"}, kAnyNumber, 6, 0,
                  true, &numbers);
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
+  *vertices = CornersOf(*vertices);
   if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
     reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon");
 }

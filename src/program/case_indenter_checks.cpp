@@ -39,7 +39,10 @@ void CheckReach(OptionReader &reader, const Case &c)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
                   "such that the tip stays in the domain; by its motion it comes to a depth of " + FormatRounded(deepest) +
                       " m, where the domain ends at " + FormatRounded(floor) + " m");
-  if (c.model.contact.method != "none" && nearest > 0)
+  bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
+  for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
+  for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};
+  if (c.model.contact.method != "none" && nearest > 0 && !moves)
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
                      FormatRounded(nearest) + " m to the body until the end: there will be no contact");
 }
@@ -86,12 +89,28 @@ std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end
   return way;
 }
 
+/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one.
+void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
+{
+  constexpr double kNear = 0.1; // cells
+  const Vec3 tip = c.model.indenter->tip;
+  for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)}) {
+    const double off = std::abs(tip[axis] - c.domain.At(side));
+    if (c.model.sides[side] == BoundaryKind::kSymmetry && off < kNear * c.CellSize(c.LevelAtTip()))
+      reader.Refuse("-indenter_tip", reader.Text(tip),
+                    std::string("on the side of symmetry ") + kSideNames[side] + ", or away from it; it is " +
+                        FormatRounded(off) + " m off");
+  }
+}
+
 /// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
 void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
 {
   for (int axis = 0; axis < c.model.indenter->up; ++axis) {
     const std::optional<Side> side = c.SideAtTip(axis);
-    if (!side || (axis == 0 && c.model.geometry.HasHoop())) continue;
+    if (axis == 0 && c.model.geometry.HasHoop()) continue;
+    if (!side) CheckBesideSide(reader, c, axis);
+    if (!side) continue;
     if (!c.MirrorsTip(axis))
       reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
                        "ends; with symmetry it would be half of a body that goes on");

@@ -27,6 +27,14 @@ const Material *MaterialAt(const Model &model, Vec3 x)
   return nullptr;
 }
 
+/// Time that waves take for a length, s/m: of pressure, or, where they are much faster than those of shear, as in nearly
+/// incompressible bodies, so much of the latter's as at a Poisson's ratio of 0.3; what is slow to come to rest is shear.
+double Slowness(const Material &material)
+{
+  const double kRatio = std::sqrt(3.5); // of the two speeds at 0.3
+  return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Mu()) / kRatio);
+}
+
 /// Mean of the time that waves take for a length over all bodies, s/m.
 double MeanSlowness(const Case &c)
 {
@@ -38,9 +46,9 @@ double MeanSlowness(const Case &c)
   ForEach({{0, 0, 0}, {kSamples, kSamples, is_space ? kSamples : 1}}, [&](Index k) {
     Vec3 x = c.domain.lower;
     for (int axis = 0; axis < c.Dim(); ++axis) x[axis] += (k[axis] + 0.5) * step[axis];
-    if (const Material *material = MaterialAt(c.model, x)) sum += 1 / material->SpeedOfSound(), ++count;
+    if (const Material *material = MaterialAt(c.model, x)) sum += Slowness(*material), ++count;
   });
-  return count > 0 ? sum / count : 1 / c.model.materials[c.model.bodies[0].material]->SpeedOfSound();
+  return count > 0 ? sum / count : Slowness(*c.model.materials[c.model.bodies[0].material]);
 }
 
 /// Where the tip meets the body, just inside it.
@@ -233,9 +241,10 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit
   if (plan.own_damping) damping = (HasMetal(*c) ? kMetalDampingRatio : kDampingRatio) * critical;
   plan.damping_ratio = damping / critical;
-  if (plan.own_xpic) c->model.nodal.xpic_fraction = kXpicFraction;
+  double &xpic_fraction = c->model.nodal.xpic_fraction;
+  if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);
   reader.Chosen("-damping", damping);
-  reader.Chosen("-xpic_fraction", c->model.nodal.xpic_fraction);
+  reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
   const auto &materials = c->model.materials;

@@ -95,7 +95,7 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
       return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
     if (name.empty()) continue;
     if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
-    if (name == "-options_file") return place + "must not name another options file; give both on the command line";
+    if (LowerCase(name) == "-options_file") return place + "must not name another options file; give both on the command line";
     if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
     if (IsOptionName(value))
       return place + "must be '-name value', found the name of an option as the value '" + Shortened(value) + "'";
@@ -124,7 +124,7 @@ std::string Parse(int argc, char **argv, CommandLine *line)
     const std::string word = argv[k];
     if (word.size() > kLongestValue)
       return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
-    if (word == "-options_file") {
+    if (LowerCase(word) == "-options_file") {
       const std::string path = ++k < argc ? argv[k] : "";
       if (std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
       line->name = NameOf(path);

@@ -11,11 +11,11 @@ namespace mlgimp
 namespace
 {
 
-/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, and
-/// the largest of the indenter's work and of the noise; floor: where rounding begins.
+/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, what
+/// they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding begins.
 struct Watched {
   const QuasiStaticWatch &slow;
-  double made, given, indenter_work, noise, floor;
+  double made, given, had, indenter_work, noise, floor;
   double asked, carried; ///< largest loads, N
 };
 
@@ -57,7 +57,7 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
   constexpr double kMost = 0.1; // of the indenter's work; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const double given = budgets.contact_work + budgets.friction_work - budgets.indenter_work;
-  const double work = std::max(watched.indenter_work, watched.floor);
+  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (given <= kMost * work) return "";
   return "-indenter: contact has given the bodies " + FormatRounded(100 * given / work) +
          " % more work than the indenter has done" + When(budgets) + ": it has met few cells so far, or " +
@@ -224,6 +224,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   const Watched watched = {slow,
                            unexplained - numbers_[kHadAtStart],
                            numbers_[kGiven],
+                           std::abs(numbers_[kHadAtStart]),
                            numbers_[kIndenterWork],
                            numbers_[kNoise],
                            kRounding * stiffness,

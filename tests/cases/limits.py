@@ -240,6 +240,39 @@ def test_indenter_that_meets_nothing_is_told(change, told):
 
 
 @pytest.mark.parametrize("motion", [{"indenter_max_depth": 9}, {"indenter_max_depth": None, "end_time": 0.2}])
+@pytest.mark.parametrize("change, told", [
+    ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4.4", "top_upper": "8,8"}, "-bodies: 0.4 m are left between block and top, less than a cell"),
+    ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4", "top_upper": "8,8"}, ""),
+    ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,5", "top_upper": "8,8", "boundary_y_upper": "fixed", "domain_upper": "12,13"}, ""),
+    ({"block_upper": "3,8", "bodies": "block,right", "right_lower": "3.7,0", "right_upper": "8,8"}, "-bodies: 0.7 m"),
+    ({"boundary_x_upper": "symmetry", "domain_upper": "9,12", "block_upper": "8.75,8"}, "-boundary_x_upper: 0.25 m are left between this side and body block"),
+    ({"boundary_x_upper": "symmetry", "domain_upper": "9,12", "block_upper": "9,8"}, ""),
+    ({"boundary_x_upper": "symmetry", "domain_upper": "9,12"}, ""),
+    ({"boundary_x_lower": "symmetry", "block_lower": "0.5,0"}, "-boundary_x_lower: 0.5 m"),
+    ({"domain_upper": "9,12", "block_upper": "8.75,8"}, "")])
+def test_gaps_below_a_cell_are_told(change, told):
+    """Bodies, or a body and a held side, so near move as if they touched: a load was that of one body, or of a body that is held."""
+    said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, **change})
+    assert [line.startswith(WARNING + told) for line in said] == [True] * bool(told), said
+
+
+def test_tip_hardly_off_a_side_of_symmetry():
+    """It would be half a tip that counts as a whole one. Half a cell away it is a tip of its own, and on another side it is told."""
+    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, "boundary_x_lower": "symmetry"}
+    for place in ("1e-6,8", "0.05,8"):
+        assert "must be on the side of symmetry x_lower" in refusal({**case, "indenter_tip": place})
+    assert warnings({**case, "indenter_tip": "1e-10,8"}) == [] and warnings({**case, "indenter_tip": "0.5,8"}) == []
+
+
+def test_body_that_flies_to_a_tip_at_rest_is_no_false_alarm():
+    """A tip that waits for a body meets it, and gives the energy that the body brought, not more than its own work of nothing."""
+    case = {**PRESS, "domain_upper": "12,14", "boundary_y_lower": "free", "block_lower": "0,1", "block_upper": "8,5", "block_velocity": "0,20",
+            "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": "4,5.5", "indenter_velocities": 0, "indenter_max_depth": None,
+            "end_time": 0.1, "max_steps": None}
+    said = warnings(case)
+    assert len(said) == 1 and said[0].startswith(WARNING + "-boundary_y_lower: no body lies at a side"), said
+
+
 def test_tip_that_goes_through_the_domain(motion):
     """Depths in another unit: the run went on until a point was strained too much, or ended in few steps."""
     case = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, **motion}

@@ -223,6 +223,20 @@ def test_where_results_go(tmp_path, monkeypatch):
             mlgimp.run({**case, **more})
 
 
+def test_capitals_of_options(tmp_path, monkeypatch):
+    """The program does not see them: results are read from where it has written them, and one option is not given twice."""
+    monkeypatch.chdir(tmp_path)
+    case = {**PRESS, "frames": 0, "max_steps": 2}
+    options.write_options("small.opts", {**case, "Output_Dir": "it's"})
+    found = [mlgimp.run({**case, "Output_dir": "other"}), mlgimp.run("small.opts"), mlgimp.run("small.opts", OUTPUT_DIR="third")]
+    assert [run.folder.name for run in found] == ["other", "it's", "third"]
+    for wrong, line in (({**case, "Frames": 1}, "Frames: must be given once"), ({"-options_file": "small.opts"}, "-options_file: must be an option's name")):
+        with pytest.raises(mlgimp.Error, match=line):
+            mlgimp.run(wrong)
+    with pytest.raises(mlgimp.Error, match="-output_dir my out: must have neither blanks"):
+        options.write_options("blank.opts", {"output_dir": "my out"})
+
+
 def test_bar(capsys):
     show_bar(1, 3, "1 of 3")
     assert capsys.readouterr().out == "\r[##########....................] 1 of 3   "
@@ -231,10 +245,10 @@ def test_bar(capsys):
 # ---- options ----
 
 def test_options_file_round_trip(tmp_path):
-    written = {"a": 7e10, "b": (0.1, 1 / 3), "c": True, "d": "a text, with # signs", "e": None, "f": np.float64(2.5e-7), "g": np.arange(2)}
+    written = {"a": 7e10, "b": (0.1, 1 / 3), "c": True, "d": "a,text", "e": None, "f": np.float64(2.5e-7), "g": np.arange(2)}
     options.write_options(tmp_path / "o.opts", [written, {"h": 1}], "Two lines\nabove")
     read = options.read_options(tmp_path / "o.opts")
-    assert read == {"a": "7e+10", "b": "0.1,0.3333333333333333", "c": "true", "d": "a text, with # signs", "e": None, "f": "2.5e-07", "g": "0,1", "h": "1"}
+    assert read == {"a": "7e+10", "b": "0.1,0.3333333333333333", "c": "true", "d": "a,text", "e": None, "f": "2.5e-07", "g": "0,1", "h": "1"}
     assert options.of_words(options.to_words(written)) == {name: read[name] for name in written}
 
 

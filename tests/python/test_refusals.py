@@ -138,7 +138,7 @@ def test_command_line(words):
 
 # ---- converge.py ----
 
-@pytest.mark.parametrize("content", [bytes(range(256)), b"-cell_size 'open\n"], ids=["binary", "open quotation"])
+@pytest.mark.parametrize("content", [bytes(range(256)), b"-cell_size 1 2\n"], ids=["binary", "two values"])
 def test_options_file(tmp_path, content):
     file = tmp_path / "case.opts"
     file.write_bytes(content)

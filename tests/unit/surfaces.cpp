@@ -118,6 +118,17 @@ TEST(Surfaces, Indenters)
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
 }
 
+/// Vertices of a profile may lie on an edge, to rounding; spikes and vertices that are given twice stay, and are not convex.
+TEST(Surfaces, CornersOfPolygons)
+{
+  EXPECT_EQ(CornersOf({{0, 0}, {1.5, 0.5}, {3, 1}, {1, 4}, {-2, 2}, {-1, 1}}).size(), 4U);
+  EXPECT_EQ(CornersOf({{0, 0}, {1, 0.1}, {2, 0.2}, {3, 0.3 + 1e-13}, {1, 4}}).size(), 3U);
+  EXPECT_EQ(CornersOf({{0, 0}, {1, 1e-6}, {2, 0}, {1, 1}}).size(), 4U);
+  EXPECT_TRUE(IsConvex(CornersOf({{0, 0}, {1.5, 0.5}, {3, 1}, {1, 4}, {-2, 2}})));
+  EXPECT_FALSE(IsConvex(CornersOf({{0, 0}, {3, 0}, {2, 0}, {1, 1}})));
+  EXPECT_FALSE(IsConvex(CornersOf({{0, 0}, {0, 0}, {2, 0}, {1, 1}})));
+}
+
 /// Which indenters a side of symmetry through the tip may cut: across x, across y.
 TEST(Surfaces, Mirrors)
 {

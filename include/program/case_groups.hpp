@@ -18,6 +18,9 @@ void CheckFollowing(OptionReader &reader, const Case &c);
 void PlaceLevels(Case *c);
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
+/// Warns where less than a cell lies between a body and others, or a side that holds it: they have nodes in common, and move as
+/// if they touched.
+void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
 inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed of waves; no indentation is as fast

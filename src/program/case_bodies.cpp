@@ -94,56 +94,6 @@ bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
   return overlap;
 }
 
-/// Size of the cells that a box lies in.
-double CellAround(const Case &c, const Box &box)
-{
-  for (int k = c.levels - 1; k > 0; --k) {
-    bool inside = true;
-    for (int d = 0; d < c.Dim(); ++d)
-      inside = inside && box.lower[d] >= c.boxes[k].lower[d] && box.upper[d] <= c.boxes[k].upper[d];
-    if (inside) return c.CellSize(k);
-  }
-  return c.cell_size;
-}
-
-/// Bodies, or a body and a side that holds it, between whose bounds there is less than a cell have nodes in common: they move as
-/// if they touched.
-void WarnOfGap(OptionReader &reader, const Case &c, const Box &a, const Box &b, const std::string &option,
-               const std::string &between)
-{
-  constexpr double kTouching = 1e-3; // cells
-  Box gap;
-  int across = -1;
-  for (int d = 0; d < c.Dim(); ++d) {
-    gap.lower[d] = std::max(a.lower[d], b.lower[d]), gap.upper[d] = std::min(a.upper[d], b.upper[d]);
-    const bool apart = gap.lower[d] > gap.upper[d] + kTouching * c.CellSize(c.levels - 1);
-    if (!apart && gap.lower[d] > gap.upper[d] - kTouching * c.CellSize(c.levels - 1)) return; // edges, or sides that touch
-    if (apart && across >= 0) return;
-    if (apart) across = d, std::swap(gap.lower[d], gap.upper[d]);
-  }
-  if (across < 0) return;
-  const double width = gap.upper[across] - gap.lower[across], cell = CellAround(c, gap);
-  if (width < kTouching * cell || width >= (1 - kTouching) * cell) return;
-  reader.WarnLater(option + ": " + FormatRounded(width) + " m are left between " + between + ", less than a cell of " +
-                   FormatRounded(cell) + " m: they move as if they touched; take smaller cells, or close the gap");
-}
-
-void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
-{
-  const Box bounds = body.region->Bounds();
-  for (const Body &other : c.model.bodies)
-    WarnOfGap(reader, c, bounds, other.region->Bounds(), "-bodies", other.name + " and " + body.name);
-  for (int s = 0; s < 2 * c.Dim(); ++s) {
-    const Side side = static_cast<Side>(s);
-    if (c.model.sides[side] == BoundaryKind::kFree || (s == 0 && c.model.geometry.HasHoop())) continue;
-    Box beyond = bounds;
-    (SignOf(side) < 0 ? beyond.upper : beyond.lower)[AxisOf(side)] = c.domain.At(side);
-    (SignOf(side) < 0 ? beyond.lower : beyond.upper)[AxisOf(side)] = SignOf(side) * HUGE_VAL;
-    const std::string option = std::string("-boundary_") + kSideNames[s];
-    WarnOfGap(reader, c, bounds, beyond, option, "this side and body " + body.name);
-  }
-}
-
 /// The option that places the side of a body that lies outside the domain; a region knows its bounds alone.
 std::string PlaceOption(const std::string &shape, bool upper)
 {

@@ -239,7 +239,6 @@ def test_indenter_that_meets_nothing_is_told(change, told):
     assert any("has touched nothing" in line for line in said) == told, said
 
 
-@pytest.mark.parametrize("motion", [{"indenter_max_depth": 9}, {"indenter_max_depth": None, "end_time": 0.2}])
 @pytest.mark.parametrize("change, told", [
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4.4", "top_upper": "8,8"}, "-bodies: 0.4 m are left between block and top, less than a cell"),
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4", "top_upper": "8,8"}, ""),
@@ -249,6 +248,8 @@ def test_indenter_that_meets_nothing_is_told(change, told):
     ({"boundary_x_upper": "symmetry", "domain_upper": "9,12", "block_upper": "9,8"}, ""),
     ({"boundary_x_upper": "symmetry", "domain_upper": "9,12"}, ""),
     ({"boundary_x_lower": "symmetry", "block_lower": "0.5,0"}, "-boundary_x_lower: 0.5 m"),
+    ({"bodies": "block,ball", "ball_shape": "disk", "ball_center": "9.9,4", "ball_radius": "1.4"}, "-bodies: 0.5 m"),
+    ({"bodies": "block,ball", "ball_shape": "disk", "ball_center": "9.7,9.1", "ball_radius": "1.4"}, ""),
     ({"domain_upper": "9,12", "block_upper": "8.75,8"}, "")])
 def test_gaps_below_a_cell_are_told(change, told):
     """Bodies, or a body and a held side, so near move as if they touched: a load was that of one body, or of a body that is held."""
@@ -267,12 +268,12 @@ def test_tip_hardly_off_a_side_of_symmetry():
 def test_body_that_flies_to_a_tip_at_rest_is_no_false_alarm():
     """A tip that waits for a body meets it, and gives the energy that the body brought, not more than its own work of nothing."""
     case = {**PRESS, "domain_upper": "12,14", "boundary_y_lower": "free", "block_lower": "0,1", "block_upper": "8,5", "block_velocity": "0,20",
-            "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": "4,5.5", "indenter_velocities": 0, "indenter_max_depth": None,
-            "end_time": 0.1, "max_steps": None}
-    said = warnings(case)
+            "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": "4,5.5", "indenter_velocities": 0, "end_time": 0.1}
+    said = warnings({name: value for name, value in case.items() if name not in ("indenter_max_depth", "max_steps")})
     assert len(said) == 1 and said[0].startswith(WARNING + "-boundary_y_lower: no body lies at a side"), said
 
 
+@pytest.mark.parametrize("motion", [{"indenter_max_depth": 9}, {"indenter_max_depth": None, "end_time": 0.2}])
 def test_tip_that_goes_through_the_domain(motion):
     """Depths in another unit: the run went on until a point was strained too much, or ended in few steps."""
     case = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, **motion}

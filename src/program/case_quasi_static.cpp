@@ -28,10 +28,10 @@ const Material *MaterialAt(const Model &model, Vec3 x)
 }
 
 /// Time that waves take for a length, s/m: of pressure, or, where they are much faster than those of shear, as in nearly
-/// incompressible bodies, so much of the latter's as at a Poisson's ratio of 0.3; what is slow to come to rest is shear.
+/// incompressible bodies, so much of the latter's as at a Poisson's ratio of 0.4; what is slow to come to rest is shear.
 double Slowness(const Material &material)
 {
-  const double kRatio = std::sqrt(3.5); // of the two speeds at 0.3
+  const double kRatio = std::sqrt(6); // of the two speeds at 0.4
   return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Mu()) / kRatio);
 }
 

@@ -66,27 +66,20 @@ template <class Geometry> struct CellParts {
   alignas(64) int cell[kBlock];
 };
 
-/// Adds mass, growth of volume and relative volume of a block to its cells. Points are sorted by cell: sums stay in registers
-/// until the next one.
+/// Adds mass, growth of volume and relative volume of a block to its cells.
 template <class Geometry>
 void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                const Motion<Geometry::kDim> &motion)
 {
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
-  CellSums *const cells = grid.Cells(b.average), *cell = cells;
-  CellSums sum = *cell;
+  CellSums *const cells = grid.Cells(b.average);
   for (int p = 0; p < b.count; ++p) {
-    if (cell != cells + parts.cell[p]) {
-      *cell = sum;
-      cell = cells + parts.cell[p];
-      sum = *cell;
-    }
-    sum.mass += b.mass[p];
-    sum.growth += b.mass[p] * parts.growth[p];
-    sum.relative_volume += density * parts.volume[p];
+    CellSums &cell = cells[parts.cell[p]];
+    cell.mass += b.mass[p];
+    cell.growth += b.mass[p] * parts.growth[p];
+    cell.relative_volume += density * parts.volume[p];
   }
-  *cell = sum;
 }
 
 /// The gradients of L become those with the mean growth of volume over the points of the cell,

@@ -23,6 +23,8 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
+/// Height of a body under or above x along an axis; false where there is none.
+bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height);
 inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed of waves; no indentation is as fast
 /// Refuses or warns of what is wrong with an indenter of that kind once all of it has been read.
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind);

@@ -87,25 +87,6 @@ void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string 
   if (kind == "polygon") *surface = CreatePolygonIndenter(vertices);
 }
 
-/// Height of a body under or above x along an axis; false where there is none.
-bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height)
-{
-  constexpr int kLattice = 4096;
-  const double lower = region.Bounds().lower[up], upper = region.Bounds().upper[up], step = (upper - lower) / kLattice;
-  for (int k = 0; k < kLattice; ++k) {
-    double inside = upper - (k + 0.5) * step, outside = inside + step;
-    x[up] = inside;
-    if (!region.Contains(x)) continue;
-    for (int halving = 0; halving < 40; ++halving) {
-      x[up] = 0.5 * (inside + outside);
-      (region.Contains(x) ? inside : outside) = x[up];
-    }
-    *height = std::abs(inside - upper) < 1e-9 * (upper - lower) ? upper : inside;
-    return true;
-  }
-  return false;
-}
-
 /// Height of the highest body at the tip, also where that is on a body's side; of the highest of all where there is none.
 double InitialSurface(const Case &c, const Indenter &indenter)
 {
@@ -237,6 +218,24 @@ double DefaultContactWidth(const Case &c)
 }
 
 } // namespace
+
+bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height)
+{
+  constexpr int kLattice = 4096;
+  const double lower = region.Bounds().lower[up], upper = region.Bounds().upper[up], step = (upper - lower) / kLattice;
+  for (int k = 0; k < kLattice; ++k) {
+    double inside = upper - (k + 0.5) * step, outside = inside + step;
+    x[up] = inside;
+    if (!region.Contains(x)) continue;
+    for (int halving = 0; halving < 40; ++halving) {
+      x[up] = 0.5 * (inside + outside);
+      (region.Contains(x) ? inside : outside) = x[up];
+    }
+    *height = std::abs(inside - upper) < 1e-9 * (upper - lower) ? upper : inside;
+    return true;
+  }
+  return false;
+}
 
 void ReadIndenter(OptionReader &reader, Case *c)
 {

@@ -1,6 +1,8 @@
 // Checks of the indenter, its way and what holds the bodies against it, once its options are read.
 #include "program/case_groups.hpp"
 
+#include "base/index.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,6 +47,32 @@ void CheckReach(OptionReader &reader, const Case &c)
   if (c.model.contact.method != "none" && nearest > 0 && !moves)
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
                      FormatRounded(nearest) + " m to the body until the end: there will be no contact");
+}
+
+/// Depths count from the body below the tip. An indenter that is deep inside another part by then, as a punch over a gap between
+/// pillars, goes far beyond the depth that was meant.
+void CheckOtherParts(OptionReader &reader, const Case &c)
+{
+  constexpr double kDeep = 0.5; // cells
+  const Indenter &indenter = *c.model.indenter;
+  const int up = indenter.up, places = up == 2 ? 31 : 101;
+  Vec3 tip = indenter.tip;
+  double deepest = 0;
+  tip[up] = indenter.initial_surface;
+  if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[up])) return;
+  for (const Body &body : c.model.bodies) {
+    const Box bounds = body.region->Bounds();
+    ForEach({{0, 0, 0}, {places, up == 2 ? places : 1, 1}}, [&](Index place) {
+      Vec3 x{};
+      for (int axis = 0; axis < up; ++axis)
+        x[axis] = bounds.lower[axis] + (place[axis] + 0.5) / places * (bounds.upper[axis] - bounds.lower[axis]);
+      if (SurfaceAbove(*body.region, x, up, &x[up])) deepest = std::max(deepest, -indenter.Gap(x, tip).distance);
+    });
+  }
+  if (deepest > kDeep * c.CellSize(c.LevelAtTip()))
+    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) +
+                     ": depths count from the body below the tip, where the indenter is " + FormatRounded(deepest) +
+                     " m inside another part already; put the tip above what it meets first");
 }
 
 /// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
@@ -182,6 +210,7 @@ void CheckIndenterPath(OptionReader &reader, const Case &c)
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)
 {
   CheckReach(reader, c);
+  CheckOtherParts(reader, c);
   CheckSpeed(reader, c);
   CheckMirror(reader, c, kind);
   CheckSupport(reader, c);

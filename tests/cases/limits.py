@@ -265,6 +265,15 @@ def test_tip_hardly_off_a_side_of_symmetry():
     assert warnings({**case, "indenter_tip": "1e-10,8"}) == [] and warnings({**case, "indenter_tip": "0.5,8"}) == []
 
 
+def test_depths_that_count_from_below_what_is_met_first():
+    """A punch over two pillars whose middle is above the gap between them goes on to the ground, and says so."""
+    case = {**PRESS, "bodies": "block,left,right", "block_upper": "8,3", "left_lower": "0,3", "left_upper": "2,8", "right_lower": "6,3",
+            "right_upper": "8,7", "indenter": "flat_punch", "indenter_width": 8, "max_steps": 2}
+    said = warnings(case)
+    assert len(said) == 1 and "depths count from the body below the tip, where the indenter is" in said[0], said
+    assert warnings({**case, "indenter_width": 3, "indenter_tip": "1,8"}) == [] and warnings({**case, "block_upper": "8,7.8", "left_lower": "0,7.8", "right_lower": "6,7.8", "right_upper": "8,8"}) == []
+
+
 def test_body_that_flies_to_a_tip_at_rest_is_no_false_alarm():
     """A tip that waits for a body meets it, and gives the energy that the body brought, not more than its own work of nothing."""
     case = {**PRESS, "domain_upper": "12,14", "boundary_y_lower": "free", "block_lower": "0,1", "block_upper": "8,5", "block_velocity": "0,20",

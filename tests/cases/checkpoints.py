@@ -60,7 +60,7 @@ def test_flipped_bits(tmp_path):
     path = checkpoint_of(TINY, tmp_path / "made")
     data, whole, damaged = path.read_bytes(), contents_of(path), tmp_path / "damaged.h5"
     choice, taken, found = random.Random(3), [], []
-    for number in range(600):
+    for number in range(400):
         place = choice.randrange(4096) if number % 2 else choice.randrange(len(data))
         changed = bytearray(data)
         changed[place] ^= 1 << choice.randrange(8)
@@ -74,7 +74,7 @@ def test_flipped_bits(tmp_path):
         elif same is None:
             found.append(bytes(changed))
     assert not taken, f"taken with changes: bytes {taken}"
-    assert len(found) > 200
+    assert len(found) > 130
     for number, changed in enumerate(choice.sample(found, 20)):
         damaged.write_bytes(changed)
         refused({**TINY, "restart": damaged}, tmp_path / "out", f"-restart {damaged}: must ", ranks=3 if number % 10 == 0 else 1)
@@ -309,7 +309,7 @@ def wrong_on_ranks(tmp_path, every, on_three):
 
 
 def test_handmade_checkpoints(tmp_path):
-    assert not wrong_on_ranks(tmp_path, 12, 60)
+    assert not wrong_on_ranks(tmp_path, 20, 100)
 
 
 def verify_handmade(study, tmp_path):

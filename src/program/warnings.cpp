@@ -54,13 +54,15 @@ bool HasMetal(const Case &c)
 /// comes down with little load or none, and blows where it meets points again.
 std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watched)
 {
-  constexpr double kMost = 0.1; // of the indenter's work; steep cones on a few cells are seen to give 0.05
+  constexpr double kMost =
+      0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const double given = budgets.contact_work + budgets.friction_work - budgets.indenter_work;
   const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (given <= kMost * work) return "";
-  return "-indenter: contact has given the bodies " + FormatRounded(100 * given / work) +
-         " % more work than the indenter has done" + When(budgets) + ": it has met few cells so far, or " +
+  return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
+         FormatRounded(100 * given / work) + " % of what they got or brought," + When(budgets) +
+         ": it has met few cells so far, or " +
          (HasMetal(c)
               ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
               : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");

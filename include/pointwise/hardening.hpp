@@ -30,7 +30,8 @@ struct MaterialConstants {
   double thermal_exponent = NAN, melting_temperature = NAN;     ///< -, K
   double heat_capacity = NAN;                                   ///< per mass, J/(kg K)
   double rate_scale = 1;                                        ///< simulated time over real time
-  double initial_temperature = 293;                             ///< also that of the constants, K
+  double initial_temperature = 293;                             ///< K
+  double reference_temperature = NAN;                           ///< of the constants, where not the initial one, K
   bool adiabatic = false;                                       ///< plastic work heats the point
 };
 
@@ -113,19 +114,20 @@ struct JohnsonCookHardening {
   static constexpr bool kThermal = true, kOfRate = true;
   explicit JohnsonCookHardening(const MaterialConstants &c)
       : ludwik(c), sensitivity(c.rate_sensitivity), reference_rate(c.reference_rate), exponent(c.thermal_exponent),
-        initial(c.initial_temperature), melting(c.melting_temperature)
+        reference(std::isnan(c.reference_temperature) ? c.initial_temperature : c.reference_temperature),
+        melting(c.melting_temperature)
   {
   }
   [[gnu::always_inline]] FlowPoint At(double a, double rate, double temperature) const
   {
     const FlowPoint cold = ludwik.At(a, 0, 0);
-    const double part = std::min(std::max((temperature - initial) / (melting - initial), 0.0), 1.0);
+    const double part = std::min(std::max((temperature - reference) / (melting - reference), 0.0), 1.0);
     const double soft = 1 - Pow(part, exponent), factor = 1 + sensitivity * Log(std::max(rate / reference_rate, 1.0));
     const double by_rate = cold.stress * soft * (sensitivity / rate);
     return {cold.stress * factor * soft, cold.by_strain * factor * soft, rate > reference_rate ? by_rate : 0};
   }
   LudwikHardening ludwik;
-  double sensitivity, reference_rate, exponent, initial, melting;
+  double sensitivity, reference_rate, exponent, reference, melting;
 };
 
 /// Points that may flow in a step, arrays [count].

@@ -46,8 +46,18 @@ void CheckHardening(const OptionReader &reader, const std::string &prefix, const
   if (c.melting_temperature <= c.initial_temperature)
     reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
                   "above -initial_temperature " + FormatNumber(c.initial_temperature));
+  if (c.melting_temperature <= c.reference_temperature)
+    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
+                  "above " + prefix + "reference_temperature " + FormatNumber(c.reference_temperature));
   if (c.adiabatic && std::isnan(c.heat_capacity))
     reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
+}
+
+/// K is meant.
+void WarnIfCelsius(OptionReader &reader, const std::string &option, double temperature)
+{
+  constexpr double kColdest = 60; // K; oxygen boils at 90
+  if (temperature < kColdest) reader.WarnLater(option + " " + FormatNumber(temperature) + ": is it in K? 20 degrees are 293");
 }
 
 /// Another unit than Pa would be a metal that flows away, one that never flows or one that does not harden, without a word.
@@ -77,6 +87,7 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   if (c.rate_sensitivity > kMostSensitive)
     reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
                      ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
+  WarnIfCelsius(reader, prefix + "reference_temperature", c.reference_temperature);
   if (!c.adiabatic && !std::isnan(c.heat_capacity))
     reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
   if (c.heat_capacity < kLeastHeat || c.heat_capacity > kMostHeat)
@@ -97,9 +108,7 @@ void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &com
       none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
     reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) +
                      ": changes nothing, as no material knows a temperature");
-  constexpr double kColdest = 60; // K; oxygen boils at 90
-  if (common.initial_temperature < kColdest)
-    reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) + ": is it in K? 20 degrees are 293");
+  WarnIfCelsius(reader, "-initial_temperature", common.initial_temperature);
 }
 
 /// Waves that no solid has, which make a run slow and each of its times wrong.
@@ -148,8 +157,8 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
   reader.Names({"-materials", "names of the materials"}, true, names);
   reader.Number({"-rate_scale", "simulated time over real time, for laws that know a rate"}, kPositive, false,
                 &common.rate_scale);
-  reader.Number({"-initial_temperature", "temperature at the start, and that of the constants", "K"}, kPositive, false,
-                &common.initial_temperature);
+  reader.Number({"-initial_temperature", "temperature at the start, and T0 of johnson_cook where a material gives none", "K"},
+                kPositive, false, &common.initial_temperature);
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
     std::string model = "neo_hookean";

@@ -173,6 +173,32 @@ def test_compression_in_space(expect):
     expect("plastic work, of the exact one", result.history["plastic_work"][-1] / work, near=1, tolerance=2e-3)
 
 
+# As slow as a test, so that no inertia holds the sides of the bar upright: they lean, and come to face the plate.
+SLOW = {"quasi_static": "true", "m_yield_stress": 0.004, "m_hardening": "swift", "m_hardening_exponent": 0.1, "m_hardening_strain": 0.01,
+        "indenter_times": "0,1", "history_interval": 1}
+BARS = {"axisymmetric": ({**COMPRESSION, "domain_upper": "6,10", "rod_upper": "2,8", "indenter_radius": 5, "indenter_tip": "0,8",
+                          "indenter_depths": "0,4", "indenter_max_depth": 4}, 8, 4 * math.pi),
+        "3d": ({**BLOCK, "domain_upper": "6,6,9", "b_upper": "2,2,6", "indenter_tip": "0,0,6", "indenter_depths": "0,2"}, 6, 4)}
+
+
+@pytest.mark.parametrize("geometry", BARS)
+def test_slow_compression(expect, geometry):
+    """A bar's load is its flow stress times its section in every row: the side of its rim is no surface under the plate."""
+    case, height, section = BARS[geometry]
+    case = {name: value for name, value in case.items() if name not in ("m_hardening_modulus", "indenter_velocities")}
+    history = harness.run({**case, **SLOW}).history
+    late = history["depth"] > 0.3
+    stretch = height / (height - history["depth"][late])
+    strain = numpy.zeros_like(stretch)
+    for _ in range(50):
+        flow = 0.004 * (1 + strain / 0.01)**0.1
+        strain = numpy.log(stretch) - flow
+    part = history["load"][late] / (flow * section * stretch)
+    expect(f"{geometry}: load, mean, of the exact one", numpy.mean(part), near=1, tolerance=0.005)
+    expect(f"{geometry}: load, smallest, of the exact one", numpy.min(part), at_least=0.96)
+    expect(f"{geometry}: load, largest, of the exact one", numpy.max(part), at_most=1.02)
+
+
 # Bars that a plate presses to a part of their height: their points are drawn out to more than a cell and halved.
 SQUASHED = {
     "plane strain": ({**{name: value for name, value in COMPRESSION.items() if name != "indenter_radius"}, "geometry": "plane_strain",
@@ -259,6 +285,7 @@ TABLE = {**{k: v for k, v in J2.items() if k != "m_yield_stress"}, "m_hardening"
     ({**TABLE, "m_flow_stresses": "2e6"}, ["-m_flow_stresses 1 values:", "as many"]),
     ({**TABLE, "m_yield_stress": 1e6}, ["-m_yield_stress"]),
     ({**COOK, "m_melting_temperature": 290}, ["-m_melting_temperature 290:", "-initial_temperature"]),
+    ({**COOK, "m_reference_temperature": 1000}, ["-m_melting_temperature 1000:", "-m_reference_temperature"]),
     ({**COOK, "m_adiabatic": "true"}, ["-m_heat_capacity", "-m_adiabatic"]),
     ({**COOK, "rate_scale": 0}, ["-rate_scale 0:", "> 0"]),
     ({**J2, "m_hardening_modulus": 0, "stress_update": "usf"}, ["-stress_update usf:", "volume_average"]),

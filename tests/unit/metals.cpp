@@ -135,6 +135,11 @@ TEST(Metals, FlowStresses)
   EXPECT_NEAR(law.At(0, std::exp(5), half_soft).stress / (200e6 * 1.1 * 0.5), 1, 1e-13) << "johnson_cook: rate and temperature";
   EXPECT_EQ(law.At(0, 0.5, 293).stress, 200e6) << "johnson_cook: no softening below the reference rate";
   EXPECT_EQ(law.At(0, 0.5, 2000).stress, 0) << "johnson_cook: molten";
+  MaterialConstants hot = Constants("johnson_cook");
+  hot.initial_temperature = half_soft;
+  EXPECT_EQ(JohnsonCookHardening(hot).At(0, 0.5, half_soft).stress, 200e6) << "johnson_cook: T0 is the temperature at the start";
+  hot.reference_temperature = 293;
+  EXPECT_NEAR(JohnsonCookHardening(hot).At(0, 0.5, half_soft).stress / 100e6, 1, 1e-13) << "johnson_cook: hot at the start";
 }
 
 /// Largest differences of the series from principal values: logarithm, and exponential of it.

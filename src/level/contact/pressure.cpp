@@ -27,12 +27,17 @@ constexpr double kRelease = 2e-4;      ///< see ReleasedGap
 double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered); }
 
 /// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
-/// indenter moves: elastic surface beside it, with its gap, would hold the column of an edge open, and let it go in blows. It
-/// counts as far as it has got in. Metal is cut by an edge, and lies against the side.
-double PressedShare(const ContactView &view, const SurfaceGap &gap)
+/// indenter moves: elastic surface beside it, with its gap, would hold the column of an edge open, and let it go in blows. Metal
+/// is cut by an edge, and lies against the side. Nor does surface that faces the indenter less than half as much as a level one,
+/// as the side of a bar under a plate once it leans: with its whole area and its gaps it would let the rim go all at once. Such
+/// segments count as far as they have got in.
+double PressedShare(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap, bool metal)
 {
-  if (gap.normal[view.geometry.Dim() - 1] < -kLeastFacing) return 1;
-  return std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+  const double level = -gap.normal[view.geometry.Dim() - 1], facing = -Dot(segment.normal, gap.normal),
+               within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+  if (level <= kLeastFacing) return metal ? 1 : within;
+  const double least = std::min(kLeastFacing, 0.25 * level);
+  return std::max(within, std::min(1.0, (facing - least) / (0.5 * level - least)));
 }
 
 /// The largest gap with which a segment counts, m: that of the last column that may be in contact, and what the surface leans
@@ -153,8 +158,8 @@ private:
         least_gap_ = std::min(least_gap_, gap.distance);
         report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
-        const double area = s.area * (metal ? 1 : PressedShare(view, gap));
-        if (area > 0 && Faces(s, gap.normal) && gap.distance <= LargestGap(view, s, gap.normal) && IsHere(view, place.cell))
+        const double area = Faces(s, gap.normal) ? s.area * PressedShare(view, s, gap, metal) : 0;
+        if (area > 0 && gap.distance <= LargestGap(view, s, gap.normal) && IsHere(view, place.cell))
           segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound});
       }
       points_.push_back({p, segments_.size()});

@@ -32,6 +32,13 @@ inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90
   return k * kLn2Upper - ((s * (f - (odd + even)) - k * kLn2Lower) - f);
 }
 
+/// ln(1 + x), to round-off: x less what 1 + x has of it, over 1 + x, is what the logarithm of that lacks.
+[[gnu::always_inline]] inline double Log1p(double x)
+{
+  const double sum = 1 + x;
+  return Log(sum) + (x - (sum - 1)) / sum;
+}
+
 /// exp x, to round-off for |x| <= 690; beyond that as at 690.
 /// x = k ln 2 + r with |r| <= (ln 2)/2; exp r by its series.
 [[gnu::always_inline]] inline double Exp(double x)

@@ -46,10 +46,15 @@ struct NeoHookean : Elasticity {
     const double J = Determinant(p.F), inverse_J = 1 / J;
     return (mu * inverse_J) * (SymmetricProduct(p.F, p.F) - Sphere(1)) + Sphere(lambda * Log(J) * inverse_J);
   }
+  /// mu (tr B - 3 - 2 ln J)/2 + lambda (ln J)^2/2 by the invariants of h = F - I, without the parts of first order, which cancel:
+  /// they would leave nothing of the energy of strains of 1e-8.
   double Energy(const LawPoint &p) const
   {
-    const double log_J = Log(Determinant(p.F));
-    return 0.5 * mu * (Trace(SymmetricProduct(p.F, p.F) - Sphere(1)) - 2 * log_J) + 0.5 * lambda * log_J * log_J;
+    const Mat3 h = {p.F.xx - 1, p.F.xy, p.F.xz, p.F.yx, p.F.yy - 1, p.F.yz, p.F.zx, p.F.zy, p.F.zz - 1};
+    const double square = Trace(SymmetricProduct(h, h)), third = Determinant(h);
+    const double second = h.xx * h.yy + h.yy * h.zz + h.zz * h.xx - h.xy * h.yx - h.yz * h.zy - h.xz * h.zx;
+    const double growth = h.xx + h.yy + h.zz + second + third, log_J = Log1p(growth);
+    return mu * (0.5 * square - second - third + (growth - log_J)) + 0.5 * lambda * log_J * log_J;
   }
   double WaveSpeedSquared(const Mat3 &F, double stretch2) const
   {

@@ -244,19 +244,21 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 
 /// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
 /// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
-/// as the surface that contact sees.
+/// as the surface that contact sees. Nodes beside an edge follow by as much as they are full: dv of a few points is large, other
+/// levels have a part in the motion but not in what is taken away, and their points would be strained against their forces.
 static void FollowMotion(const Grid &grid, const NodalSettings &settings, double dt, double least_mass, std::ptrdiff_t node)
 {
+  constexpr double kFull =
+      0.25 / kLeastMass; // of the least mass; with 0.03 the edge of a pillar under a punch still gains energy
   const NodeSums &sums = grid.Sums()[node];
   const auto [motion, change] = grid.Velocity(node);
   double *const velocity = grid.Rates(node);
   const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
-  const double lack = LackOf(least_mass, sums.mass);
+  const double lack = LackOf(least_mass, sums.mass), share = std::min(1.0, sums.mass / (kFull * least_mass));
   for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
     const double old = smooths ? sums.momentum[axis] / sums.mass : 0,
                  own = old + change[axis] - Lacking(settings, dt, lack, axis, change[axis], old);
-    const double smoothed = smooths ? velocity[axis] - own : 0;
-    velocity[axis] = motion[axis] + smoothed;
+    velocity[axis] = smooths ? velocity[axis] + share * (motion[axis] - own) : motion[axis];
   }
 }
 

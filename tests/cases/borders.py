@@ -52,6 +52,27 @@ def test_contact_above_the_band(expect):
     expect("energy left, less that with a larger box", energy_left(result.history) - energy_left(reference.history), near=0, tolerance=0.001)
 
 
+# Half a bar under a plate, whose side bulges into the band of nodes that levels share; lengths in coarse cells, E = 1.
+PILLAR = {
+    "domain_lower": "0,0", "domain_upper": "24,24", "cell_size": 1, "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+    "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "bar", "bar_lower": "0,0", "bar_upper": "12,16",
+    "indenter": "flat_punch", "indenter_width": 32.8, "indenter_tip": "0,16", "indenter_times": "0,200,1000,1200",
+    "indenter_velocities": "0,4e-4,4e-4,0", "end_time": 1200, "damping": 0.0125, "frames": 1, "history_interval": 5}
+BOX = {"levels": 2, "level_1_lower": "0,0", "level_1_upper": "16,24"}
+INNER_BOX = {"levels": 3, "level_1_lower": "0,0", "level_1_upper": "24,24", "level_2_lower": "0,4", "level_2_upper": "14,24"}
+
+
+@pytest.mark.parametrize("change, boxes", [({}, BOX), ({}, INNER_BOX), ({"indenter_width": 22.4}, BOX), ({"bar_upper": "14,16", "indenter_width": 40}, BOX),
+                                           ({"geometry": "axisymmetric", "indenter_width": None, "indenter_radius": 16.4}, BOX)],
+                         ids=["two levels", "three", "punch", "wider", "axisymmetric"])
+def test_side_in_the_band(expect, change, boxes):
+    """Nodes of little mass beside the bar, under contact, move with those of the other level and give it no energy."""
+    case = {name: value for name, value in {**PILLAR, **change}.items() if value is not None}
+    alone, result = harness.run(case), harness.run({**case, **boxes})
+    expect("load, of that on one level", result.history["load"][-1] / alone.history["load"][-1], near=1, tolerance=0.005)
+    expect("energy left", energy_left(result.history), near=0, tolerance=0.001)
+
+
 @pytest.mark.mpi
 def test_ranks_and_restart(expect):
     """The impulses that one step leaves to the next are in checkpoints, and on any ranks."""

@@ -29,6 +29,7 @@ TEST(Tensors, Logarithm)
   for (int n = 0; n < 20000; ++n) {
     const double x = n < 10 ? special[n] : std::exp(n % 2 ? Random(-1, 1) : Random(-700, 700));
     EXPECT_LE(std::abs(Log(x) - std::log(x)), 5e-16 * std::abs(std::log(x))) << "x " << x;
+    EXPECT_LE(std::abs(Log1p(x) - std::log1p(x)), 5e-16 * std::abs(std::log1p(x))) << "1 + x of x " << x;
   }
 }
 

@@ -157,9 +157,9 @@ template <class Law> double TemperatureOf(const Law &, const FlowStates &states,
     return 0;
 }
 
-/// One step of the search for all points; returns how many are still open.
+/// One step of the search for all points, by Newton's method or by halving; returns how many are still open.
 template <class Law>
-[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, FlowSearch &search,
+[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, bool halves, FlowSearch &search,
                                               double *strain)
 {
   constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
@@ -175,11 +175,12 @@ template <class Law>
     const double lower = excess > 0 ? d : search.lower[p], upper = excess > 0 ? search.upper[p] : d;
     const double change = excess / (three_mu + flow.by_strain + by_rate);
     const double newton = by_rate > 0 ? d * Exp(std::min(change, (excess + three_mu * d) / by_rate) / d) : d + change;
-    const double next = ((newton > lower) & (newton < upper)) ? newton : 0.5 * (lower + upper);
+    const bool trusted = !halves & (newton > lower) & (newton < upper);
+    const double next = trusted ? newton : 0.5 * (lower + upper);
     const bool moves = (search.open[p] > 0) & !found;
     search.lower[p] = lower, search.upper[p] = upper;
     strain[p] = moves ? next : d;
-    search.open[p] = (moves & (std::abs(next - d) > kLastStep * next)) ? 1 : 0;
+    search.open[p] = (moves & (!trusted | (std::abs(next - d) > kLastStep * next))) ? 1 : 0;
     still_open += search.open[p];
   }
   return still_open;
@@ -187,11 +188,12 @@ template <class Law>
 
 /// The plastic strain d of each point in a step, with q - 3 mu d = flow(a + d); none within the yield surface. Newton's method
 /// from the right, where flow rises less and less: in d, and in ln d where flow rises with the rate, as that is a straight line
-/// in ln d: no farther than where that alone takes up q. Halving where it leaves the interval.
+/// in ln d: no farther than where that alone takes up q. Halving where it leaves the interval, and in every third step of many:
+/// where a metal first yields, fast, d and ln d can send it to and fro for ever.
 template <class Law>
 [[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
 {
-  constexpr int kMostSteps = 100;
+  constexpr int kMostSteps = 200, kFewSteps = 8;
   FlowSearch search;
   alignas(64) double start[kBlock];
   double open = 0;
@@ -202,7 +204,10 @@ template <class Law>
     search.lower[p] = 0, search.open[p] = states.trial[p] > start[p] ? 1 : 0;
     open += search.open[p];
   }
-  for (int k = 0; k < kMostSteps && open > 0; ++k) open = Approach(law, three_mu, states, search, step.strain);
+  for (int k = 0; k < kMostSteps && open > 0; ++k) {
+    const bool halves = k > kFewSteps && k % 3 == 0;
+    open = Approach(law, three_mu, states, halves, search, step.strain);
+  }
   const double rate = Law::kOfRate ? states.rate_per_strain : 0;
 #pragma omp simd
   for (int p = 0; p < states.count; ++p) {

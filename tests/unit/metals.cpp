@@ -72,6 +72,30 @@ TEST(Metals, EveryLawIsReturnedTo)
   ReturnsToFlow<JohnsonCookHardening>("johnson_cook");
 }
 
+/// States in which metals begin to flow in an impact: Newton's method in d and in ln d went round in a circle in one of 2000.
+TEST(Metals, FirstYieldAtHighRates)
+{
+  const JohnsonCookHardening law(Constants("johnson_cook"));
+  const double three_mu = 3 * 26e9;
+  double off = 0;
+  for (int block = 0; block < 2000; ++block) {
+    double q[kBlock], strain[kBlock], temperature[kBlock];
+    const double rate = block ? std::pow(10, Random(8, 11)) : 683203161.96912241;
+    for (int p = 0; p < kBlock; ++p) {
+      strain[p] = block ? std::pow(10, Random(-7, -5)) : 7.359372975412517e-06;
+      temperature[p] = block ? 293 : 293.82777066478286;
+      q[p] = block ? law.At(strain[p], 0, 293).stress + three_mu * std::pow(10, Random(-4.5, -2)) : 272871338.41610235;
+    }
+    PlasticStep step;
+    FlowOf(law, three_mu, {kBlock, q, strain, temperature, rate}, step);
+    for (int p = 0; p < kBlock; ++p) {
+      const double d = step.strain[p], flow = law.At(strain[p] + d, rate * d, temperature[p]).stress;
+      off = std::max(off, std::abs(q[p] - three_mu * d - flow) / q[p]);
+    }
+  }
+  EXPECT_LE(off, 1e-9) << "stress less flow stress after the return, of the trial stress";
+}
+
 /// Johnson & Cook's law, counting its evaluations.
 struct CountedLaw : JohnsonCookHardening {
   using JohnsonCookHardening::JohnsonCookHardening;

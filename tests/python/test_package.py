@@ -29,8 +29,8 @@ PRESS = {"domain_lower": (0, 0), "domain_upper": (12.0, 12.0), "cell_size": 1.0,
          "rubber_density": 1000, "bodies": "block", "block_lower": (0, 0), "block_upper": (10, 10), "indenter": "cylinder", "indenter_radius": 8.0,
          "indenter_tip": (0, 10), "indenter_times": 0, "indenter_velocities": 2.0, "indenter_max_depth": 0.5, "frames": 4}
 METAL = {"youngs_modulus": 70e9, "yield_stress": 400e6}
-COPPER = {"youngs_modulus": 124e9, "yield_stress": 90e6, "hardening": "johnson_cook", "hardening_modulus": 292e6, "hardening_exponent": 0.31,
-          "rate_sensitivity": 0.0, "reference_rate": 1.0, "thermal_exponent": 1.09, "melting_temperature": 1356.0}
+COPPER = {"youngs_modulus": 124e9, "yield_stress": 90e6, "hardening": "johnson_cook", "hardening_modulus": 292e6,
+          "hardening_exponent": 0.31, "rate_sensitivity": 0.0, "reference_rate": 1.0, "thermal_exponent": 1.09, "melting_temperature": 1356.0}
 
 
 @pytest.fixture(scope="module")
@@ -287,11 +287,9 @@ def test_flow_stress_of_a_metal():
         assert indentation.hardness({**COPPER, "hardening": law}) == np.inf
 
 
-@pytest.mark.parametrize("more, warmer", [({}, {}), ({"reference_temperature": 293}, {"initial_temperature": 800})])
-def test_tip_goes_back_until_it_is_free(tmp_path, more, warmer):
+def test_tip_goes_back_until_it_is_free(tmp_path):
     """Also from a metal of johnson_cook, which was taken for one that does not harden: 0.28 of the load were left."""
-    metal = {**COPPER, **more}
-    groups = indentation.indentation_options("j2", **metal, depth=200e-9, cells=4, block=8, tolerance=0.1, options={"frames": 0, **warmer})
+    groups = indentation.indentation_options("j2", **COPPER, depth=200e-9, cells=4, block=8, tolerance=0.1, options={"frames": 0})
     options.write_options(tmp_path / "case.opts", groups)
     load = harness.run({"options_file": tmp_path / "case.opts"}).history["load"]
     assert load[-1] < 0.02 * load.max()

@@ -112,7 +112,7 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings);
 /// Adds gravity and damping, m g - damping p, to the nodal forces f; v = p/m + dt f/m; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
-/// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work: of a rigid side, force times speed.
+/// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.

@@ -28,11 +28,10 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
 
 void PlaceSides(const Model &model, LevelGeometry *level)
 {
-  BoundaryConditions &sides = level->sides;
   for (int s = 0; s < 2 * level->grid.dim; ++s) {
     const Side side = static_cast<Side>(s);
-    sides.kind[s] = level->border[s] ? BoundaryKind::kFree : model.sides[s];
-    sides.node[s] = SignOf(side) < 0 ? 0 : level->grid.cells[AxisOf(side)];
+    level->sides.kind[s] = level->border[s] ? BoundaryKind::kFree : model.sides[s];
+    level->sides.node[s] = SignOf(side) < 0 ? 0 : level->grid.cells[AxisOf(side)];
   }
 }
 

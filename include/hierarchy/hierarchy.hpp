@@ -36,9 +36,8 @@ struct HierarchySettings {
   LevelRules rules; ///< where boxes may lie; kBlendWidth where it has no widths of bands
 };
 
-/// The grid and the sides of level k in a box. sides: of the domain; padding: see GridGeometry.
-LevelGeometry GeometryOf(const LevelRules &rules, const std::array<BoundaryKind, kSides> &sides, const Box &box, int k,
-                         int padding);
+/// The grid and the sides of level k in a box. padding: see GridGeometry.
+LevelGeometry GeometryOf(const LevelRules &rules, const Model &model, const Box &box, int k, int padding);
 
 /// A level's box that has moved, a level that has ended or one that has begun.
 struct LevelMove {

@@ -29,6 +29,9 @@ struct LevelGeometry {
   }
 };
 
+/// Places the domain's sides on a level's grid; the level is free at its borders.
+void PlaceSides(const Model &model, LevelGeometry *level);
+
 /// Why a level cannot go on; the first reason that this rank met.
 struct LevelFailure {
   enum Kind { kNone, kPoint, kContact } kind = kNone;

@@ -29,12 +29,24 @@ struct BoundaryConditions {
   {
     return kind[side] == BoundaryKind::kFixed || (kind[side] == BoundaryKind::kSymmetry && AxisOf(side) == axis);
   }
-  /// True where the velocity component `axis` of a node is held at zero.
+  /// True where the velocity component `axis` of a node is held.
   bool Constrains(Index at, int axis) const
   {
     for (int s = 0; s < kSides; ++s)
       if (Reaches(static_cast<Side>(s), at) && Constrains(static_cast<Side>(s), axis)) return true;
     return false;
+  }
+  /// What a side holds a component at that it constrains, m/s. All that holds nodes asks here, so that a side that moves needs no
+  /// other place.
+  double HeldVelocity(Side, int) const { return 0; }
+  /// The same at a node; of the sides that hold it there the last one counts, as in loops over sides.
+  double HeldVelocity(Index at, int axis) const
+  {
+    double held = 0;
+    for (int s = 0; s < kSides; ++s)
+      if (Reaches(static_cast<Side>(s), at) && Constrains(static_cast<Side>(s), axis))
+        held = HeldVelocity(static_cast<Side>(s), axis);
+    return held;
   }
 };
 
@@ -100,7 +112,7 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings);
 /// Adds gravity and damping, m g - damping p, to the nodal forces f; v = p/m + dt f/m; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
-/// Holds the velocities of nodes at the sides, adding up the impulse on the body.
+/// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.

@@ -1,8 +1,8 @@
 // The elastic laws: equations between full tensors, the same in all geometries. Metals are in metals.cpp.
 //
 // A law has Stress (Cauchy, Pa), Energy (recoverable, per initial volume, J/m3) and WaveSpeedSquared (an upper bound over
-// directions, (m/s)^2, from F and the square of the largest stretch). The loops over points are in materials.cpp;
-// docs/extend.md has the steps to a new law.
+// directions, (m/s)^2, from F and a bound of the square of the largest stretch, in plane strain of those in the plane). The loops
+// over points are in materials.cpp; docs/extend.md has the steps to a new law.
 #pragma once
 
 #include "base/log.hpp"

@@ -18,7 +18,9 @@ TABOR, STRAIN = 2.8, 0.08  # hardness over the flow stress at this strain
 REST = 0.1  # of the load, at which an unloading under load control ends
 THREE_FACES = ("berkovich", "cube_corner")  # no symmetry across x
 
-HARDENING = "yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain"
+HARDENING = ("yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain",
+             "thermal_exponent", "melting_temperature", "reference_temperature", "initial_temperature")
+INITIAL_TEMPERATURE = 293.0  # K, where -initial_temperature is not given
 RULES = {
     "depth": Rule(lambda depth: 0 < depth <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9"),
     "load": Rule(lambda load: 0 < load < math.inf, "a number > 0 in N; 10 mN are 10e-3"),
@@ -30,13 +32,14 @@ RULES = {
     "radius": Rule(lambda radius: 0 < radius <= 0.1, "in (0, 0.1] m; 5 um are 5e-6"),
     "tip_radius": Rule(lambda radius: 0 <= radius <= 0.1, "in [0, 0.1] m; 100 nm are 100e-9"),
 } | dict.fromkeys(HARDENING, Rule(lambda value: 0 <= value < math.inf, "a number >= 0"))
-FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law
+FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law; at rest, as nobody knows the rate before the run
     "linear": lambda k, a: k["yield_stress"] + k.get("hardening_modulus", 0) * a,
     "power": lambda k, a: k["yield_stress"] * (1 + k["youngs_modulus"] * a / k["yield_stress"]) ** k["hardening_exponent"],
     "swift": lambda k, a: k["yield_stress"] * (1 + a / k["hardening_strain"]) ** k["hardening_exponent"],
     "ludwik": lambda k, a: k["yield_stress"] + k["hardening_modulus"] * a ** k["hardening_exponent"],
     "voce": lambda k, a: (k["saturation_stress"]
                           - (k["saturation_stress"] - k["yield_stress"]) * math.exp(-a / k["saturation_strain"])),
+    "johnson_cook": lambda k, a: FLOW_STRESS["ludwik"](k, a) * thermal_softening(k),
 }
 
 
@@ -97,11 +100,12 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     if law == "j2" and "hardening" not in constants:
         constants.setdefault("hardening_modulus", 0.0)
     shape = shape_of(tip, geometry, half_angle, radius, tip_radius)
-    size = size_of_contact(shape, constants, depth, load)
+    temperature = checked({"initial_temperature": options.get("initial_temperature", INITIAL_TEMPERATURE)})
+    size = size_of_contact(shape, constants | temperature, depth, load)
     grid = grid_of(geometry, tip, float(f"{size / cells:.2g}"), cells, block)
     top = grid["block_upper"][-1]
     if depth is not None:
-        turns = {"indenter_depths": (depth, depth_of_return(shape, constants, depth)) if unload else depth}
+        turns = {"indenter_depths": (depth, depth_of_return(shape, constants | temperature, depth)) if unload else depth}
     else:
         largest = load / model_parts(geometry, tip)
         loads = (0, largest, REST * largest) if unload else (0, largest)
@@ -160,11 +164,24 @@ def contact_modulus(constants):
 
 def hardness(constants):
     """Returns Tabor's hardness of a metal in Pa, infinite for what does not flow or whose law is not known here."""
-    law = FLOW_STRESS.get(constants.get("hardening", "linear"), FLOW_STRESS["linear"])
+    law = FLOW_STRESS.get(constants.get("hardening", "linear"))
+    if law is None or "yield_stress" not in constants:
+        return math.inf
     try:
-        return TABOR * law(constants, STRAIN) if "yield_stress" in constants else math.inf
+        return TABOR * law({"initial_temperature": INITIAL_TEMPERATURE, **constants}, STRAIN)
     except (KeyError, ZeroDivisionError) as problem:
         raise Error(f"{problem.args[0]}: must be given, and > 0, for hardening={constants['hardening']}") from None
+
+
+def thermal_softening(k):
+    """Returns the part of its flow stress that a metal of johnson_cook has at the initial temperature."""
+    initial = k["initial_temperature"]
+    warmer = initial - k.get("reference_temperature", initial)
+    if warmer <= 0:
+        return 1.0
+    if k["melting_temperature"] <= initial:
+        raise Error(f"melting_temperature={k['melting_temperature']:g}: must be above initial_temperature {initial:g}")
+    return 1 - (warmer / (k["melting_temperature"] - k["reference_temperature"])) ** k["thermal_exponent"]
 
 
 def size_of_contact(shape, constants, depth, load):

@@ -138,8 +138,10 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
       budgets_.stagger_impulse[axis] += counts * (dt * ahead + contact);
       const bool held = held_axes_[k] >> axis & 1;
       if (held) {
-        budgets_.support_impulse[axis] -= counts * mass * (old + dv);
-        dv = -old;
+        const double at = coarse_->Geometry().sides.HeldVelocity(known_[k].at, axis), lacks = at - (old + dv);
+        budgets_.support_impulse[axis] += counts * mass * lacks;
+        budgets_.external_work += at * lacks * mass * counts;
+        dv = at - old;
       } else {
         to_share_[k].finer_push[axis] += contact / mass;
         to_share_[k].impulse[axis] += expects * contact_[k][axis] / ratio_;

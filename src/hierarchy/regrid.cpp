@@ -10,8 +10,7 @@
 namespace mlgimp
 {
 
-LevelGeometry GeometryOf(const LevelRules &rules, const std::array<BoundaryKind, kSides> &sides, const Box &box, int k,
-                         int padding)
+LevelGeometry GeometryOf(const LevelRules &rules, const Model &model, const Box &box, int k, int padding)
 {
   const double h = rules.CellSize(k);
   LevelGeometry geometry;
@@ -21,9 +20,8 @@ LevelGeometry GeometryOf(const LevelRules &rules, const std::array<BoundaryKind,
   for (int s = 0; s < 2 * rules.dim; ++s) {
     const Side side = static_cast<Side>(s);
     geometry.border[s] = std::abs(box.At(side) - rules.domain.At(side)) > 1e-6 * h;
-    geometry.sides.kind[s] = geometry.border[s] ? BoundaryKind::kFree : sides[s];
-    geometry.sides.node[s] = SignOf(side) < 0 ? 0 : geometry.grid.cells[AxisOf(side)];
   }
+  PlaceSides(model, &geometry);
   return geometry;
 }
 
@@ -31,7 +29,7 @@ std::vector<LevelGeometry> Hierarchy::GeometriesOf(const std::vector<Box> &boxes
 {
   std::vector<LevelGeometry> geometries;
   for (int l = 0; l < Levels(); ++l)
-    geometries.push_back(GeometryOf(settings_.rules, model_->sides, boxes[l], l, settings_.levels[l].grid.padding));
+    geometries.push_back(GeometryOf(settings_.rules, *model_, boxes[l], l, settings_.levels[l].grid.padding));
   return geometries;
 }
 

@@ -26,6 +26,15 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void PlaceSides(const Model &model, LevelGeometry *level)
+{
+  for (int s = 0; s < 2 * level->grid.dim; ++s) {
+    const Side side = static_cast<Side>(s);
+    level->sides.kind[s] = level->border[s] ? BoundaryKind::kFree : model.sides[s];
+    level->sides.node[s] = SignOf(side) < 0 ? 0 : level->grid.cells[AxisOf(side)];
+  }
+}
+
 PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout)
 {
   double density = HUGE_VAL;

@@ -86,9 +86,11 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
     if (node.mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      if (owned) budgets.support_impulse[axis] -= node.owned_mass * velocity[axis];
-      change[axis] -= velocity[axis];
-      velocity[axis] = 0;
+      const double held = sides.HeldVelocity(side, axis), lacks = held - velocity[axis];
+      if (owned) budgets.support_impulse[axis] += node.owned_mass * lacks;
+      if (owned) budgets.external_work += held * lacks * node.owned_mass;
+      change[axis] += lacks;
+      velocity[axis] = held;
     }
   });
 }
@@ -177,7 +179,7 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
   budgets.exchange_energy += work;
 }
 
-/// Zero normal velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
+/// Holds the velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
 static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
   const int dim = grid.Geometry().dim;
@@ -186,8 +188,9 @@ static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      if (owned) impulse[axis] -= grid.Sums()[place].owned_mass * projected[axis];
-      velocity[axis] = projected[axis] = 0;
+      const double held = sides.HeldVelocity(side, axis);
+      if (owned) impulse[axis] += grid.Sums()[place].owned_mass * (held - projected[axis]);
+      velocity[axis] = projected[axis] = held;
     }
   });
   return impulse;
@@ -227,7 +230,7 @@ void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const
   });
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool) {
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
-      if (sides.Constrains(side, axis)) grid.Velocity(place).velocity[axis] = 0;
+      if (sides.Constrains(side, axis)) grid.Velocity(place).velocity[axis] = sides.HeldVelocity(side, axis);
   });
 }
 

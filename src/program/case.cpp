@@ -31,6 +31,8 @@ void ReadGeometry(OptionReader &reader, Geometry *geometry)
   reader.SetDim(geometry->Dim());
 }
 
+const std::vector<std::string> kSideKinds = {"free", "symmetry", "fixed"}; // in the order of BoundaryKind
+
 /// In axisymmetry the domain begins at the axis, which is a side of symmetry, or beyond it.
 void CheckAxis(OptionReader &reader, Case *c)
 {
@@ -41,9 +43,9 @@ void CheckAxis(OptionReader &reader, Case *c)
     reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
                   "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it");
   if (lower > 0) return;
-  if (c->model.sides[kXLower] != BoundaryKind::kSymmetry)
-    reader.Refuse("-boundary_x_lower", c->model.sides[kXLower] == BoundaryKind::kFree ? "free" : "fixed",
-                  "symmetry or left out: it is the axis");
+  const BoundaryKind kind = c->model.sides[kXLower];
+  if (kind != BoundaryKind::kSymmetry)
+    reader.Refuse("-boundary_x_lower", kSideKinds[static_cast<int>(kind)], "symmetry or left out: it is the axis");
 }
 
 void ReadGrid(OptionReader &reader, Case *c)
@@ -53,11 +55,10 @@ void ReadGrid(OptionReader &reader, Case *c)
   reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper);
   reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size);
   for (int s = 0; s < (reader.Help() ? kSides : 2 * c->Dim()); ++s) {
-    const std::vector<std::string> kinds = {"free", "symmetry", "fixed"};
     const bool is_axis = c->model.geometry.HasHoop() && s == kXLower && c->domain.lower[0] == 0;
     std::string kind = is_axis && !reader.Help() ? "symmetry" : "free";
-    c->model.sides[s] =
-        static_cast<BoundaryKind>(reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain"}, kinds, &kind));
+    c->model.sides[s] = static_cast<BoundaryKind>(
+        reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain"}, kSideKinds, &kind));
   }
   if (reader.Help()) return;
   if (!kCellSizes.Contains(c->cell_size))

@@ -45,6 +45,7 @@ struct PointedShape {
   int faces = 4;
 };
 
+/// For kinds that use all of it: an option that is read and not used would be taken without a word.
 void ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyramid, PointedShape *shape)
 {
   for (const NamedPyramid &known : kPyramids)
@@ -69,7 +70,8 @@ void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string 
 {
   const bool plane = geometry == GeometryKind::kPlaneStrain, punch = kind == "flat_punch";
   const bool cone = kind == "wedge" || kind == "cone", sphere = kind == "cylinder" || kind == "sphere";
-  const bool pyramid = !cone && !sphere && !punch && kind != "polygon";
+  const bool named = std::any_of(std::begin(kPyramids), std::end(kPyramids), [&](auto &one) { return kind == one.name; });
+  const bool pyramid = kind == "pyramid" || named;
   double radius = NAN, width = NAN;
   PointedShape shape;
   std::vector<Vec3> vertices;
@@ -85,6 +87,7 @@ void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string 
   if (punch) *surface = CreateFlatPunch(geometry, plane ? 0.5 * width : radius);
   if (pyramid) *surface = CreatePyramid(shape.half_angle, shape.faces, shape.turn, shape.tip_radius);
   if (kind == "polygon") *surface = CreatePolygonIndenter(vertices);
+  if (!*surface) reader.Refuse("-indenter", kind, "a kind that ReadSurface makes a surface for");
 }
 
 /// Height of the highest body at the tip, also where that is on a body's side; of the highest of all where there is none.

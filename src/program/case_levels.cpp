@@ -193,7 +193,7 @@ void PlaceLevels(Case *c)
   settings.follow.start = c->boxes;
   for (int k = 0; k < c->levels; ++k) {
     const int reach = settings.coupling == LevelCoupling::kPoints ? settings.ghost_cells + 2 : kHaloWidth;
-    settings.levels.push_back(GeometryOf(settings.rules, c->model.sides, c->boxes[k], k, k > 0 ? reach : 1));
+    settings.levels.push_back(GeometryOf(settings.rules, c->model, c->boxes[k], k, k > 0 ? reach : 1));
   }
 }
 

@@ -102,7 +102,7 @@ CASES = [
     # Axisymmetry and space
     ("radii below zero", {**AXIS, "domain_lower": "-1,0"}, ["-domain_lower -1,0:", "axis"]),
     ("domain off the axis", {**AXIS, "domain_lower": "1,0", "block_lower": "1,0"}, ["-domain_lower 1,0:", "axis"]),
-    ("axis that is held", {**AXIS, "boundary_x_lower": "fixed"}, ["-boundary_x_lower", "axis"]),
+    ("axis that is held", {**AXIS, "boundary_x_lower": "fixed"}, ["-boundary_x_lower fixed:", "axis"]),
     ("axis that is free", {**AXIS, "boundary_x_lower": "free"}, ["-boundary_x_lower free:", "axis"]),
     ("hole along the axis", {**AXIS, "block_lower": "0.5,0"}, ["-bodies block:", "axis", "hole of 0.5 m"]),
     ("hole of a rounding along the axis", {**AXIS, "block_lower": "1e-6,0"}, ["-bodies block:", "axis"]),

@@ -1,6 +1,7 @@
 // A block that flies obliquely into, through and out of finer levels, in the plane and in space: points, mass and momentum; the
 // energy of one that vibrates as it flies. With "table": that energy for all levels and schemes.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <set>
@@ -141,7 +142,7 @@ PetscErrorCode TestSplitVelocity(int ratio)
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
       const Vec3 x = {a.position[2 * p], a.position[2 * p + 1]};
       if (!known.insert(a.id[p]).second || std::abs(x[1] - 12) > 1.5) return; // near the free sides there are waves
-      error = std::max(error, Norm(Vec3{a.velocity[2 * p], a.velocity[2 * p + 1]} - exact(x)) / g);
+      error = Largest({error, Norm(Vec3{a.velocity[2 * p], a.velocity[2 * p + 1]} - exact(x)) / g});
       ++children;
     }));
   }

@@ -4,6 +4,7 @@
 // Without arguments: the tests. With "table N": errors of all levels and schemes up to N x N coarse cells; with "table -N" those
 // in space.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <unordered_map>
@@ -133,11 +134,11 @@ PetscErrorCode Solve(int n, const Case &levels, const Scheme &scheme, Errors *er
       const Vec3 X = reference.At(a.id[p]).center;
       Vec3 error = a.Position(p) - X;
       for (int d = 0; d < dim; ++d) error[d] -= Displacement(X[d], phase + d * M_PI);
-      errors->largest = std::max(errors->largest, Norm(error));
+      errors->largest = Largest({errors->largest, Norm(error)});
       sum += a.mass[p] * Dot(error, error);
       mass += a.mass[p];
     }));
-    errors->rms = std::max(errors->rms, std::sqrt(sum / mass));
+    errors->rms = Largest({errors->rms, std::sqrt(sum / mass)});
   }
   Budgets budgets;
   PetscCall(run.hierarchy.ReduceBudgets(&budgets));

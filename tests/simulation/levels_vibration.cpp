@@ -3,6 +3,7 @@
 //
 // Without arguments: the tests. With "table": all borders, ratios, updates and laws; with "table -N" in space, N periods.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 
@@ -77,8 +78,8 @@ PetscErrorCode Vibrate(const Case &levels, const Scheme &scheme, const std::stri
     if (counts || step % kCheck == 0) {
       PetscCall(run.hierarchy.ReduceBudgets(&budgets));
       const double change = (budgets.momentum[0] - start) / scale;
-      swing = std::max(swing, std::abs(change));
-      rest = std::max(rest, std::abs(change - budgets.stagger_impulse[0] / scale));
+      swing = Largest({swing, std::abs(change)});
+      rest = Largest({rest, std::abs(change - budgets.stagger_impulse[0] / scale)});
       if (counts) mean += change / steps;
     }
     if (!counts) continue;

@@ -5,6 +5,7 @@
 // Without arguments: pressure waves at normal incidence, in plane strain and along the axis of axisymmetry. With "table": also
 // shear waves, 30 degrees, and other ratios.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <map>
@@ -121,7 +122,7 @@ PetscErrorCode Reflect(const Wave &wave, Reflection *r)
     const Vec3 other = found == two.end() ? Vec3{NAN, NAN} : found->second;
     if (!(Norm(other) <= both)) both = Norm(other);
     if (!(Norm(other - v) <= r->difference)) r->difference = Norm(other - v);
-    r->residual = std::max(r->residual, Norm(v));
+    r->residual = Largest({r->residual, Norm(v)});
   }
   r->less_residual = both - r->residual;
   if (one.empty() || one.size() != two.size()) *r = {NAN, NAN, NAN};

@@ -3,6 +3,7 @@
 //   u = A sin(2 pi X) sin(c pi t), v = A sin(2 pi Y) sin(c pi t + pi) on the unit square between rollers.
 // Without arguments: the tests. With "table N": errors of all variants up to N x N cells.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <unordered_map>
@@ -87,10 +88,10 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
       const Vec3 X = reference.at(points.id[p]);
       const Vec3 error = {points.position[2 * p] - X[0] - Displacement(X[0], phase),
                           points.position[2 * p + 1] - X[1] - Displacement(X[1], phase + M_PI)};
-      errors->largest = std::max(errors->largest, Norm(error));
+      errors->largest = Largest({errors->largest, Norm(error)});
       sum += Dot(error, error);
     }
-    errors->rms = std::max(errors->rms, std::sqrt(sum / points.count));
+    errors->rms = Largest({errors->rms, std::sqrt(sum / points.count)});
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

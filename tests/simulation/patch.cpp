@@ -1,6 +1,7 @@
 // Patch test: points of several sizes that tile a stretched body under uniform stress leave no force on the nodes within
 // it, wherever the grid lies; with the matching pressures on its sides, on no node at all.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <random>
@@ -86,9 +87,9 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
   ForEach(nodes.Owned(), [&](Index node) {
     const NodeSums &sums = nodes.Sums()[nodes.Place(node)];
     const double force = std::hypot(sums.force[0], sums.force[1]) / kScale;
-    forces->all = std::max(forces->all, force);
+    forces->all = Largest({forces->all, force});
     if (!Inside(patch, {nodes.Coordinate(0, node[0]), nodes.Coordinate(1, node[1])}, shift)) return;
-    forces->inside = std::max(forces->inside, force);
+    forces->inside = Largest({forces->inside, force});
     ++forces->nodes;
   });
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -102,8 +103,8 @@ PetscErrorCode Worst(const Patch &patch, Forces *worst)
   for (int n = 0; n < 10; ++n) {
     Forces forces;
     PetscCall(NodalForces(patch, &forces));
-    worst->inside = std::max(worst->inside, forces.inside);
-    worst->all = std::max(worst->all, forces.all);
+    worst->inside = Largest({worst->inside, forces.inside});
+    worst->all = Largest({worst->all, forces.all});
     worst->nodes = std::min(worst->nodes, forces.nodes);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,6 +2,7 @@
 //
 // Without arguments: the tests. With "table": the modes and the manufactured solution over the size of cells.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <random>
@@ -67,8 +68,8 @@ PetscErrorCode PatchForces(int points_per_cell, Vec3 stretch, double offset, For
   ForEach(nodes.Owned(), [&](Index node) {
     const NodeSums &sums = nodes.Sums()[nodes.Place(node)];
     const double scale = kTwoPi * kRadius * stretch[0] * std::abs(kAcross);
-    if (node[0] > 0) forces->radial = std::max(forces->radial, std::abs(sums.force[0]) / scale); // the axis is held
-    forces->axial = std::max(forces->axial, std::abs(sums.force[1]) / scale);
+    if (node[0] > 0) forces->radial = Largest({forces->radial, std::abs(sums.force[0]) / scale}); // the axis is held
+    forces->axial = Largest({forces->axial, std::abs(sums.force[1]) / scale});
   });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +85,7 @@ TEST(Radial, Patch)
       if (points == 1 && LargestComponent(stretch) > 1) continue; // a point may not become wider than a cell
       Forces forces;
       ASSERT_EQ(PatchForces(points, stretch, offset(generator), &forces), PETSC_SUCCESS);
-      radial = std::max(radial, forces.radial), axial = std::max(axial, forces.axial);
+      radial = Largest({radial, forces.radial}), axial = Largest({axial, forces.axial});
     }
     const std::string name = "axisymmetric patch, " + std::to_string(points) + " points a cell: nodal force along ";
     ExpectAtMost(name + "r, of |sigma| 2 pi r h", radial, 1e-12);
@@ -126,11 +127,11 @@ PetscErrorCode Stretch(StressUpdate update)
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     const double R = a.initial_radius[p], J = stretch * stretch,
                  expected = material.Mu() / J * (J - 1) + material.Lambda() * std::log(J) / J;
-    place = std::max(place, std::abs(a.position[2 * p] / (stretch * R) - 1));
-    F = std::max(F, std::abs(a.F[4 * p] / stretch - 1));
-    for (int k : {0, 2}) stress = std::max(stress, std::abs(a.stress[4 * p + k] / expected - 1));
+    place = Largest({place, std::abs(a.position[2 * p] / (stretch * R) - 1)});
+    F = Largest({F, std::abs(a.F[4 * p] / stretch - 1)});
+    for (int k : {0, 2}) stress = Largest({stress, std::abs(a.stress[4 * p + k] / expected - 1)});
     const double area = 4 * a.half_size[2 * p] * a.half_size[2 * p + 1] * stretch; // J m/rho = 2 pi r A
-    volume = std::max(volume, std::abs(J * a.mass[p] / kMaterial.density / (kTwoPi * a.position[2 * p] * area) - 1));
+    volume = Largest({volume, std::abs(J * a.mass[p] / kMaterial.density / (kTwoPi * a.position[2 * p] * area) - 1)});
   }));
   const std::string name = std::string("v = c r to the stretch 1.3: error of ");
   ExpectAtMost(name + "r", place, 1e-12);
@@ -300,13 +301,13 @@ PetscErrorCode Manufactured(int n, Errors *errors)
     int count = 0;
     PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
       const double R = a.initial_radius[p], error = std::abs(a.position[2 * p] - R - g * std::sin(M_PI * R));
-      errors->largest = std::max(errors->largest, error);
+      errors->largest = Largest({errors->largest, error});
       sum += error * error;
       ++count;
       const double slope = std::abs(a.F[4 * p] - 1 - g * M_PI * std::cos(M_PI * R)) / (kA * M_PI);
-      if (R * n < 1) errors->first_cell = std::max(errors->first_cell, slope);
+      if (R * n < 1) errors->first_cell = Largest({errors->first_cell, slope});
     }));
-    errors->rms = std::max(errors->rms, std::sqrt(sum / count));
+    errors->rms = Largest({errors->rms, std::sqrt(sum / count)});
   }
   if (run.Failed()) *errors = {NAN, NAN, NAN};
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,8 +44,7 @@ inline HierarchySettings OneLevel(const Model &model, const Box &box, double spa
   geometry.grid = {box.lower, spacing, {}, 1, model.geometry.Dim()};
   for (int d = 0; d < geometry.grid.dim; ++d)
     geometry.grid.cells[d] = static_cast<int>(std::lround((box.upper[d] - box.lower[d]) / spacing));
-  geometry.sides.kind = model.sides;
-  for (int s = 0; s < kSides; ++s) geometry.sides.node[s] = s % 2 ? geometry.grid.cells[s / 2] : 0;
+  PlaceSides(model, &geometry);
   HierarchySettings settings;
   settings.levels = {geometry};
   return settings;
@@ -64,8 +63,8 @@ inline HierarchySettings NestedLevels(const Model &model, const Box &domain, dou
     for (int s = 0; s < 2 * geometry.grid.dim; ++s) {
       const double own = s % 2 ? box.upper[s / 2] : box.lower[s / 2], outer = s % 2 ? domain.upper[s / 2] : domain.lower[s / 2];
       geometry.border[s] = std::abs(own - outer) > 1e-6 * spacing;
-      if (geometry.border[s]) geometry.sides.kind[s] = BoundaryKind::kFree;
     }
+    PlaceSides(model, &geometry);
     settings.levels.push_back(geometry);
   }
   return settings;

@@ -1,5 +1,6 @@
 // A body without stress that flies obliquely through the grid: nothing happens to it but the motion.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 #include <map>
@@ -74,10 +75,10 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
     PetscCall(hierarchy.Advance(step * dt, dt));
     const PointArrays a = hierarchy.At(0).PointStore().Arrays();
     for (int k = 0; k < 4 * a.count; ++k)
-      errors->stress = std::max(errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus);
+      errors->stress = Largest({errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus});
     for (int p = 0; p < a.count; ++p)
       for (int d = 0; d < 2; ++d)
-        errors->velocity = std::max(errors->velocity, std::abs(a.velocity[2 * p + d] / kVelocity[d] - 1));
+        errors->velocity = Largest({errors->velocity, std::abs(a.velocity[2 * p + d] / kVelocity[d] - 1)});
   }
   PetscCall(Take(hierarchy, &after));
   PetscCall(hierarchy.At(0).SumPoints(&point_sums));
@@ -90,7 +91,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
     const auto found = after.position.find(id);
     errors->same_points &= found != after.position.end();
     if (found == after.position.end()) continue;
-    errors->position = std::max(errors->position, Norm(found->second - X - steps * dt * kVelocity) / Norm(found->second));
+    errors->position = Largest({errors->position, Norm(found->second - X - steps * dt * kVelocity) / Norm(found->second)});
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

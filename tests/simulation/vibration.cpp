@@ -2,6 +2,7 @@
 //
 // Without arguments: the tests. With "table": energy of all updates.
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <cmath>
 
@@ -82,7 +83,7 @@ PetscErrorCode VibratingBar()
   while (crossings < 10) {
     PetscCall(run.Advance());
     const double u = a.position[2 * end] - X;
-    largest_error = std::max(largest_error, std::abs(u - amplitude * std::sin(w * run.time)));
+    largest_error = Largest({largest_error, std::abs(u - amplitude * std::sin(w * run.time))});
     if (before * u < 0) {
       crossing = run.time - run.dt * u / (u - before);
       ++crossings;

@@ -1,6 +1,7 @@
 // The border of two levels as a linear map: the blended functions add up to one, and reproduce linear fields.
 #include "hierarchy/merging.hpp"
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -177,7 +178,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
       EXPECT_NEAR(a.half_size[2 * p], size[2 * parent] / ratio, 1e-15);
       const double dy = a.position[2 * p + 1] - x[2 * parent + 1];
       EXPECT_NEAR(a.velocity[2 * p], v[2 * parent] + 0.1 * dy, 1e-14);
-      apart = std::max(apart, std::abs(dy));
+      apart = Largest({apart, std::abs(dy)});
       outer[parent] += a.faces[p] == faces[parent];
       const double change = numbers.ChildIndex(a.id[p]) - 0.5 * (children - 1); // of what they share, none on average
       for (int k = 0; k < 4; ++k) a.F[4 * p + k] += 1e-3 * change, a.stress[4 * p + k] += 1e3 * change;

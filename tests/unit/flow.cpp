@@ -4,6 +4,7 @@
 #include "level/seeding.hpp"
 
 #include "simulation/setup.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -81,10 +82,10 @@ TEST(Flow, StraightBoxesKeepVolumesAndFaces)
       const Face face = PointFace(a, p, top);
       const double area = Norm(face.area_normal);
       const Vec3 normal = (1 / area) * face.area_normal, edge = face.center - a.Position(p);
-      changed = std::max(changed, std::abs(Determinant(a.F + dim * dim * p, dim) / volume[p] - 1));
-      moved = std::max(moved, std::abs(Dot(face.center - before[p].center, normal)));
-      turned = std::max(turned, Norm(face.area_normal - before[p].area_normal) / area);
-      sheared = std::max(sheared, Norm(edge - Dot(edge, normal) * normal) / Norm(edge));
+      changed = Largest({changed, std::abs(Determinant(a.F + dim * dim * p, dim) / volume[p] - 1)});
+      moved = Largest({moved, std::abs(Dot(face.center - before[p].center, normal))});
+      turned = Largest({turned, Norm(face.area_normal - before[p].area_normal) / area});
+      sheared = Largest({sheared, Norm(edge - Dot(edge, normal) * normal) / Norm(edge)});
     }
     EXPECT_LE(changed, 1e-13) << "volume, " << dim;
     EXPECT_LE(moved, 1e-13) << "face's place along its normal, m, " << dim;

@@ -1,6 +1,7 @@
 // Cuts of a grid into blocks, and blocks to ranks: against the best of all cuts, and by their properties.
 #include "hierarchy/balance.hpp"
 #include "hierarchy/mapping.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +55,7 @@ double LargestWork(const std::vector<double> &points, int width, const GridLayou
   for (const int rows : layout.widths[1]) {
     int i = 0;
     for (const int columns : layout.widths[0])
-      largest = std::max(largest, Work(points, width, i, j, columns, rows)), i += columns;
+      largest = Largest({largest, Work(points, width, i, j, columns, rows)}), i += columns;
     j += rows;
   }
   return largest;

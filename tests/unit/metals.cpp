@@ -1,6 +1,7 @@
 // Hardening laws and the return to them; logarithm and exponential by series; a steady state of simple shear.
 #include "pointwise/log_strain.hpp"
 #include "pointwise/material.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,8 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20261122);
+constexpr unsigned kSeed = 20261122;
+std::mt19937 generator(kSeed);
 double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
 
 MaterialConstants Constants(const std::string &hardening)
@@ -29,12 +31,13 @@ MaterialConstants Constants(const std::string &hardening)
   return c;
 }
 
-/// Points of a block in many states, every fifth of them below yield.
+/// Points of a block in many states, every fifth of them below yield; the same ones for each law, wherever it stands in the list.
 template <class Law> void ReturnsToFlow(const std::string &name)
 {
   const Law law(Constants(name));
   const double three_mu = 3 * 26e9;
   double off = 0;
+  generator.seed(kSeed);
   for (int block = 0; block < 40; ++block) {
     double q[kBlock], strain[kBlock], temperature[kBlock];
     const double rate = std::pow(10, Random(0, 12));
@@ -51,7 +54,7 @@ template <class Law> void ReturnsToFlow(const std::string &name)
       if (p % 5) {
         EXPECT_GT(d, 0) << name;
         const double start = law.At(strain[p], rate * d, temperature[p]).stress;
-        off = std::max(off, std::abs(q[p] - three_mu * d - flow) / q[p]);
+        off = Largest({off, std::abs(q[p] - three_mu * d - flow) / q[p]});
         EXPECT_NEAR(step.work[p], 0.5 * d * (start + flow), 1e-9 * d * flow) << name + ": work by the trapezoidal rule";
       } else {
         EXPECT_EQ(d, 0) << name + ": elastic below yield";
@@ -131,9 +134,9 @@ TEST(Metals, ExponentialsAndPowers)
   double off = 0, off_power = 0;
   for (int n = 0; n < 20000; ++n) {
     const double x = Random(-600, 600), base = std::pow(10, Random(-20, 3)), exponent = Random(0, 3);
-    off = std::max(off, std::abs(Exp(x) / std::exp(x) - 1));
+    off = Largest({off, std::abs(Exp(x) / std::exp(x) - 1)});
     const double power = std::pow(base, exponent), size = 1 + std::abs(std::log(power)); // its error is that of its logarithm
-    off_power = std::max(off_power, std::abs(Pow(base, exponent) / power - 1) / size);
+    off_power = Largest({off_power, std::abs(Pow(base, exponent) / power - 1) / size});
   }
   EXPECT_LE(off, 1e-15) << "exponential";
   EXPECT_LE(off_power, 1e-15) << "power";
@@ -178,9 +181,9 @@ template <bool in_plane> std::array<double, 2> SeriesOff()
     const LogStrain series = LogarithmicStrain<in_plane>(b), exact = LogarithmicStrainOfLarge(b, 1);
     if (series.norm2 > kLargestNorm2) continue;
     const Sym3 less = series.deviator - exact.deviator;
-    off[0] = std::max(off[0], std::sqrt(Contract(less, less)) + std::abs(series.mean - exact.mean));
+    off[0] = Largest({off[0], std::sqrt(Contract(less, less)) + std::abs(series.mean - exact.mean)});
     const Sym3 back = std::exp(2 * series.mean) * Exponential<in_plane>(2 * series.deviator) - b;
-    off[1] = std::max(off[1], std::sqrt(Contract(back, back)) / volume);
+    off[1] = Largest({off[1], std::sqrt(Contract(back, back)) / volume});
   }
   return off;
 }

@@ -1,5 +1,6 @@
 // Shapes of bodies and their tilings by their properties.
 #include "pointwise/region.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,22 +95,22 @@ void CheckTiling(const Box &box, Vec3 origin, double h, int per_cell, int dim, T
     for (const Tile &tile : tiling.InCell(cell)) {
       Tile found;
       double volume = 1;
-      errors->other = std::max(errors->other, tiling.At(tile.center, found) ? Norm(found.center - tile.center) : HUGE_VAL);
+      errors->other = Largest({errors->other, tiling.At(tile.center, found) ? Norm(found.center - tile.center) : HUGE_VAL});
       for (int axis = 0; axis < dim; ++axis) {
-        errors->outside = std::max({errors->outside, box.lower[axis] - tile.center[axis] + tile.half_size[axis],
-                                    tile.center[axis] + tile.half_size[axis] - box.upper[axis]});
+        errors->outside = Largest({errors->outside, box.lower[axis] - tile.center[axis] + tile.half_size[axis],
+                                   tile.center[axis] + tile.half_size[axis] - box.upper[axis]});
         volume *= 2 * tile.half_size[axis];
       }
       sum += volume;
     }
   });
-  errors->volume = std::max(errors->volume, std::abs(sum / Volume(box, dim) - 1));
+  errors->volume = Largest({errors->volume, std::abs(sum / Volume(box, dim) - 1)});
   for (int k = 0; k < 20; ++k) {
     const Vec3 x = RandomPlace(box);
     Tile tile;
     const bool found = tiling.At(x, tile);
     for (int axis = 0; axis < dim; ++axis)
-      errors->miss = std::max(errors->miss, found ? std::abs(x[axis] - tile.center[axis]) - tile.half_size[axis] : HUGE_VAL);
+      errors->miss = Largest({errors->miss, found ? std::abs(x[axis] - tile.center[axis]) - tile.half_size[axis] : HUGE_VAL});
   }
 }
 

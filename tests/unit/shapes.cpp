@@ -1,6 +1,7 @@
 // Shape functions by their properties at random places.
 #include "pointwise/geometry.hpp"
 #include "pointwise/shape.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -41,15 +42,15 @@ template <class Shape> void CheckAxisWeights(const std::string &name, const std:
       const double d = Random(-0.4999, 0.4999), step = 1e-5 * (l > 0 ? l : 1);
       const AxisWeights at = Shape::Evaluate(d, l), back = Shape::Evaluate(-d, l);
       const AxisWeights above = Shape::Evaluate(d + step, l), below = Shape::Evaluate(d - step, l);
-      unity = std::max(unity, std::abs(at.w[0] + at.w[1] + at.w[2] - 1));
-      slopes = std::max(slopes, std::abs(at.g[0] + at.g[1] + at.g[2]));
-      linear = std::max(linear, std::abs(at.w[2] - at.w[0] - d) + std::abs(at.g[2] - at.g[0] - 1));
+      unity = Largest({unity, std::abs(at.w[0] + at.w[1] + at.w[2] - 1)});
+      slopes = Largest({slopes, std::abs(at.g[0] + at.g[1] + at.g[2])});
+      linear = Largest({linear, std::abs(at.w[2] - at.w[0] - d) + std::abs(at.g[2] - at.g[0] - 1)});
       for (int k = 0; k < 3; ++k) {
-        outside = std::max({outside, -at.w[k], at.w[k] - 1});
-        mean = std::max(mean, std::abs(at.w[k] - MeanHat(k - 1, d, l)));
-        mirror = std::max({mirror, std::abs(at.w[k] - back.w[2 - k]), std::abs(at.g[k] + back.g[2 - k])});
+        outside = Largest({outside, -at.w[k], at.w[k] - 1});
+        mean = Largest({mean, std::abs(at.w[k] - MeanHat(k - 1, d, l))});
+        mirror = Largest({mirror, std::abs(at.w[k] - back.w[2 - k]), std::abs(at.g[k] + back.g[2 - k])});
         if (l > 0 || std::abs(d) > step)
-          derivative = std::max(derivative, std::abs((above.w[k] - below.w[k]) / (2 * step) - at.g[k]));
+          derivative = Largest({derivative, std::abs((above.w[k] - below.w[k]) / (2 * step) - at.g[k])});
       }
     }
   // Round-off grows as 1/l, down to l = 1e-3. A difference across a kink of the slope, which is 1/(2 l) steep, is off by
@@ -94,15 +95,15 @@ template <class Shape> void CheckStencil(const std::string &name)
       const int index = static_cast<int>(node) + 40 * 3 - 2; // global node i + 40 j
       const double dx = (x[2 * p] - lattice.origin[0]) / kH - index % 40,
                    dy = (x[2 * p + 1] - lattice.origin[1]) / kH - index / 40;
-      largest = std::max(largest, std::abs(weight - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1])));
+      largest = Largest({largest, std::abs(weight - MeanHat(0, dx, l[0]) * MeanHat(0, dy, l[1]))});
       sum += weight;
       for (int a = 0; a < 2; ++a) {
         gradient[a][0] += slope[a] * kH * (index % 40);
         gradient[a][1] += slope[a] * kH * (index / 40);
       }
     });
-    largest = std::max({largest, std::abs(sum - 1), 1e-2 * std::abs(gradient[0][0] - 1), 1e-2 * std::abs(gradient[1][1] - 1),
-                        1e-2 * std::abs(gradient[0][1]), 1e-2 * std::abs(gradient[1][0])});
+    largest = Largest({largest, std::abs(sum - 1), 1e-2 * std::abs(gradient[0][0] - 1), 1e-2 * std::abs(gradient[1][1] - 1),
+                       1e-2 * std::abs(gradient[0][1]), 1e-2 * std::abs(gradient[1][0])});
   }
   EXPECT_LE(largest, 1e-12) << name + ": weights of points in the plane, gradients of linear functions";
   EXPECT_EQ(counted, clamped) << name + ": clamped sizes are counted";
@@ -153,10 +154,10 @@ template <class Geometry> void CheckLonePoint(const std::string &name)
       ForEachNodeOf(stencil, p, lattice, [&](std::ptrdiff_t node, double weight, const std::array<double, dim> &slope) {
         double square = 0;
         for (double s : slope) square += s * s * kH * kH;
-        if (weight > 1e-9) largest = std::max(largest, kCfl * kCfl * square / weight);
+        if (weight > 1e-9) largest = Largest({largest, kCfl * kCfl * square / weight});
         if (weight > 1e-9 && LiesBeyondCell<dim>(node, lattice, &x[dim * p])) beyond += kCfl * kCfl * square / weight;
       });
-      together = std::max(together, beyond);
+      together = Largest({together, beyond});
     }
   }
   EXPECT_LT(largest, 4) << name + ": stiffness over mass of a node times the square of a step";
@@ -175,7 +176,7 @@ TEST(Shapes, LeastHalfSize)
   for (int n = 0; n < 400; ++n)
     for (int k = 0; k < 3; ++k) {
       const double d = Random(-0.5, 0.5);
-      mean = std::max(mean, std::abs(UniformGimp::Evaluate(d, kMinHalfSize).w[k] - MeanHat(k - 1, d, kMinHalfSize)));
+      mean = Largest({mean, std::abs(UniformGimp::Evaluate(d, kMinHalfSize).w[k] - MeanHat(k - 1, d, kMinHalfSize))});
     }
   EXPECT_LE(mean, 1e-12);
 }

@@ -1,5 +1,6 @@
 // The schedule of a slow test: it passes through its turns without a jump, in the times it promises.
 #include "pointwise/slow_schedule.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ double LargestJump(const PiecewiseLinear &speed, double end, int count)
 {
   double largest = 0;
   for (int k = 0; k < count; ++k)
-    largest = std::max(largest, std::abs(speed.Value(end * (k + 1) / count) - speed.Value(end * k / count)));
+    largest = Largest({largest, std::abs(speed.Value(end * (k + 1) / count) - speed.Value(end * k / count))});
   return largest / speed.LargestMagnitude(0, end);
 }
 

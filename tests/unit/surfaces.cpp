@@ -1,6 +1,7 @@
 // Indenters and histories by their properties.
 #include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,14 +50,14 @@ void CheckSurface(const std::string &name, const IndenterSurface &surface, doubl
     Vec3 x = {Random(-width, width), up == 2 ? Random(-width, width) : 0, 0};
     x[up] = Height(surface, x, up, height);
     const Vec3 normal = surface.Gap(x).normal;
-    unit = std::max(unit, std::abs(Norm(normal) - 1));
+    unit = Largest({unit, std::abs(Norm(normal) - 1)});
     double off = 0;
     for (int axis = 0; axis <= up && std::abs(x[0]) > 1e-4; ++axis)
-      off = std::max(off, std::abs(Slope(surface, x, axis) - normal[axis]));
+      off = Largest({off, std::abs(Slope(surface, x, axis) - normal[axis])});
     if (edges && off > 1e-6)
       ++kinks;
     else
-      gradient = std::max(gradient, off);
+      gradient = Largest({gradient, off});
     signs &= surface.Gap(x + 1e-3 * normal).distance > 0 && surface.Gap(x + -1e-3 * normal).distance < 0;
     lowest = std::min(lowest, x[up]);
   }
@@ -188,12 +189,12 @@ TEST(Surfaces, Pyramids)
         const double r = Random(0, 2), z = Random(-0.5, 2), angle = Random(0, 2 * M_PI);
         const auto at = [&](double turn) { return Vec3{r * std::cos(angle + turn), r * std::sin(angle + turn), z}; };
         const SurfaceGap gap = unturned->Gap(at(0));
-        turned = std::max(turned, std::abs(pyramid->Gap(at(kTurn * M_PI / 180)).distance - gap.distance));
-        repeated = std::max(repeated, std::abs(unturned->Gap(at(2 * M_PI / faces)).distance - gap.distance));
-        length = std::max(length, std::abs(Norm(gap.normal) - 1));
+        turned = Largest({turned, std::abs(pyramid->Gap(at(kTurn * M_PI / 180)).distance - gap.distance)});
+        repeated = Largest({repeated, std::abs(unturned->Gap(at(2 * M_PI / faces)).distance - gap.distance)});
+        length = Largest({length, std::abs(Norm(gap.normal) - 1)});
         const bool smooth = radius > 0 && gap.distance > -0.9 * radius; // no kinks: the normal is the gradient, of length one
         for (int axis = 0; axis < 3 && smooth; ++axis)
-          gradient = std::max(gradient, std::abs(Slope(*unturned, at(0), axis) - gap.normal[axis]));
+          gradient = Largest({gradient, std::abs(Slope(*unturned, at(0), axis) - gap.normal[axis])});
       }
       EXPECT_LE(turned, 1e-14) << name + ": turned with -indenter_turn";
       EXPECT_LE(repeated, 1e-14) << name + ": the same from every face";
@@ -226,7 +227,7 @@ TEST(Surfaces, Histories)
   for (int n = 0; n < kParts; ++n) { // knots fall on ends of parts, where the trapezium rule is exact
     const double t = 5.0 * n / kParts, next = 5.0 * (n + 1) / kParts;
     sum += 0.5 * (speed.Value(t) + speed.Value(next)) * (next - t);
-    worst = std::max(worst, std::abs(speed.Integral(next) - sum));
+    worst = Largest({worst, std::abs(speed.Integral(next) - sum)});
   }
   EXPECT_LE(worst, 1e-12) << "history: integral";
   EXPECT_LE(std::abs(PiecewiseLinear({2}, {3}).Integral(1.5) - 4.5), 1e-15) << "history: constant one";
@@ -236,8 +237,8 @@ TEST(Surfaces, Histories)
   // The integral grows to 0.5 + 4 + 2/3 at t = 3 + 2/3 and falls again.
   worst = 0;
   for (double target : {1e-9, 0.1, 0.5, 2.0, 4.5, 5.0, 5.16})
-    worst = std::max(worst, std::abs(speed.Integral(speed.TimeOfIntegral(target, 10)) - target) +
-                                (speed.TimeOfIntegral(target, 10) < 3.667 ? 0 : 1));
+    worst = Largest({worst, std::abs(speed.Integral(speed.TimeOfIntegral(target, 10)) - target) +
+                                (speed.TimeOfIntegral(target, 10) < 3.667 ? 0 : 1)});
   EXPECT_LE(worst, 1e-12) << "history: first time of an integral";
   EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(5.17, 10))) << "never reached";
   EXPECT_TRUE(std::isinf(speed.TimeOfIntegral(2, 1.5))) << "not reached in time";

@@ -1,6 +1,7 @@
 // The small numerics of base: logarithm, products of tensors, principal values.
 #include "base/log.hpp"
 #include "base/spectral.hpp"
+#include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -42,9 +43,9 @@ TEST(Tensors, Products)
     // det is that of the product of columns; a s a^T : I = s : a^T a
     const Vec3 x = {a.xx, a.yx, a.zx}, y = {a.xy, a.yy, a.zy}, z = {a.xz, a.yz, a.zz};
     const Vec3 cross = {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
-    determinant = std::max(determinant, std::abs(Determinant(a) - Dot(cross, z)));
-    push = std::max(push, std::abs(Trace(Push(a, s)) - Contract(s, SymmetricProduct(Transposed(a), Transposed(a)))));
-    push = std::max(push, Size(Push(a, Sphere(2)) - 2 * B));
+    determinant = Largest({determinant, std::abs(Determinant(a) - Dot(cross, z))});
+    push = Largest({push, std::abs(Trace(Push(a, s)) - Contract(s, SymmetricProduct(Transposed(a), Transposed(a))))});
+    push = Largest({push, Size(Push(a, Sphere(2)) - 2 * B)});
   }
   EXPECT_LE(determinant, 1e-15);
   EXPECT_LE(push, 1e-14);
@@ -63,9 +64,9 @@ TEST(Tensors, PrincipalValues)
     Vec3 value = found.value, sorted = exact;
     std::sort(value.begin(), value.end());
     std::sort(sorted.begin(), sorted.end());
-    for (int k = 0; k < 3; ++k) values = std::max(values, std::abs(value[k] - sorted[k]));
-    composed = std::max(composed, Size(found.Compose(found.value) - a));
-    rotation = std::max(rotation, Size(SymmetricProduct(found.directions, found.directions) - Sphere(1)));
+    for (int k = 0; k < 3; ++k) values = Largest({values, std::abs(value[k] - sorted[k])});
+    composed = Largest({composed, Size(found.Compose(found.value) - a)});
+    rotation = Largest({rotation, Size(SymmetricProduct(found.directions, found.directions) - Sphere(1))});
     EXPECT_LE(std::abs(Determinant(found.directions) - 1), 1e-14);
   }
   EXPECT_LE(values, 1e-14) << "principal values";

@@ -59,8 +59,10 @@ Vec3 VelocityOf(const ContactView &view, Index node)
   const NodalSettings settings = lack > 0 && view.nodal ? *view.nodal : NodalSettings();
   Vec3 velocity{};
   for (int d = 0; d < view.geometry.Dim(); ++d)
-    velocity[d] = at.velocity[d] - Lacking(settings, view.dt, lack, d, at.change[d], at.velocity[d] - at.change[d]);
-  return FreePart(view, node, velocity);
+    velocity[d] = view.sides.Constrains(node, d)
+                      ? view.sides.HeldVelocity(node, d)
+                      : at.velocity[d] - Lacking(settings, view.dt, lack, d, at.change[d], at.velocity[d] - at.change[d]);
+  return velocity;
 }
 
 Vec3 FreePart(const ContactView &view, Index node, Vec3 change)

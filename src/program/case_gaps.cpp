@@ -1,4 +1,4 @@
-// Gaps below a cell, between bodies or to a side that holds them, which the grid closes.
+// Gaps below a cell, between bodies or to a side that holds them, which the grid closes; bodies that touch and part.
 #include "program/case_groups.hpp"
 
 #include "base/index.hpp"
@@ -31,17 +31,16 @@ double CellAround(const Case &c, const Box &box)
   return c.cell_size;
 }
 
-/// The space between two bounds, and the axis across it; -1 where they are apart along no axis, or more than one.
+/// The space between two bounds, and the axis across it, along which they may touch; -1 where that is no axis, or more than one.
 int FindGap(const Box &a, const Box &b, int dim, double tolerance, Box *gap)
 {
   int across = -1;
   for (int d = 0; d < dim; ++d) {
     gap->lower[d] = std::max(a.lower[d], b.lower[d]), gap->upper[d] = std::min(a.upper[d], b.upper[d]);
-    if (std::abs(gap->upper[d] - gap->lower[d]) <= tolerance) return -1; // they touch, or meet along an edge only
-    if (gap->upper[d] > gap->lower[d]) continue;
-    if (across >= 0) return -1;
+    if (gap->upper[d] - gap->lower[d] > tolerance) continue;
+    if (across >= 0) return -1; // they meet along an edge only, or are farther
     across = d;
-    std::swap(gap->lower[d], gap->upper[d]);
+    if (gap->upper[d] < gap->lower[d]) std::swap(gap->lower[d], gap->upper[d]);
   }
   return across;
 }
@@ -67,17 +66,31 @@ bool AreNear(const Neighbour &a, const Neighbour &b, const Box &gap, int across,
   return near;
 }
 
-void WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Neighbour &b, const std::string &option,
-               const std::string &between)
+/// A gap of which nodes see nothing; returns the axis across it where the two touch, else -1.
+int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Neighbour &b, const std::string &option,
+              const std::string &between)
 {
   constexpr double kTouching = 1e-3; // cells
+  const double tolerance = kTouching * c.CellSize(c.levels - 1);
   Box gap;
-  const int across = FindGap(a.bounds, b.bounds, c.Dim(), kTouching * c.CellSize(c.levels - 1), &gap);
-  if (across < 0) return;
+  const int across = FindGap(a.bounds, b.bounds, c.Dim(), tolerance, &gap);
+  if (across < 0) return -1;
   const double width = gap.upper[across] - gap.lower[across], cell = CellAround(c, gap);
-  if (width >= (1 - kTouching) * cell || !AreNear(a, b, gap, across, c.Dim(), cell)) return;
+  if (width >= (1 - kTouching) * cell || !AreNear(a, b, gap, across, c.Dim(), cell)) return -1;
+  if (width <= tolerance) return across;
   reader.WarnLater(option + ": " + FormatRounded(width) + " m are left between " + between + ", less than a cell of " +
                    FormatRounded(cell) + " m: they move as if they touched; take smaller cells, or close the gap");
+  return -1;
+}
+
+/// Two bodies that touch at the start share nodes there and stay together, however fast they move on each other or apart.
+void WarnOfBond(OptionReader &reader, const Body &a, const Body &b, int across)
+{
+  if (across < 0 || a.velocity[across] == b.velocity[across]) return;
+  reader.WarnLater(
+      "-bodies: " + a.name + " and " + b.name +
+      " touch at the start and do not move alike: they stay together; leave more than a cell between bodies that are "
+      "to collide, or to part");
 }
 
 } // namespace
@@ -86,7 +99,9 @@ void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
 {
   const Neighbour own = {body.region->Bounds(), body.region.get()};
   for (const Body &other : c.model.bodies)
-    WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies", other.name + " and " + body.name);
+    WarnOfBond(
+        reader, other, body,
+        WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies", other.name + " and " + body.name));
   for (int s = 0; s < 2 * c.Dim(); ++s) {
     const Side side = static_cast<Side>(s);
     if (c.model.sides[side] == BoundaryKind::kFree || (s == 0 && c.model.geometry.HasHoop())) continue;

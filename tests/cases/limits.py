@@ -257,6 +257,33 @@ def test_gaps_below_a_cell_are_told(change, told):
     assert [line.startswith(WARNING + told) for line in said] == [True] * bool(told), said
 
 
+@pytest.mark.parametrize("change, told", [
+    ({"top_velocity": "0,-1e-3"}, True), ({"top_velocity": "0,1e-3"}, True), ({"top_velocity": "1e-3,0"}, False), ({}, False),
+    ({"top_velocity": "0,-1e-3", "top_lower": "0,5.1"}, False),
+    ({"top_velocity": "0,-1e-3", "top_shape": "disk", "top_center": "4,6", "top_radius": 2, "top_lower": None, "top_upper": None}, True)])
+def test_bodies_that_touch_and_move_on_each_other(change, told):
+    """They share nodes, and stay together, whatever the cells are."""
+    case = {**PRESS, "bodies": "block,top", "block_upper": "8,4", "top_lower": "0,4", "top_upper": "8,8", "indenter": "cylinder",
+            "indenter_radius": 5, "max_steps": 2, **change}
+    said = warnings({name: value for name, value in case.items() if value is not None})
+    assert any("block and top touch at the start" in line for line in said) == told, said
+
+
+# A block of 6 x 6 cells whose halves move against each other, so that it turns.
+TURNING = {
+    "domain_lower": "0,0", "domain_upper": "16,16", "cell_size": 1, "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1,
+    "bodies": "left,right", "left_lower": "5,5", "left_upper": "8,11", "right_lower": "8,5", "right_upper": "11,11", "left_velocity": "0,-0.01",
+    "right_velocity": "0,0.01", "end_time": 300, "frames": 0}
+
+
+@pytest.mark.parametrize("change, words", [
+    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.02}, "J that no column explains"), ({"left_velocity": "0,0.01"}, "")])
+def test_bodies_that_turn_on_few_cells(change, words):
+    """Their motion becomes noise, or XPIC takes it for that; not where they fly as they are."""
+    said = warnings({**TURNING, **change, "end_time": 300 if words else 50})
+    assert [words in line for line in said] == [True] * bool(words), said
+
+
 def test_tip_hardly_off_a_side_of_symmetry():
     """It would be half a tip that counts as a whole one. Half a cell away it is a tip of its own, and on another side it is told."""
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, "boundary_x_lower": "symmetry"}

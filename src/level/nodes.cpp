@@ -265,18 +265,16 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, double
   }
 }
 
-/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it. Held ones lack nothing.
+/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it. Held ones lack nothing. Not the
+/// second velocity: points strained by a part of dv, which is large there, would make energy where a face rests on a line of
+/// nodes.
 static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses)
 {
   ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double, auto dim) {
     const auto [motion, change] = grid.Velocity(place);
     const NodeSums &node = grid.Sums()[place];
-    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
-    for (int axis = 0; axis < dim; ++axis) {
-      const double lacking = node.momentum[axis] / node.mass + change[axis] - motion[axis];
-      projected[axis] += lacking;
-      if (settings.second_extrapolation) velocity[axis] += settings.xpic_fraction * lacking;
-    }
+    double *const projected = grid.Rates(place) + NodeLayout::Projected(dim);
+    for (int axis = 0; axis < dim; ++axis) projected[axis] += node.momentum[axis] / node.mass + change[axis] - motion[axis];
   });
 }
 

@@ -1,4 +1,4 @@
-"""Checks the package mlgimp from outside: runs, results, errors, and the case of indent."""
+"""Checks the package mlgimp from outside: runs, results, pictures and errors."""
 import ast
 import importlib.util
 import inspect
@@ -17,7 +17,7 @@ from matplotlib import animation
 
 import harness
 import mlgimp
-from mlgimp import fields, indentation, movie, options, pictures, results, surface
+from mlgimp import fields, movie, options, pictures, results, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -28,9 +28,6 @@ PRESS = {"domain_lower": (0, 0), "domain_upper": (12.0, 12.0), "cell_size": 1.0,
          "levels": 2, "level_1_lower": (0, 4), "level_1_upper": (8, 12), "materials": "rubber", "rubber_youngs_modulus": 1e7, "rubber_poissons_ratio": 0.3,
          "rubber_density": 1000, "bodies": "block", "block_lower": (0, 0), "block_upper": (10, 10), "indenter": "cylinder", "indenter_radius": 8.0,
          "indenter_tip": (0, 10), "indenter_times": 0, "indenter_velocities": 2.0, "indenter_max_depth": 0.5, "frames": 4}
-METAL = {"youngs_modulus": 70e9, "yield_stress": 400e6}
-COPPER = {"youngs_modulus": 124e9, "yield_stress": 90e6, "hardening": "johnson_cook", "hardening_modulus": 292e6,
-          "hardening_exponent": 0.31, "rate_sensitivity": 0.0, "reference_rate": 1.0, "thermal_exponent": 1.09, "melting_temperature": 1356.0}
 
 
 @pytest.fixture(scope="module")
@@ -252,122 +249,6 @@ def test_options_file_round_trip(tmp_path):
     read = options.read_options(tmp_path / "o.opts")
     assert read == {"a": "7e+10", "b": "0.1,0.3333333333333333", "c": "true", "d": "a,text", "e": None, "f": "2.5e-07", "g": "0,1", "h": "1"}
     assert options.of_words(options.to_words(written)) == {name: read[name] for name in written}
-
-
-# ---- indent ----
-
-def test_indent(tmp_path, monkeypatch, expect):
-    """An options file that gives the same run again, and the hardness of the metal."""
-    monkeypatch.chdir(tmp_path)
-    test = mlgimp.indent("j2", **METAL, hardening_modulus=1e9, tip="sphere", radius=2e-6, depth=100e-9, cells=4, block=8, tolerance=0.1, file="ball.opts",
-                         progress=False, frames=0, options={"block_points_per_cell": 1, "history_interval": 10})
-    row, = test.oliver_pharr()
-    expect("depth, um", row["depth_um"], near=0.1, tolerance=1e-6)
-    expect("hardness over the flow stress at 8 % of strain", row["true_hardness_GPa"] / 0.48, at_least=2.2, at_most=3.2)  # Tabor: 2.8; here on 4 cells
-    text = (tmp_path / "ball.opts").read_text()
-    assert "-block_points_per_cell 1\n" in text and text.startswith("# Indentation of j2 by sphere, 1e-07 m deep")
-    assert test.folder.resolve() == tmp_path / "output" / "ball"
-    given = options.read_options("ball.opts")
-    assert given["specimen_yield_stress"] == "4e+08" and given["indenter_radius"] == "2e-06" and test.summary["options"]["-indenter_radius"] == "2e-06"
-    with pytest.raises(mlgimp.Error, match="ball.opts: is there already"):
-        mlgimp.indent("j2", **METAL, depth=100e-9, file="ball.opts")
-    again = harness.run({"options_file": tmp_path / "ball.opts", "max_steps": 40})
-    np.testing.assert_array_equal(again.history["load"], test.history["load"][:len(again.history["load"])])
-
-
-def test_flow_stress_of_a_metal():
-    """That of johnson_cook is Ludwik's, less what the metal softens up to its temperature; a law that is not known is hard."""
-    rise = indentation.TABOR * (90e6 + 292e6 * indentation.STRAIN ** 0.31)
-    assert indentation.hardness(COPPER) == pytest.approx(rise, rel=1e-12)
-    assert indentation.hardness({**COPPER, "initial_temperature": 700}) == pytest.approx(rise, rel=1e-12)
-    hot = {**COPPER, "reference_temperature": 300, "melting_temperature": 1300, "thermal_exponent": 0.5, "initial_temperature": 550}
-    assert indentation.hardness(hot) == pytest.approx(rise / 2, rel=1e-12)
-    assert indentation.hardness({**hot, "initial_temperature": 200}) == pytest.approx(rise, rel=1e-12)
-    for law in ("table", "of a later version"):
-        assert indentation.hardness({**COPPER, "hardening": law}) == np.inf
-
-
-def test_tip_goes_back_until_it_is_free(tmp_path):
-    """Also from a metal of johnson_cook, which was taken for one that does not harden: 0.28 of the load were left."""
-    groups = indentation.indentation_options("j2", **COPPER, depth=200e-9, cells=4, block=8, tolerance=0.1, options={"frames": 0})
-    options.write_options(tmp_path / "case.opts", groups)
-    load = harness.run({"options_file": tmp_path / "case.opts"}).history["load"]
-    assert load[-1] < 0.02 * load.max()
-
-
-@pytest.mark.parametrize("law, case", [
-    ("j2", dict(METAL, depth=200e-9)), ("j2", dict(METAL, load=10e-3)), ("neo_hookean", dict(youngs_modulus=70e9, tip="flat_punch", radius=1e-6, depth=20e-9)),
-    ("j2", dict(METAL, tip="sphere", radius=5e-6, load=5e-3, unload=False)), ("j2", dict(METAL, tip="vickers", depth=1e-6, geometry="3d", cells=5, block=10)),
-    ("j2", dict(METAL, tip="berkovich", load=1e-3, geometry="3d", cells=4, block=9)), ("j2", dict(METAL, depth=200e-9, hardening="power", hardening_exponent=0.1)), ("j2", dict(COPPER, depth=200e-9)), ("j2", dict(COPPER, load=1e-3)),
-    ("neo_hookean", dict(youngs_modulus=1e6, tip="cone", half_angle=60, tip_radius=1e-7, depth=1e-5, cells=40, block=8))])
-def test_cases_are_accepted(tmp_path, law, case):
-    """The program takes each, and the contact stays inside the finest level."""
-    groups = indentation.indentation_options(law, **case, options={"max_steps": 1, "frames": 0, "block_points_per_cell": 1})
-    options.write_options(tmp_path / "case.opts", groups)
-    result = harness.run({"options_file": tmp_path / "case.opts"})
-    finest = result.summary["levels"][-1]
-    shape = indentation.shape_of(case.get("tip", "berkovich"), case.get("geometry", "axisymmetric"), case.get("half_angle"), case.get("radius"), 0)
-    radius = indentation.size_of_contact(shape, {"poissons_ratio": 0.3, **case}, case.get("depth"), case.get("load"))
-    assert radius == pytest.approx(case.get("cells", 8) * finest["cell_size"], rel=0.05)
-    assert finest["upper"][0] > 2.2 * radius
-
-
-@pytest.mark.parametrize("case, line", [
-    (dict(METAL), "depth, load: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
-    (dict(METAL, depth="deep"), "depth=deep"), (dict(METAL, depth=float("nan")), "depth=nan"), (dict(METAL, load=-1), "load=-1: must be a number > 0 in N"),
-    (dict(youngs_modulus=70, depth=1e-7), "youngs_modulus=70: must be .* in Pa; 70 GPa are 70e9"), (dict(depth=1e-7), "youngs_modulus=None"),
-    (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"), (dict(METAL, depth=1e-7, tip="knoop"), "tip=knoop: must be one of cone, sphere"),
-    (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
-    (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
-    (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),
-    (dict(METAL, depth="2e-7"), "depth=2e-7: must be .* not as a text"),
-    (dict(METAL, depth=1e-7, poissons_ratio="0.33"), "poissons_ratio=0.33: .* not as a text"),
-    (dict(METAL, depth=1e-7, unload="no"), "unload=no: must be True or False"),
-    (dict(METAL, depth=1e-7, overwrite="no"), "overwrite=no"),
-    (dict(METAL, depth=1e-7, options=[1]), "options=.*: must be a dict"),
-    (dict(METAL, depth=1e-7, options={"geometry": "3d"}), "options: geometry must be given as the argument"),
-    (dict(METAL, depth=1e-7, tip=["cone"]), "tip=.*: must be one of cone"),
-    (dict(METAL, depth=1e-7, tip="sphere", radius=1e-6, tip_radius=1e-8), "tip_radius: must be left out for tip=sphere"),
-    (dict(METAL, depth=1e-7, block=2), "block=2"), (dict(METAL, depth=1e-7, hardening="power"), "hardening_exponent: must be given"),
-    (dict(COPPER, depth=1e-7, reference_temperature=293, options={"initial_temperature": 1400}), "melting_temperature=1356: must be above"),
-    (dict(COPPER, depth=1e-7, options={"initial_temperature": "warm"}), "initial_temperature=warm: must be a number")])
-def test_what_indent_refuses(tmp_path, case, line):
-    with pytest.raises(mlgimp.Error, match=f"^{line}[^\n]*$"):
-        mlgimp.indent("j2", **case, file=tmp_path / "case.opts")
-    assert not (tmp_path / "case.opts").exists()
-
-
-def test_numbers_of_any_type():
-    """Those of numpy, also as arrays without dimensions, give the same case as those of Python."""
-    plain = indentation.indentation_options("j2", youngs_modulus=2.0**36, yield_stress=4e8, depth=0.125e-2, cells=5, unload=False)
-    of_numpy = indentation.indentation_options("j2", youngs_modulus=np.float32(2.0**36), yield_stress=np.int64(400000000),
-                                               depth=np.array(0.125e-2), cells=np.int64(5), unload=np.bool_(False))
-    assert plain == of_numpy
-
-
-def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
-    """The options file of a case that it refuses does not stay in the way of the next call; one that was there before stays."""
-    monkeypatch.chdir(tmp_path)
-    for before in (False, True):
-        if before:
-            (tmp_path / "indentation.opts").touch()
-        with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
-            mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7, overwrite=before)
-        assert (tmp_path / "indentation.opts").exists() == before
-
-
-def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
-    """It is the record of results that are there, also in a folder that its options name."""
-    def fails(file, *others, **more):
-        (tmp_path / "there").mkdir()
-        (tmp_path / "there" / "history.csv").touch()
-        raise mlgimp.RunError("mlgimp: error: step 7")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(indentation, "run", fails)
-    with pytest.raises(mlgimp.RunError):
-        mlgimp.indent("j2", **METAL, depth=1e-7, file="case.opts", options={"output_dir": "there"})
-    assert (tmp_path / "case.opts").exists()
-
 
 
 def test_version():

@@ -135,7 +135,8 @@ struct Budgets {
   ScalarBudget transfer_strain_energy{"transfer_strain_energy", Adds::kTotal, Shown::kNowhere}; ///< part of transfer_energy
   VectorBudget friction_impulse{"friction_impulse", Adds::kTotal, Shown::kNowhere}; ///< the part of tractions in contact_impulse
   ScalarBudget hoop_force{"hoop_force", Adds::kNow, Shown::kNowhere};               ///< along the radius, in the last sweep
-  /// The finest level in contact, and by how many levels the coarsest one is below the number of all; set in the sums.
+  /// The finest level in contact, and by how many levels the coarsest one is below the number of all; set in the sums. A contact
+  /// that comes to its level's border is also on the next coarser one: of a level's own, 1 if it does.
   ScalarBudget contact_level{"contact_level", Adds::kLargest, Shown::kNowhere},
       contact_coarseness{"contact_coarseness", Adds::kLargest, Shown::kNowhere};
   ScalarBudget failed{"failed", Adds::kLargest, Shown::kNowhere}; ///< 1 where the run cannot go on

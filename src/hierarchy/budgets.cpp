@@ -30,9 +30,9 @@ PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
   for (int l = 0; l < Levels(); ++l) {
     Budgets part = levels_[l]->Totals();
     PetscCall(levels_[l]->SumPoints(&part));
-    if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness = Levels() - l;
+    if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness += Levels() - l;
     part.support_impulse += part.xpic_side_impulse;
-    part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
+    if (CoupledByNodes()) part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
     sum.Add(part);
   }
   for (int b = 0; b + 1 < Levels(); ++b) sum.Add(borders_[b]->Totals()), sum.Add(transfers_[b]->Totals());
@@ -106,8 +106,8 @@ PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
     const Budgets &budgets = level->Totals();
     const PointArrays a = level->PointStore().Arrays();
     for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
-    *left = *left - budgets.support_impulse - budgets.gravity_impulse - budgets.load_impulse - budgets.damping_impulse -
-            budgets.contact_impulse;
+    *left = *left - budgets.support_impulse - budgets.xpic_side_impulse - budgets.gravity_impulse - budgets.load_impulse -
+            budgets.damping_impulse - budgets.contact_impulse;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 3, MPI_DOUBLE, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);

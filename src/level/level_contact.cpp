@@ -13,6 +13,7 @@ void Level::NoteContact(const ContactReport &report, double area)
   budgets_.contact_half_width = report.half_width;
   budgets_.peak_pressure = report.peak_pressure;
   budgets_.contact_area = area;
+  budgets_.contact_coarseness = report.crosses;
 }
 
 void Level::Rest()

@@ -65,9 +65,10 @@ XPIC = {"domain_lower": "0,0", "domain_upper": "12,12", "materials": "al", "al_y
 ON_A_SIDE = {"cell_size": 1, "block_lower": "0,0", "block_upper": "8,8", "boundary_y_lower": "symmetry", "boundary_x_lower": "fixed"}
 ACROSS = {"cell_size": 0.5, "block_lower": "2,2", "block_upper": "8,8", "block_velocity": "5,3", "levels": 2, "level_1_lower": "3,3",
           "level_1_upper": "7,7"}
+COPIES = {**ON_A_SIDE, "levels": 2, "level_1_lower": "0,4", "level_1_upper": "12,12", "level_coupling": "points"}
 
 
-@pytest.mark.parametrize("place", [ON_A_SIDE, ACROSS], ids=["at sides", "across levels"])
+@pytest.mark.parametrize("place", [ON_A_SIDE, ACROSS, COPIES], ids=["at sides", "across levels", "copies of points"])
 @pytest.mark.parametrize("update", ["musl", "usl"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_momentum_with_xpic(place, update, order):

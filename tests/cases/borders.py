@@ -73,6 +73,27 @@ def test_side_in_the_band(expect, change, boxes):
     expect("energy left", energy_left(result.history), near=0, tolerance=0.001)
 
 
+# Half a trapezoid under a plate, whose corner moves out through the border.
+TRAPEZOID = {
+    "domain_lower": "0,0", "domain_upper": "12,10", "cell_size": 1, "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",
+    "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "b", "b_shape": "polygon",
+    "b_vertices": "0,0,8,0,4,8,0,8", "indenter": "flat_punch", "indenter_width": 20, "indenter_tip": "0,8", "quasi_static": "true",
+    "indenter_depths": 0.45, "frames": 0}
+
+
+@pytest.mark.parametrize("cfl", [0.4, 0.1])
+def test_corner_through_the_border(expect, cfl):
+    """Faces of the leaning side that pass to the coarser level change the gap of the corner's column, which closes without a blow."""
+    alone = harness.run({**TRAPEZOID, "cfl": cfl}).history
+    result = harness.run({**TRAPEZOID, "cfl": cfl, "levels": 2, "level_1_lower": "0,4", "level_1_upper": "4,10"})
+    depths = numpy.linspace(0.1, 0.44, 400)
+    ratio = numpy.interp(depths, result.history["depth"], result.history["load"]) / numpy.interp(depths, alone["depth"], alone["load"])
+    expect("load, of that on one level, largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.12)
+    expect("energy left", energy_left(result.history), near=0, tolerance=0.02)
+    crosses = [line for line in result.summary["warnings"] if "contact crosses a border of levels" in line]
+    expect.that("told", len(crosses) == 1, f"{result.summary['warnings']}")
+
+
 @pytest.mark.mpi
 def test_ranks_and_restart(expect):
     """The impulses that one step leaves to the next are in checkpoints, and on any ranks."""

@@ -50,7 +50,7 @@ std::vector<PressedSegment> LevelSurface(const PressedBody &body, double start, 
     for (int i = 0; i < count; ++i) {
       const Vec3 x = {start + (i + 0.5) * size, dim == 3 ? start + (j + 0.5) * size : 6.3 * kH, dim == 3 ? 6.3 * kH : 0};
       segments.push_back({Locate(body.grid, x, dim), normal, (dim == 3 ? size : body.geometry.OutOfPlane(x[0])) * size,
-                          gap + Dot(slope, x), x[0] - 0.5 * size, x[0] + 0.5 * size, false});
+                          gap + Dot(slope, x), x[0] - 0.5 * size, x[0] + 0.5 * size});
     }
   return segments;
 }
@@ -145,7 +145,7 @@ TEST(ContactColumns, PartitionOfUnity)
         Vec3 x{}, normal{};
         for (int a = 0; a < dim; ++a) x[a] = Random(2 * kH, 6 * kH), normal[a] = a < dim - 1 ? Random(-0.3, 0.3) : -1;
         normal = (1 / Norm(normal)) * normal;
-        segments.push_back({Locate(body.grid, x, dim), normal, Random(0, 1), 0, x[0], x[0], false});
+        segments.push_back({Locate(body.grid, x, dim), normal, Random(0, 1), 0, x[0], x[0]});
         area -= segments.back().area * normal[dim - 1];
       }
       ContactColumns columns;
@@ -226,7 +226,7 @@ std::vector<PressedSegment> FlowingSurface(const PressedBody &body, double time)
     Vec3 x = {kH * (3.07 + 0.29 * k), kH * (6.05 + 0.13 * k), dim == 3 ? kH * (4.33 - 0.1 * k) : 0};
     x = x + time * Flow(x, dim);
     const double area = 0.01 * (k + 1) * (body.geometry.HasHoop() ? x[0] : 1);
-    segments.push_back({Locate(body.grid, x, dim), normal, area, Dot(normal, x - at), x[0], x[0], true});
+    segments.push_back({Locate(body.grid, x, dim), normal, area, Dot(normal, x - at), x[0], x[0], 0, true});
   }
   return segments;
 }

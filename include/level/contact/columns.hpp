@@ -28,7 +28,8 @@ struct PressedSegment {
   double area;        ///< of the body's surface, m2
   double gap;         ///< to the indenter at the end of the step, m
   double left, right; ///< ends along the first axis, m
-  double sound = 0;   ///< speed of sound of material that averages its volume and flows, as metals do; 0 of others, m/s
+  double sound = 0;   ///< speed of sound of its material, m/s
+  bool flows = false; ///< as metals do, which average their volume
 };
 
 /// Corner c of a cell: bit a of c chooses the upper node along axis a.
@@ -48,7 +49,7 @@ Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width);
 struct ContactColumn {
   double kernel_area = 0; ///< k_j = sum_s K_j w_s, m2
   double flowing = 0;     ///< the part of k_j of segments that flow, m2
-  double sound = 0;       ///< sum_s K_j w_s c_s of those, m3/s
+  double sound = 0;       ///< sum_s K_j w_s c_s, m3/s
   double gap = 0;         ///< sum_s K_j w_s g_s, m3
   double area = 0;        ///< a_j = -sum_s H_j w_s n_z: projected on the plane normal to the axis, m2
   double share[9] = {};   ///< -sum_s K_j H_i w_s n_z, i = j - 1 ... j + 1 along each axis: load on column i for lambda_j = 1, m2

@@ -52,6 +52,7 @@ struct ContactReport {
   bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
   double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
   double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
+  bool crosses = false;           ///< of `pressure`: a loaded column is at the border to the coarser level, or beyond it
   double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
                             ///< each other until something can; the same on all ranks, m
   bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks

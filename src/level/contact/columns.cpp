@@ -44,7 +44,7 @@ Vec3 GapGradient(const ContactView &view, const PressedSegment &segment, int cor
   const int axes = view.geometry.Dim() - 1;
   const double kernel = CornerHat(segment.place.part, corner, axes, width), spacing = view.grid.Geometry().spacing;
   Vec3 change = kernel * segment.normal;
-  if (segment.sound > 0 && !MovesSideways(view)) {
+  if (segment.flows && !MovesSideways(view)) {
     change = change + segment.gap * CornerHatSlope(segment.place.part, corner, axes, spacing, width);
     if (view.geometry.HasHoop()) change[0] += segment.gap * kernel / (0.5 * (segment.left + segment.right));
   }
@@ -130,7 +130,7 @@ void ContactColumns::Add(const ContactView &view, double width, const PressedSeg
     const double x = view.grid.Coordinate(0, at[0]);
     ContactColumn &column = columns_[Place(at)];
     column.kernel_area += kernel;
-    column.flowing += segment.sound > 0 ? kernel : 0;
+    column.flowing += segment.flows ? kernel : 0;
     column.sound += kernel * segment.sound;
     column.gap += kernel * segment.gap;
     column.area -= segment.area * hat[c] * segment.normal[dim - 1];

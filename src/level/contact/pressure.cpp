@@ -8,6 +8,7 @@
 #include "level/contact/width.hpp"
 
 #include <algorithm>
+#include <cfloat>
 #include <climits>
 #include <map>
 
@@ -50,13 +51,24 @@ double LargestGap(const ContactView &view, const SurfaceSegment &segment, Vec3 n
   return std::min(kContactRange, kCandidateGap + across * slope) * view.grid.Geometry().spacing;
 }
 
-/// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
-/// contact and brings it to the next with a gap of hundredths of a cell; closed in a step it would be a blow, the harder the
-/// shorter the step. What is more than the tip moves closes with kRelease of the speed of sound.
-double ReleasedGap(const ContactView &view, const ContactColumn &column)
+/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
+bool CrossesBorder(const ContactView &view, Index column)
 {
-  const double travel = Norm(view.tip.end - view.tip.start) * column.flowing, most = travel + kRelease * column.sound * view.dt;
-  return column.flowing > 0 ? column.gap + column.flowing / column.kernel_area * std::max(0.0, -column.gap - most) : column.gap;
+  const int up = view.geometry.Dim() - 1;
+  column[up] = Locate(view.grid, view.tip.start, view.geometry.Dim()).cell[up];
+  return view.border && view.border->BlendOf(column).beta == 0;
+}
+
+/// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
+/// contact and brings it to the next with a gap of hundredths of a cell, and surface that leans away changes the gap as it passes
+/// to another level; closed in a step it would be a blow, the harder the shorter the step. What is more than the tip moves closes
+/// with kRelease of the speed of sound.
+double ReleasedGap(const ContactView &view, Index at, const ContactColumn &column)
+{
+  const double share = CrossesBorder(view, at) ? 1 : column.flowing / std::max(column.kernel_area, DBL_MIN),
+               travel = Norm(view.tip.end - view.tip.start) * column.kernel_area,
+               most = travel + kRelease * column.sound * view.dt;
+  return column.gap + share * std::max(0.0, -column.gap - most);
 }
 
 /// True for the columns of the cells around the tip.
@@ -148,8 +160,9 @@ private:
     for (int p : surface) {
       if (FarFromIndenter(view, points, p)) continue;
       const Material &material = view.bodies.Of(points, p);
-      const double sound = material.AveragesVolume() ? material.SpeedOfSound() : 0;
-      const bool metal = material.PlaceOf(kPlasticStrain) >= 0;
+      const bool flows = material.AveragesVolume();
+      const double sound = material.SpeedOfSound();
+      const bool metal = material.IsMetal();
       all.clear();
       AddPointSegments(points, p, view.geometry, &all);
       for (const SurfaceSegment &s : all) {
@@ -160,7 +173,8 @@ private:
         const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
         const double area = Faces(s, gap.normal) ? s.area * PressedShare(view, s, gap, metal) : 0;
         if (area > 0 && gap.distance <= LargestGap(view, s, gap.normal) && IsHere(view, place.cell))
-          segments_.push_back({place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound});
+          segments_.push_back(
+              {place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound, flows});
       }
       points_.push_back({p, segments_.size()});
     }
@@ -199,7 +213,7 @@ private:
     ForEach(columns_.Box(), [&](Index at) {
       const ContactColumn &column = columns_.At(at);
       const double full = FullKernelArea(view, settings_.width, at), area = column.kernel_area;
-      const double gap = ReleasedGap(view, column) + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
+      const double gap = ReleasedGap(view, at, column) + (IsAtTip(view, at) ? SpareGap(area / full) * h * column.flowing : 0);
       const bool kept = area >= kSmallestArea * full && gap <= kCandidateGap * h * area;
       number_.push_back(kept ? static_cast<int>(unknowns_.size()) : -1);
       for (int u = 0; kept && u < per_column; ++u) unknowns_.push_back({KeyOf(view, at) + u, u == 0 ? gap : 0});
@@ -286,6 +300,7 @@ private:
     ForEach(columns_.Box(), [&](Index at) {
       if (!IsPressed(view, at, lambda)) return;
       report->area += PressedArea(view, at, lambda);
+      report->crosses = report->crosses || CrossesBorder(view, at);
       for (int a = 0; a < dim - 1; ++a)
         report->reach = std::max(report->reach, std::abs(view.grid.Coordinate(a, at[a]) - view.tip.start[a]));
     });

@@ -28,6 +28,8 @@ bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height);
 inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed of waves; no indentation is as fast
 /// Refuses or warns of what is wrong with an indenter of that kind once all of it has been read.
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind);
+/// A level that the tip meets must hold it with the band of its border for the whole run, also where its box follows a path.
+void CheckLevelsHoldTip(OptionReader &reader, const Case &c);
 /// What goes with a method of contact that has been chosen.
 void ReadContact(OptionReader &reader, ContactSettings *contact);
 /// -quasi_static and what goes with it; has_indenter: there is one that it could move.

@@ -4,7 +4,6 @@
 #include "base/index.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace mlgimp
@@ -104,19 +103,6 @@ void CheckSupport(OptionReader &reader, const Case &c)
                    ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
 }
 
-/// Ends of the tip's way along a horizontal axis; up to the last of its times where the end of the run is not known.
-std::array<double, 2> SidewaysWay(const Indenter &indenter, int axis, double end_time)
-{
-  constexpr int kSamples = 1000;
-  const double start = indenter.tip[axis], end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
-  std::array<double, 2> way = {start, start};
-  for (int k = 1; k <= kSamples; ++k) {
-    const double x = start + indenter.Sideways(end * k / kSamples)[axis];
-    way = {std::min(way[0], x), std::max(way[1], x)};
-  }
-  return way;
-}
-
 /// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one.
 void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
 {
@@ -172,37 +158,49 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
                      FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
 }
 
-/// A level that the tip meets must hold it with the band of its border for the whole run.
-void CheckIndenterPath(OptionReader &reader, const Case &c)
+/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
+/// where the lowest place is not.
+Box WayOfTip(const Indenter &indenter, double end_time)
 {
-  const Indenter &indenter = *c.model.indenter;
-  const int up = indenter.up;
-  const double lowest = LowestTip(indenter, c.time.end_time);
-  for (int k = 1; k < c.levels; ++k) {
-    const Box &box = c.boxes[k];
-    const double margin = c.BorderMargin(k);
-    const double just_below = indenter.initial_surface - 1e-6 * c.CellSize(k);
-    bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
-    for (int axis = 0; axis < up; ++axis) {
-      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
-      meets = meets && most >= box.lower[axis] - margin && least <= box.upper[axis] + margin;
+  constexpr int kSamples = 1000;
+  Box way{indenter.tip, indenter.tip};
+  for (int axis = 0; axis < indenter.up; ++axis) {
+    const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
+    for (int k = 1; k <= kSamples; ++k) {
+      const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
+      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
     }
-    if (!meets) continue;
-    const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
-    for (int axis = 0; axis < up; ++axis) {
-      const auto [least, most] = SidewaysWay(indenter, axis, c.time.end_time);
-      const auto from = [&, axis = axis](double x) {
-        return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatNumber(x) + ", or the level away from it";
-      };
-      if (c.IsBorder(k, static_cast<Side>(2 * axis)) && least < box.lower[axis] + margin)
-        reader.Refuse(option + "_lower", reader.Text(box.lower), from(least));
-      if (c.IsBorder(k, static_cast<Side>(2 * axis + 1)) && most > box.upper[axis] - margin)
-        reader.Refuse(option + "_upper", reader.Text(box.upper), from(most));
-    }
-    if (c.IsBorder(k, static_cast<Side>(2 * up)) && std::isfinite(lowest) && lowest < box.lower[up] + margin)
-      reader.Refuse(option + "_lower", reader.Text(box.lower),
-                    needed + " below the indenter's lowest place, " + FormatRounded(lowest));
   }
+  way.lower[indenter.up] = LowestTip(indenter, end_time);
+  return way;
+}
+
+/// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.
+/// Returns whether it meets the tip.
+bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &way, const std::string &when)
+{
+  const int up = c.model.indenter->up;
+  const double margin = c.BorderMargin(k), just_below = c.model.indenter->initial_surface - 1e-6 * c.CellSize(k);
+  const auto is_border = [&](Side side) { return std::abs(box.At(side) - c.domain.At(side)) > 1e-6 * c.CellSize(k); };
+  bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
+  for (int axis = 0; axis < up; ++axis)
+    meets = meets && way.upper[axis] >= box.lower[axis] - margin && way.lower[axis] <= box.upper[axis] + margin;
+  if (!meets) return false;
+  const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
+  for (int axis = 0; axis < up; ++axis) {
+    const auto from = [&, axis = axis](double x) {
+      return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatRounded(x) + when +
+             ", or the level away from it";
+    };
+    if (is_border(static_cast<Side>(2 * axis)) && way.lower[axis] < box.lower[axis] + margin)
+      reader.Refuse(option + "_lower", reader.Text(box.lower), from(way.lower[axis]));
+    if (is_border(static_cast<Side>(2 * axis + 1)) && way.upper[axis] > box.upper[axis] - margin)
+      reader.Refuse(option + "_upper", reader.Text(box.upper), from(way.upper[axis]));
+  }
+  if (is_border(static_cast<Side>(2 * up)) && std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
+    reader.Refuse(option + "_lower", reader.Text(box.lower),
+                  needed + " below the indenter's lowest place, " + FormatRounded(way.lower[up]) + when);
+  return true;
 }
 
 } // namespace
@@ -214,8 +212,42 @@ void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &
   CheckSpeed(reader, c);
   CheckMirror(reader, c, kind);
   CheckSupport(reader, c);
-  CheckIndenterPath(reader, c);
   CheckIndenterSize(reader, c, kind);
+}
+
+/// Looks along the paths of boxes.
+static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
+{
+  constexpr int kLooks = 1000;
+  const Indenter &indenter = *c.model.indenter;
+  const FollowSettings &follow = c.hierarchy.follow;
+  double end = 0;
+  for (const auto &path : follow.paths) end = std::max(end, path[0].EndTime());
+  if (std::isfinite(c.time.end_time)) end = c.time.end_time;
+  std::vector<bool> met;
+  for (int look = 0; look <= kLooks; ++look) {
+    const double time = end * look / kLooks;
+    BoxPlan plan;
+    FollowPath(c.hierarchy.rules, follow, time, {c.boxes, c.levels}, &plan);
+    Box tip{indenter.Tip(time), indenter.Tip(time)};
+    if (indenter.by_load) tip.lower[indenter.up] = -HUGE_VAL;
+    for (int k = 1; k < c.levels; ++k) {
+      const std::string when = " at time " + FormatRounded(time) + " s";
+      const bool meets = CheckHoldsTip(reader, c, k, plan.boxes[k], tip, when);
+      if (look == 0) met.push_back(meets);
+      if (meets != met[k - 1])
+        reader.Refuse("-level_" + std::to_string(k) + "_path", "",
+                      "such that the level holds the indenter's tip all the time, or never: it " +
+                          std::string(meets ? "comes to" : "has left") + " it" + when);
+    }
+  }
+}
+
+void CheckLevelsHoldTip(OptionReader &reader, const Case &c)
+{
+  if (c.hierarchy.follow.kind == FollowKind::kPath) CheckPathsHoldTip(reader, c);
+  if (c.hierarchy.follow.kind != FollowKind::kNone) return; // those of contact are where the tip is
+  for (int k = 1; k < c.levels; ++k) CheckHoldsTip(reader, c, k, c.boxes[k], WayOfTip(*c.model.indenter, c.time.end_time), "");
 }
 
 } // namespace mlgimp

@@ -42,6 +42,15 @@ FLIGHT = {
     "loads": "left,right", "left_side": "x_lower", "left_times": "0,4,5", "left_pressures": "-0.01,-0.01,0", "right_side": "x_upper",
     "right_times": "0,4,5", "right_pressures": "-0.01,-0.01,0", "end_time": 120, "frames": 1}
 
+# A cylinder that is pressed on a long block and slides along it, with a box that goes along; lengths in coarse cells.
+SCRATCH = {
+    "domain_lower": "0,0", "domain_upper": "48,16", "cell_size": 1, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
+    "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block",
+    "block_lower": "0,0", "block_upper": "48,12", "indenter": "cylinder", "indenter_radius": 20, "indenter_tip": "12,12",
+    "indenter_times": "0,40,50,450", "indenter_velocities": "0.02,0.02,0,0", "indenter_velocities_x": "0,0,0.02,0.02", "damping": 0.01,
+    "end_time": 450, "levels": 2, "level_1_lower": "4,4", "level_1_upper": "20,16", "level_follow": "path", "level_1_times": "0,50,450",
+    "level_1_path": "0,0,0,0,8,0", "frames": 0}
+
 
 def fixed_boxes(case, sides):
     """The same case with boxes that stay, a row of lower and upper corners each."""
@@ -205,6 +214,17 @@ def test_box_that_follows_a_flying_block(expect):
     expect.that("moves", len(follows.summary["regrids"]) == 24, f"{len(follows.summary['regrids'])}")
 
 
+def test_box_that_follows_a_sliding_tip(expect):
+    """Against a box that holds all of its way; also under a load, which the finest level finds all the time."""
+    pressed = {name: value for name, value in SCRATCH.items() if name != "indenter_velocities"}
+    pressed |= {"indenter_control": "load", "indenter_loads": "0,0.4,0.5,0.5"}
+    for name, case, quantity in (("depth", SCRATCH, "load"), ("load", pressed, "depth")):
+        follows, stays = (harness.run(case).history, harness.run(fixed_boxes(case, [("4,4", "30,16")])).history)
+        times = numpy.linspace(60, 450, 400)
+        by_path, by_box = (numpy.interp(times, h["time"], h[quantity]) for h in (follows, stays))
+        expect(f"by {name}, {quantity}, largest difference", numpy.max(numpy.abs(by_path / by_box - 1)), at_most=0.01)
+
+
 @pytest.mark.parametrize("changes, said", [
     ({"levels": 2, "indenter_max_depth": 3e-9}, "cells of the finest level, fewer"),
     ({"levels": 2, "level_cells_max": 0.9, "level_cells_min": 0.1, "indenter_max_depth": 9e-9}, "cells of level 0 by time")])
@@ -236,6 +256,9 @@ REFUSED = [
      ["-level_1_path", "0 numbers"]),
     ("numbers", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1", "level_1_path": "0,1,2"},
      ["-level_1_path 3 numbers", "2 for each time"]),
+    ("a path away from the tip", {**SCRATCH, "level_1_path": "0,0,9,0,9,0"}, ["-level_1_lower 9,4: must be at least 3.5", "from the indenter's tip at x = 12 at time"]),
+    ("a tip that leaves its path", {**SCRATCH, "indenter_velocities_x": "0,0,0.05,0.05"}, ["-level_1_upper 2", "must be at least 3.5", "from the indenter's tip at x = "]),
+    ("a jump away from the tip", {**SCRATCH, "level_1_times": "0,10,10.001", "level_1_path": "0,0,0,0,24,0"}, ["-level_1_path: must be such that the level holds", "has left it"]),
     ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
     ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0"},
      ["time 3.2", "level 1 has followed its path", "are kept"]),

@@ -54,6 +54,10 @@ struct Model {
     for (const auto &material : materials) largest = std::max(largest, material->HistorySize());
     return largest;
   }
+  bool HasMetal() const
+  {
+    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->IsMetal(); });
+  }
   /// Whether any material splits points that are drawn out.
   bool SplitsStretched() const
   {

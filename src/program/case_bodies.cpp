@@ -127,6 +127,24 @@ void CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std
   WarnOfGaps(reader, c, body);
 }
 
+/// Leaves out materials that no body has, so that no default hangs on them.
+void KeepMaterialsOfBodies(OptionReader &reader, const std::vector<std::string> &names, Model *model)
+{
+  std::vector<std::unique_ptr<Material>> kept;
+  std::vector<int> place(names.size(), -1);
+  for (Body &body : model->bodies) {
+    int &to = place[body.material];
+    if (to < 0) {
+      to = static_cast<int>(kept.size());
+      kept.push_back(std::move(model->materials[body.material]));
+    }
+    body.material = to;
+  }
+  for (std::size_t m = 0; m < names.size(); ++m)
+    if (place[m] < 0) reader.WarnLater("-materials " + names[m] + ": no body has it, and it has no effect");
+  model->materials = std::move(kept);
+}
+
 } // namespace
 
 void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
@@ -161,6 +179,7 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
     shapes.push_back(shape);
     c->model.bodies.push_back(std::move(body));
   }
+  if (!reader.Help()) KeepMaterialsOfBodies(reader, materials, &c->model);
 }
 
 bool ReadTimes(OptionReader &reader, const std::string &name, bool required, std::vector<double> *times)

@@ -45,25 +45,31 @@ int FindGap(const Box &a, const Box &b, int dim, double tolerance, Box *gap)
   return across;
 }
 
-/// Whether both reach from the gap so far that less than a cell lies between them at some place, as boxes do, and disks where
-/// they are nearest.
-bool AreNear(const Neighbour &a, const Neighbour &b, const Box &gap, int across, int dim, double cell)
+/// Of the places along the gap, how many both hold at a depth from it.
+int CountNear(const Neighbour &a, const Neighbour &b, const Box &gap, int across, IndexBox places, double depth)
 {
-  constexpr int kPlaces = 33; // along an axis
-  const double depth = 0.25 * (cell - (gap.upper[across] - gap.lower[across]));
   const bool a_below = a.bounds.upper[across] <= b.bounds.lower[across];
-  IndexBox places{{0, 0, 0}, {1, 1, 1}};
-  bool near = false;
-  for (int d = 0; d < dim; ++d)
-    if (d != across) places.upper[d] = kPlaces;
+  int near = 0;
   ForEach(places, [&](Index place) {
     Vec3 below{};
-    for (int d = 0; d < dim; ++d) below[d] = gap.lower[d] + (place[d] + 0.5) / places.upper[d] * (gap.upper[d] - gap.lower[d]);
+    for (int d = 0; d < 3; ++d) below[d] = gap.lower[d] + (place[d] + 0.5) / places.upper[d] * (gap.upper[d] - gap.lower[d]);
     Vec3 above = below;
     below[across] = gap.lower[across] - depth, above[across] = gap.upper[across] + depth;
-    near = near || (a.Contains(a_below ? below : above) && b.Contains(a_below ? above : below));
+    near += a.Contains(a_below ? below : above) && b.Contains(a_below ? above : below);
   });
   return near;
+}
+
+/// Bodies that touch, and part slowly from there, as a ball does from what it lies on, act on each other as far as less than a
+/// cell lies between them.
+void WarnOfCurve(OptionReader &reader, const std::string &option, const std::string &between, double cells, double cell)
+{
+  constexpr double kMost = 2; // cells; in space their faces
+  if (cells <= kMost) return;
+  reader.WarnLater(option + ": less than half a cell of " + FormatRounded(cell) + " m lies between " + between + " along some " +
+                   FormatRounded(cells) +
+                   " cells beside where they touch: they move as if they touched there too, which is too "
+                   "stiff; take smaller cells, a body that is cut flat, or an -indenter for one of the two");
 }
 
 /// A gap of which nodes see nothing; returns the axis across it where the two touch, else -1.
@@ -71,13 +77,25 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
               const std::string &between)
 {
   constexpr double kTouching = 1e-3; // cells
+  constexpr int kPlaces = 33;        // along an axis
   const double tolerance = kTouching * c.CellSize(c.levels - 1);
   Box gap;
   const int across = FindGap(a.bounds, b.bounds, c.Dim(), tolerance, &gap);
   if (across < 0) return -1;
   const double width = gap.upper[across] - gap.lower[across], cell = CellAround(c, gap);
-  if (width >= (1 - kTouching) * cell || !AreNear(a, b, gap, across, c.Dim(), cell)) return -1;
-  if (width <= tolerance) return across;
+  IndexBox places{{0, 0, 0}, {1, 1, 1}};
+  double cells_of_place = 1;
+  for (int d = 0; d < c.Dim(); ++d)
+    if (d != across) places.upper[d] = kPlaces, cells_of_place *= (gap.upper[d] - gap.lower[d]) / (kPlaces * cell);
+  // As boxes do, and disks where they are nearest.
+  const int near = width < (1 - kTouching) * cell ? CountNear(a, b, gap, across, places, 0.25 * (cell - width)) : 0;
+  if (near == 0) return -1;
+  if (width <= tolerance) {
+    const double half = (b.region ? 0.25 : 0.5) * cell; // of both that move, together
+    const int beside = CountNear(a, b, gap, across, places, half) - CountNear(a, b, gap, across, places, 0.02 * half);
+    WarnOfCurve(reader, option, between, beside * cells_of_place, cell);
+    return across;
+  }
   reader.WarnLater(option + ": " + FormatRounded(width) + " m are left between " + between + ", less than a cell of " +
                    FormatRounded(cell) + " m: they move as if they touched; take smaller cells, or close the gap");
   return -1;

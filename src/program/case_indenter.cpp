@@ -175,7 +175,7 @@ void ReadControl(OptionReader &reader, Case *c)
 /// The turn at the largest depth, and the end of the run that follows from the motion.
 void ReadTurningPoint(OptionReader &reader, Case *c)
 {
-  double depth = HUGE_VAL, unload = 0;
+  double depth = HUGE_VAL, unload = HUGE_VAL;
   Indenter &indenter = *c->model.indenter;
   const bool has_depth = reader.Number(
       {"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading", "m"},
@@ -215,9 +215,7 @@ double DefaultContactWidth(const Case &c)
   constexpr double kNarrow = 0.7, kNear = 1e-3, kBlunt = 0.05; // cells
   const double h = c.CellSize(c.LevelAtTip());
   const bool pointed = c.model.indenter->surface->Width(kNear * h) < kBlunt * h;
-  const auto is_metal = [](const auto &material) { return material->IsMetal(); };
-  const bool metal = std::any_of(c.model.materials.begin(), c.model.materials.end(), is_metal);
-  return c.model.geometry.kind == GeometryKind::kPlaneStrain && pointed && !metal ? kNarrow : 1;
+  return c.model.geometry.kind == GeometryKind::kPlaneStrain && pointed && !c.model.HasMetal() ? kNarrow : 1;
 }
 
 } // namespace

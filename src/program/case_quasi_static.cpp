@@ -66,29 +66,30 @@ Vec3 ContactPlace(const Case &c)
   return x;
 }
 
-/// The longest way from the contact to a held side, or to any where none is held, within the bodies, and the time of a wave.
-void FindTransit(const Case &c, QuasiStaticPlan *plan)
+/// The longest way within the bodies from the contact along an axis to a side of the domain, or to one that is held.
+double LongestWay(const Case &c, bool held)
 {
-  const auto &sides = c.model.sides;
-  const bool all_free =
-      std::all_of(sides.begin(), sides.begin() + 2 * c.Dim(), [](auto kind) { return kind == BoundaryKind::kFree; });
   const Indenter &indenter = *c.model.indenter;
+  double longest = 0;
   for (const Body &body : c.model.bodies)
     for (int s = 0; s < 2 * c.Dim(); ++s) {
       const Side side = static_cast<Side>(s);
       const int axis = AxisOf(side);
       const double from = axis == indenter.up ? indenter.initial_surface : indenter.tip[axis],
                    to = body.region->Bounds().At(side);
-      if (all_free || sides[s] != BoundaryKind::kFree) plan->distance = std::max(plan->distance, std::abs(to - from));
+      if (!held || c.model.sides[s] != BoundaryKind::kFree) longest = std::max(longest, std::abs(to - from));
     }
-  plan->pace.transit = plan->distance * MeanSlowness(c);
-  plan->wave_speed = plan->distance / plan->pace.transit;
+  return longest;
 }
 
-bool HasMetal(const Case &c)
+/// The way and the time of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of
+/// the bodies.
+void FindTransit(const Case &c, QuasiStaticPlan *plan)
 {
-  return std::any_of(c.model.materials.begin(), c.model.materials.end(),
-                     [](const auto &material) { return std::isfinite(material->FlowStress(0)); });
+  plan->distance = LongestWay(c, true);
+  if (plan->distance < kRounding * c.cell_size) plan->distance = LongestWay(c, false);
+  plan->pace.transit = plan->distance * MeanSlowness(c);
+  plan->wave_speed = plan->distance / plan->pace.transit;
 }
 
 /// Exponent m of an elastic load over depth, P ~ h^m, from the width of the indenter; in plane strain there is only a logarithm.
@@ -165,7 +166,7 @@ void PlanLoads(OptionReader &reader, Case *c)
   plan.load = *std::max_element(turns.begin(), turns.end());
   if (!(plan.load > 0)) reader.Refuse("-quasi_static", "true", "with a load above 0");
   plan.exponent = LoadExponent(*c, c->CellSize(c->LevelAtTip()));
-  if (HasMetal(*c)) plan.pace.transits *= kLoadControl;
+  if (c->model.HasMetal()) plan.pace.transits *= kLoadControl;
   plan.pace.spring_back = 1 - std::pow(0.5, 1 / plan.exponent);
   for (double &load : turns) load = std::pow(load, 1 / plan.exponent);
   if (turns.front() > 0) turns.insert(turns.begin(), 0.0);
@@ -239,7 +240,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
   double &damping = c->model.nodal.damping;
   const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit
-  if (plan.own_damping) damping = (HasMetal(*c) ? kMetalDampingRatio : kDampingRatio) * critical;
+  if (plan.own_damping) damping = (c->model.HasMetal() ? kMetalDampingRatio : kDampingRatio) * critical;
   plan.damping_ratio = damping / critical;
   double &xpic_fraction = c->model.nodal.xpic_fraction;
   if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);

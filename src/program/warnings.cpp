@@ -47,12 +47,6 @@ std::string OfViscosity(const Case &c, const Budgets &budgets, const Watched &wa
          " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
 }
 
-bool HasMetal(const Case &c)
-{
-  return std::any_of(c.model.materials.begin(), c.model.materials.end(),
-                     [](const auto &material) { return material->IsMetal(); });
-}
-
 /// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
 /// comes down with little load or none, and blows where it meets points again.
 std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -66,7 +60,7 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
   return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
          FormatRounded(100 * given / work) + " % of what they got or brought," + When(budgets) +
          ": it has met few cells so far, or " +
-         (HasMetal(c)
+         (c.model.HasMetal()
               ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
               : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
 }
@@ -75,7 +69,7 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
 std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.005;
-  if (!HasMetal(c) || !c.model.indenter || c.model.contact.method == "none") return "";
+  if (!c.model.HasMetal() || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || watched.noise <= kMost * watched.indenter_work) return "";
   return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
          FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) +

@@ -169,6 +169,17 @@ def test_elastic_contact_that_gives_more_than_the_indenter_is_told():
     assert warnings({**edge, "indenter_tip": "0,16"}) == []
 
 
+def test_materials_of_no_body_have_no_effect():
+    """Their names once chose XPIC, the width of the contact's kernels and the steps of all others."""
+    wedge = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, "indenter_max_depth": 0.2}
+    more = {"materials": "other,al", "block_material": "al", "other_model": "j2", "other_youngs_modulus": 1e11, "other_poissons_ratio": 0.3,
+            "other_density": 1000, "other_yield_stress": 1e7, "other_hardening_modulus": 0}
+    alone, beside = harness.run(wedge), harness.run({**wedge, **more})
+    told = [line for line in beside.summary["warnings"] if line not in alone.summary["warnings"]]
+    assert told == ["-materials other: no body has it, and it has no effect"], told
+    assert all(numpy.array_equal(alone.history[name], beside.history[name]) for name in alone.history)
+
+
 # ---- steps ----
 
 @pytest.mark.parametrize("cfl, told", [(1, True), (0.4, False)])
@@ -250,10 +261,14 @@ def test_indenter_that_meets_nothing_is_told(change, told):
     ({"boundary_x_lower": "symmetry", "block_lower": "0.5,0"}, "-boundary_x_lower: 0.5 m"),
     ({"bodies": "block,ball", "ball_shape": "disk", "ball_center": "9.9,4", "ball_radius": "1.4"}, "-bodies: 0.5 m"),
     ({"bodies": "block,ball", "ball_shape": "disk", "ball_center": "9.7,9.1", "ball_radius": "1.4"}, ""),
-    ({"domain_upper": "9,12", "block_upper": "8.75,8"}, "")])
+    ({"domain_upper": "9,12", "block_upper": "8.75,8"}, ""),
+    ({"bodies": "ball", "ball_shape": "disk", "ball_center": "4,4", "ball_radius": 4}, "-boundary_y_lower: less than half a cell of 1 m lies between this side and body ball"),
+    ({"block_upper": "8,2", "bodies": "block,ball", "ball_shape": "disk", "ball_center": "4,5", "ball_radius": 3}, "-bodies: less than half a cell of 1 m lies between block and ball"),
+    ({"bodies": "ball", "ball_shape": "polygon", "ball_vertices": "1,0,7,0,8,4,7,8,1,8,0,4"}, "")])
 def test_gaps_below_a_cell_are_told(change, told):
     """Bodies, or a body and a held side, so near move as if they touched: a load was that of one body, or of a body that is held."""
-    said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, **change})
+    case = {name: value for name, value in PRESS.items() if not name.startswith("block_") or "block" in change.get("bodies", "block")}
+    said = warnings({**case, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, **change})
     assert [line.startswith(WARNING + told) for line in said] == [True] * bool(told), said
 
 

@@ -219,6 +219,13 @@ def test_what_is_told():
     assert "load_quasi_static" not in fast.history and "quasi_static" not in fast.summary and fast.stdout == ""
 
 
+def test_without_a_support():
+    """Between the tip and the only side that is held, the axis, is nothing that a wave could cross: the times are by the body's size."""
+    flies = harness.run({**CONE, "boundary_x_upper": "free", "boundary_y_lower": "free", "domain_lower": "0,-4"})
+    plan, said = flies.summary["quasi_static"], " ".join(flies.summary["warnings"])
+    assert plan["distance"] == 16 and 0 < plan["damping"] < 1 and "no body lies at a side of the domain that holds it" in said, (plan, said)
+
+
 # Two levels, lengths in cells of the finer one: a contact of 4 of them on a block of 40 x 32. A blunt cone where the body is elastic, as its short
 # waves grow in long runs at large strains.
 LARGE = {**CONE, "domain_upper": "40,36", "cell_size": 2, "levels": 2, "level_1_lower": "0,16", "level_1_upper": "16,36", "block_upper": "40,32",

@@ -16,7 +16,7 @@
 namespace mlgimp
 {
 
-/// How neighbouring levels act on each other: through their nodes (border.hpp) or copies of points (ghosts.hpp).
+/// How neighbouring levels act on each other: through their nodes (level_interface.hpp) or copies of points (point_copies.hpp).
 enum class LevelCoupling { kNodes, kPoints };
 
 /// Where the levels lie and how they are kept.

@@ -45,7 +45,6 @@ public:
   /// Points of this rank that have copies.
   const std::vector<int> &Sources() const { return sources_.points; }
   Level &Owner() { return *from_; }
-  long Rebuilds() const { return rebuilds_; }
 
 private:
   Migrants FindSources();
@@ -59,7 +58,7 @@ private:
   Box inner_{}, outer_{}; ///< sources lie in the outer box, but not in the inner one
   int origin_ = 0;        ///< which store of copies
   Migrants sources_;      ///< points of this rank that have copies, and where
-  long version_ = -1, copy_version_ = -1, rebuilds_ = 0;
+  long version_ = -1, copy_version_ = -1;
   SFHandle exchange_;
   MPI_Datatype unit_ = MPI_DATATYPE_NULL;
   std::vector<double> state_, copies_; ///< what changes, of sources and of copies
@@ -81,7 +80,6 @@ public:
   double RingMass();
   /// Adds a velocity to the points that have copies.
   void CorrectMomentum(Vec3 dv);
-  long Rebuilds() const { return to_fine_.Rebuilds() + to_coarse_.Rebuilds(); }
 
 private:
   Level *coarse_ = nullptr, *fine_ = nullptr;

@@ -22,10 +22,18 @@ template <class Work> PetscErrorCode Logged(PetscLogEvent event, Work work)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Floating-point operations per point, counted in the sweeps' source (2D, nine nodes).
-inline constexpr double kStencilFlops = 2 * 26, kPointsToGridFlops = kStencilFlops + 17 + 3 * (8 + 3 * 16),
-                        kGridToPointsFlops = kStencilFlops + 9 * 24 + 12, kScatterRatesFlops = 8 + 3 * (8 + 3 * 16),
-                        kGatherRatesFlops = kStencilFlops + 9 * 24 + 3 * (24 + 8), kStressFlops = 90, kShortWaveFlops = 35,
-                        kNodeFlops = 20, kRatesFlops = 8 + 2 * 5 + 1;
+/// Floating-point operations of a sweep for a point, and of the grid's update for a node: counted in the source in the plane, and
+/// in space by the same terms.
+struct Flops {
+  explicit constexpr Flops(int dim)
+      : rows(dim == 3 ? 9 : 3), stencil(26 * dim), scatter(rows * (8 + 3 * 16)), gather(3 * rows * 4 * dim * (1 + dim)),
+        points_to_grid(stencil + 17 + scatter), grid_to_points(stencil + gather + 6 * dim), scatter_rates(8 + scatter),
+        gather_rates(stencil + gather + rows * (24 + 8)), stress(22.5 * dim * dim), short_wave(8.75 * dim * dim), node(10 * dim),
+        rates(9 + 5 * dim)
+  {
+  }
+  double rows, stencil, scatter, gather;
+  double points_to_grid, grid_to_points, scatter_rates, gather_rates, stress, short_wave, node, rates;
+};
 
 } // namespace mlgimp

@@ -118,7 +118,6 @@ public:
   const IndexBox &Owned() const { return owned_; }
   const IndexBox &Ghosted() const { return ghosted_; }
   bool Owns(Index node) const { return owned_.Contains(node); }
-  bool IsLocal(Index node) const { return ghosted_.Contains(node); }
   /// False where one rank has the whole grid.
   bool HasGhosts() const { return layout_.Blocks() > 1; }
   std::size_t GhostedNodes() const { return static_cast<std::size_t>(ghosted_.Count()); }

@@ -6,7 +6,6 @@
 #include "level/model.hpp"
 #include "level/points.hpp"
 
-#include <functional>
 #include <memory>
 
 namespace mlgimp
@@ -198,6 +197,7 @@ private:
   void NoteFailure(const PointFailure &failure, double time);
 
   const Model &model_;
+  const Flops flops_{model_.geometry.Dim()};
   LogEvents events_;
   MPI_Comm world_ = MPI_COMM_NULL;
   LevelGeometry geometry_{};

@@ -7,7 +7,6 @@
 #include "level/points.hpp"
 #include "pointwise/indenter.hpp"
 
-#include <string>
 #include <vector>
 
 namespace mlgimp

@@ -86,7 +86,6 @@ PetscErrorCode PointCopies::Rebuild()
   copy_version_ = copies.Version();
   state_.resize(sources_.points.size() * StateSize());
   copies_.resize(origins.size() * StateSize());
-  ++rebuilds_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

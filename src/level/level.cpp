@@ -116,7 +116,7 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   grid_->ClearSums();
   applied_.clear();
-  PetscCall(ForEachStore(kPointsToGridFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
+  PetscCall(ForEachStore(flops_.points_to_grid, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
     kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
   PointFailure failure;
@@ -150,7 +150,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   UpdateVelocities(*grid_, nodal_, dt);
-  PetscCall(PetscLogFlops(kNodeFlops * static_cast<double>(grid_->Owned().Count())));
+  PetscCall(PetscLogFlops(flops_.node * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -184,9 +184,10 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareSums(); }));
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore(kGatherRatesFlops + kStressFlops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    kernels_->ApplyRates(view, plan, budgets, failure);
-  }));
+  PetscCall(
+      ForEachStore(flops_.gather_rates + flops_.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+        kernels_->ApplyRates(view, plan, budgets, failure);
+      }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -201,7 +202,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
   if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, dt, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
-  PetscCall(PetscLogFlops(kRatesFlops * static_cast<double>(grid_->Owned().Count())));
+  PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -212,8 +213,8 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
   const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, nodal_.xpic_fraction > 0, !rates};
   const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
-  const double first_flops = kGridToPointsFlops + rates * kScatterRatesFlops + first.strain * kStressFlops;
-  const double second_flops = kGatherRatesFlops + second.strain * kStressFlops + second.short_wave.On() * kShortWaveFlops;
+  const double first_flops = flops_.grid_to_points + rates * flops_.scatter_rates + first.strain * flops_.stress;
+  const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));

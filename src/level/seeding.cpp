@@ -43,7 +43,8 @@ void Seeding::TakeStepsOfCoarser(std::size_t body, Tile &tile) const
 bool Seeding::IsInside(std::size_t body, Tile tile) const
 {
   TakeStepsOfCoarser(body, tile);
-  const double tolerance = kRounding * std::min(tile.half_size[0], tile.half_size[1]);
+  const double tolerance =
+      kRounding * std::min({tile.half_size[0], tile.half_size[1], geometry_.dim == 3 ? tile.half_size[2] : HUGE_VAL});
   if (!model_.bodies[body].region->Contains(tile.center, tolerance)) return false;
   if (body == 0 || model_.bodies[body].region->Contains(tile.center, -tolerance)) return true;
   for (std::size_t b = 0; b < body; ++b)

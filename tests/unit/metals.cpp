@@ -93,7 +93,7 @@ TEST(Metals, FirstYieldAtHighRates)
     FlowOf(law, three_mu, {kBlock, q, strain, temperature, rate}, step);
     for (int p = 0; p < kBlock; ++p) {
       const double d = step.strain[p], flow = law.At(strain[p] + d, rate * d, temperature[p]).stress;
-      off = std::max(off, std::abs(q[p] - three_mu * d - flow) / q[p]);
+      off = Largest({off, std::abs(q[p] - three_mu * d - flow) / q[p]});
     }
   }
   EXPECT_LE(off, 1e-9) << "stress less flow stress after the return, of the trial stress";

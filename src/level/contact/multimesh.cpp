@@ -4,7 +4,6 @@
 #include "level/contact/methods.hpp"
 
 #include "level/contact/body.hpp"
-#include "level/face.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,6 @@
 #include "base/exchange.hpp"
 #include "level/contact/system.hpp"
 #include "level/contact/width.hpp"
-#include "level/face.hpp"
 
 #include <algorithm>
 

@@ -169,7 +169,8 @@ def doubts(curve, cycle, fit, row):
     loading = load_depth.without_spikes(curve.load)[cycle.begin:cycle.start + 1]
     at_limit = min(abs(fit.exponent - limit) for limit in EXPONENTS) < 1e-6
     if at_limit and not (curve.tip and curve.tip.name == "flat_punch"):
-        yield f"the exponent is at its limit {fit.exponent:.3g}: the unloading is no power law"
+        yield (f"the exponent is at its limit {fit.exponent:.3g}: the unloading is no power law, as where few cells of contact let go one by one; "
+               "try a wider window (--window), or smaller cells")
     if not curve.plane and math.isfinite(row["hardness_GPa"]) and not HARDNESS[0] <= row["hardness_GPa"] <= HARDNESS[1]:
         yield f"a hardness of {row['hardness_GPa']:.3g} GPa is that of no solid: are the units of depth and load right?"
     if fit.residual > 0.02:

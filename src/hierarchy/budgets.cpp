@@ -36,7 +36,7 @@ PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
     sum.Add(part);
   }
   for (int b = 0; b + 1 < Levels(); ++b) sum.Add(borders_[b]->Totals()), sum.Add(transfers_[b]->Totals());
-  if (CoupledByNodes()) {
+  if (CoupledByNodes() || (Levels() == 1 && model_->VolumeAverages() > 0)) {
     sum.exchange_energy += sum.strain_energy + sum.short_wave_dissipation + sum.averaging_work + sum.plastic_work +
                            sum.damping_work - sum.external_work;
     for (const auto &transfer : transfers_) sum.exchange_energy -= transfer->Totals().transfer_strain_energy;

@@ -200,7 +200,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
-  if (is_coupled_) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
+  if (is_coupled_ || model_.VolumeAverages() > 0) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, dt, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));

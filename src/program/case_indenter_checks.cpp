@@ -131,7 +131,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
       reader.Refuse("-indenter", kind,
                     std::string("its own mirror image across ") + kSideNames[*side] +
-                        ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter");
+                        ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter where a turn makes "
+                        "it so");
   }
 }
 

@@ -190,6 +190,7 @@ bool OptionReader::Numbers(const OptionText &option, const Range &range, std::si
     allowed = allowed && number && range.Contains(value);
     values->push_back(value);
   }
+  if (most == 1 && values->size() > 1) strange = "; one number, and not " + std::to_string(values->size()) + " with commas";
   const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
   const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
   if (!allowed || values->size() < least || (most && values->size() > most))

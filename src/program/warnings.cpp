@@ -188,16 +188,17 @@ std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watch
 }
 
 /// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no
-/// column has.
+/// work has.
 std::string OfLoss(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.15; // of what they were given
   if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
-  return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no column explains" + When(budgets) +
+  return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no work explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
          " J: cells are too few for how they turn and for their waves, or points have parted or crumpled; look at the last "
          "frames, and try smaller cells or steps" +
-         (c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "");
+         (c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "") +
+         (c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
 }
 
 } // namespace

@@ -252,6 +252,7 @@ LEVEL_CASES = [
     ("levels are text", {"levels": "two"}, ["-levels two:", "whole"]),
     ("ratio 1", {"refinement_ratio": "1"}, ["-refinement_ratio 1:", "[2, 16]"]),
     ("ratio 2.5", {"refinement_ratio": "2.5"}, ["-refinement_ratio 2.5:", "whole"]),
+    ("a comma within a number", {"cell_size": "0,5"}, ["-cell_size 0,5:", "one number, and not 2 with commas"]),
     ("no box", without("level_1_lower"), ["-level_1_lower", "given"]),
     ("no upper corner of a box", without("level_1_upper"), ["-level_1_upper", "given"]),
     ("box off the cell lines", {"level_1_lower": "2.3,2"}, ["-level_1_lower 2.3,2:", "cell lines"]),

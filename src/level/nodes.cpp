@@ -169,7 +169,8 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
     const NodeSums &node = grid.Sums()[place];
     const double *const after = grid.Rates(place);
     if (node.mass <= settings.mass_cutoff) return;
-    for (int axis = 0; axis < dim; ++axis) work += 0.5 * dt * node.force[axis] / node.mass * (node.momentum[axis] + after[axis]);
+    const double half = 0.5 * dt / node.mass;
+    for (int axis = 0; axis < dim; ++axis) work += half * node.force[axis] * (node.momentum[axis] + after[axis]);
   });
   for (const CoupledNode &one : coupled) {
     const NodeSums &node = grid.Sums()[one.node];

@@ -147,7 +147,8 @@ TEST(Options, Numbers)
   EXPECT_EQ(value, 2.5e-6);
   EXPECT_EQ(ReadNumber("-size -1", &value, kAnyNumber), "");
   EXPECT_EQ(value, -1);
-  for (const char *bad : {"0", "-1", "1,2"})
+  EXPECT_EQ(ReadNumber("-size 1,2", &value), "-size 1,2: must be > 0; one number, and not 2 with commas");
+  for (const char *bad : {"0", "-1"})
     EXPECT_EQ(ReadNumber(std::string("-size ") + bad, &value), std::string("-size ") + bad + ": must be > 0");
   for (const std::string bad : {"nan", "inf", "1e999", "1um", "0x"})
     EXPECT_EQ(ReadNumber("-size " + bad, &value), "-size " + bad + ": must be > 0; " + bad + " is no finite number");

@@ -2,9 +2,9 @@
 // it, wherever the grid lies; with the matching pressures on its sides, on no node at all.
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <cmath>
-#include <random>
 
 using namespace mlgimp;
 
@@ -15,8 +15,7 @@ constexpr double kH = 0.25, kThickness = 0.7, kWidth = 5, kHeight = 3; // m
 constexpr double kStress[4] = {-3e5, 2e5, 4e4, 1e5};                   // Pa: xx, yy, zz, xy
 const double kScale = 3e5 * kH * kThickness;                           // |sigma| h t, N
 
-std::mt19937 generator(71);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(71);
 
 /// Two boxes side by side, kWidth x kHeight together, each with its own points per cell.
 struct Patch {

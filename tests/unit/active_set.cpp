@@ -1,13 +1,13 @@
 // The active-set solver of contact pressures: against the solution found by trying every set, against PETSc's solver of
 // variational inequalities, and where it gives up.
 #include "level/contact/active_set.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 #include <petscsnes.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
 using namespace mlgimp;
@@ -15,8 +15,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 /// A small matrix with all its entries.
 struct Matrix {
@@ -362,7 +361,7 @@ TEST(ActiveSetOnRanks, AgreesWithPetscsNewton)
   PetscMPIInt rank, ranks;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  generator.seed(7); // the same problems on all ranks
+  Random.seed(7); // the same problems on all ranks
   for (int n = 0; n < 12; ++n) {
     const int size = 5 + 20 * n, first = rank == 0 ? 0 : size * rank / ranks - 1,
               end = rank == ranks - 1 ? size : size * (rank + 1) / ranks - 1;

@@ -2,21 +2,20 @@
 #include "hierarchy/merging.hpp"
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <memory>
-#include <random>
 
 using namespace mlgimp;
 
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 /// Two empty levels: a box within 16 x 16 coarse cells that reaches the domain's upper side.
 struct TwoLevels {

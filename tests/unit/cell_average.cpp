@@ -2,11 +2,11 @@
 #include "level/cell_average.hpp"
 
 #include "simulation/setup.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
-#include <random>
 #include <vector>
 
 using namespace mlgimp;
@@ -14,8 +14,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20261125);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20261125);
 
 constexpr int kCount = 53;     // with a rest for vectors of four, eight and sixteen
 constexpr double kStep = 1e-3; // s

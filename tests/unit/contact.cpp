@@ -1,21 +1,20 @@
 // What contact makes of faces: their segments, and the columns of the grid under them.
 #include "contact_body.hpp"
 #include "level/face.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <random>
 
 using namespace mlgimp;
 
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 constexpr GeometryKind kKinds[] = {GeometryKind::kPlaneStrain, GeometryKind::kAxisymmetric, GeometryKind::kSpatial};
 

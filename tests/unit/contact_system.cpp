@@ -1,20 +1,19 @@
 // The equations of contact on any number of ranks.
 #include "contact_body.hpp"
 #include "level/contact/system.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 using namespace mlgimp;
 
 namespace
 {
 
-std::mt19937 generator(11);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(11);
 
 /// Random couplings of 12 unknowns with nodes of the grid, the same on all ranks.
 std::vector<ContactCoupling> RandomCouplings()
@@ -79,7 +78,7 @@ TEST(ContactSystemOnRanks, SolvesTheWholeProblem)
   PetscMPIInt rank, ranks;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  generator.seed(11);
+  Random.seed(11);
   std::vector<ContactUnknown> unknowns;
   for (int j = 0; j < 12; ++j) unknowns.push_back({1000 + 3 * j, 0.02 * std::sin(0.9 * j) - 0.01});
   const std::vector<ContactCoupling> all = RandomCouplings();

@@ -1,19 +1,18 @@
 // How F advances in a step.
 #include "pointwise/material.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 using namespace mlgimp;
 
 namespace
 {
 
-std::mt19937 generator(20261126);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20261126);
 
 /// F of a block against the product component by component.
 template <class G> void ExpectProduct()

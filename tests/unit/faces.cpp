@@ -1,19 +1,18 @@
 // Faces of points, the nodal forces of pressures on them, and which faces are outer ones.
 #include "level/seeding.hpp"
 #include "simulation/setup.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 using namespace mlgimp;
 
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 constexpr double kH = 0.25; // m
 

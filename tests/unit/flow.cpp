@@ -5,11 +5,11 @@
 
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 using namespace mlgimp;
@@ -17,8 +17,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20261123);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20261123);
 
 /// Points of one body with nothing but boxes, faces and places.
 struct Boxes {

@@ -1,12 +1,12 @@
 // Friction: the tangents of an indenter's surface, and Coulomb's conditions on what the solver finds.
 #include "level/contact/active_set.hpp"
 #include "level/contact/columns.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
 using namespace mlgimp;
@@ -14,8 +14,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 constexpr int kColumns = 15;
 

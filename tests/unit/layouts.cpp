@@ -2,12 +2,12 @@
 #include "hierarchy/balance.hpp"
 #include "hierarchy/mapping.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
-#include <random>
 #include <set>
 #include <vector>
 
@@ -16,8 +16,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 /// A grid of points per node with a cloud somewhere, few points elsewhere.
 std::vector<double> Cloud(int width, int height)
@@ -148,7 +147,7 @@ TEST(LayoutsOnRanks, SameAsOnOne)
   PetscMPIInt rank, ranks;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  generator.seed(5);
+  Random.seed(5);
   for (int n = 0; n < 20; ++n) {
     const std::vector<Index> all = NodesOf(Cloud(kWidth, kHeight), kWidth);
     std::vector<Index> own;
@@ -185,7 +184,7 @@ TEST(Mapping, PartnersMeet)
       std::vector<int> partner(ranks);
       std::iota(partner.begin(), partner.end(), 0);
       map.emplace_back(partner.begin(), partner.end());
-      std::shuffle(partner.begin(), partner.end(), generator);
+      std::shuffle(partner.begin(), partner.end(), Random);
       for (int block = 0; level < 2 && block < ranks; ++block) traffic.push_back({level, block, partner[block], 100.0 + block});
     }
     EXPECT_EQ(BytesBetweenRanks(traffic, ImproveMap(traffic, ranks, map)), 0) << ranks << " ranks";

@@ -2,11 +2,11 @@
 #include "pointwise/log_strain.hpp"
 #include "pointwise/material.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 using namespace mlgimp;
 
@@ -14,8 +14,7 @@ namespace
 {
 
 constexpr unsigned kSeed = 20261122;
-std::mt19937 generator(kSeed);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(kSeed);
 
 MaterialConstants Constants(const std::string &hardening)
 {
@@ -37,7 +36,7 @@ template <class Law> void ReturnsToFlow(const std::string &name)
   const Law law(Constants(name));
   const double three_mu = 3 * 26e9;
   double off = 0;
-  generator.seed(kSeed);
+  Random.seed(kSeed);
   for (int block = 0; block < 40; ++block) {
     double q[kBlock], strain[kBlock], temperature[kBlock];
     const double rate = std::pow(10, Random(0, 12));

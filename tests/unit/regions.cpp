@@ -1,12 +1,12 @@
 // Shapes of bodies and their tilings by their properties.
 #include "pointwise/region.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,8 +16,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 Vec3 RandomPlace(const Box &box)
 {

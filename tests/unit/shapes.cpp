@@ -2,11 +2,11 @@
 #include "pointwise/geometry.hpp"
 #include "pointwise/shape.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -16,8 +16,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 /// The mean over [d - l, d + l] of the hat function of `node`, exactly: trapezia between its kinks. l = 0: its value.
 double MeanHat(int node, double d, double l)

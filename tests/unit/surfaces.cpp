@@ -2,11 +2,11 @@
 #include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
 #include "unit/largest.hpp"
+#include "unit/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <string>
 
 using namespace mlgimp;
@@ -14,8 +14,7 @@ using namespace mlgimp;
 namespace
 {
 
-std::mt19937 generator(20240607);
-double Random(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator); }
+RandomNumbers Random(20240607);
 
 /// Height of a surface above a place, by bisection of the gap along the vertical axis.
 double Height(const IndenterSurface &surface, Vec3 x, int up, double upper)

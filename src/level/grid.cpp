@@ -220,8 +220,10 @@ PetscErrorCode Grid::ShareRates(bool projection, bool strain_rate)
   cells.size = cell_size_ * static_cast<int>(sizeof(CellSums) / sizeof(double));
   Choose(0, cells.size, &cells.chosen);
   if (HasGhosts()) PetscCall(shared_.Sum({rates, cells}));
-  for (CellSums &cell : cell_memory_)
-    if (cell.mass > 0) cell.growth /= cell.mass, cell.relative_volume /= cell.mass;
+  for (CellSums &cell : cell_memory_) {
+    const double inverse_mass = cell.mass > 0 ? 1 / cell.mass : 0;
+    cell.growth *= inverse_mass, cell.relative_volume *= inverse_mass;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

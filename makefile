@@ -54,10 +54,16 @@ endif
 COMPILE = $(call RUN,$(CXX) $(CXXFLAGS) $(FLAGS) $(1) -c -o $@ $<,CXX $<)
 LINK    = $(call RUN,$(CXX) $(CXXFLAGS) -o $@ $^ $(1) $(LIBRARIES),LINK $@)
 
-.PHONY: all programs deps run test verify bench lint install clean
+.PHONY: all programs deps run test verify bench lint install clean anew
 .SECONDARY:
 all: $(BIN)/mlgimp
 programs: all $(TESTS) $(BIN)/faults/mlgimp
+
+# What objects are made with; where it changes they are made anew.
+BUILT_WITH = $(CXX) $(CXXFLAGS) $(HDF5) $(PETSC_DIR) $(PETSC_ARCH)
+$(BUILD)/flags: anew
+	@mkdir -p $(@D); echo '$(BUILT_WITH)' | cmp -s - $@ || echo '$(BUILT_WITH)' > $@
+anew:
 
 $(BIN)/mlgimp: $(BUILD)/program/main.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
@@ -68,7 +74,7 @@ $(BIN)/faults/mlgimp: $(BUILD)/program/main.o $(BUILD)/faults/agree.o $(BUILD)/l
 	@mkdir -p $(@D)
 	$(call LINK)
 
-$(BUILD)/faults/agree.o: src/program/agree.cpp makefile
+$(BUILD)/faults/agree.o: src/program/agree.cpp makefile $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call COMPILE,-DMLGIMP_FAULTS)
 
@@ -76,11 +82,11 @@ $(BUILD)/libmlgimp.a: $(OBJECTS)
 	@rm -f $@
 	$(call RUN,$(AR) rcs $@ $^,AR $@)
 
-$(BUILD)/%.o: src/%.cpp makefile
+$(BUILD)/%.o: src/%.cpp makefile $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call COMPILE)
 
-$(BUILD)/tests/%.o: tests/%.cpp makefile
+$(BUILD)/tests/%.o: tests/%.cpp makefile $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call COMPILE,-Itests)
 

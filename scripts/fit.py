@@ -4,7 +4,7 @@
 usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-runs N] [-ranks N]
                       [-evaluations N] [options of mlgimp, on all runs]
 
-    scripts/fit.py measured.csv options/cone_metal.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
+    scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
 
 MEASURED is a text with columns (scripts/indentation.py says which) or the folder of a run. NAME is an option of the case, with or
 without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio. The case's values are the

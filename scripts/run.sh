@@ -19,9 +19,13 @@ cores=$(grep -c '^cpu[0-9]' /proc/stat 2>/dev/null) || cores=$ranks
 [ "$ranks" -ge "$cores" ] || echo "other programs keep $((cores - ranks)) of $cores cores busy: this will take longer"
 [ "$ranks" -ge 1 ] || ranks=1
 [ "$ranks" -le 4 ] || ranks=4
+allowed=$(nproc 2>/dev/null) || allowed=$ranks
+[ "$ranks" -le "$allowed" ] || ranks=$allowed
 
 start="mpiexec -n $ranks"
 [ "$ranks" -gt 1 ] || start=""
+# Open MPI, up to version 4 and from 5 on, counts cores as it likes, and not hardware threads.
+export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
 [ "$(id -u)" -ne 0 ] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 echo "wedge indentation of aluminium to 450 nm on three levels and $ranks ranks:"

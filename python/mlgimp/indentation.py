@@ -170,7 +170,8 @@ def hardness(constants):
     try:
         return TABOR * law({"initial_temperature": INITIAL_TEMPERATURE, **constants}, STRAIN)
     except (KeyError, ZeroDivisionError) as problem:
-        raise Error(f"{problem.args[0]}: must be given, and > 0, for hardening={constants['hardening']}") from None
+        zero = [name for name in HARDENING if isinstance(problem, ZeroDivisionError) and constants.get(name) == 0]
+        raise Error(f"{(zero or problem.args)[0]}: must be given, and > 0, for hardening={constants['hardening']}") from None
 
 
 def thermal_softening(k):

@@ -51,7 +51,8 @@ def read_run(directory):
         plane = options.get("-geometry") == "plane_strain"
     except (AttributeError, KeyError, TypeError, ValueError):
         raise ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
-    history = {name: values[np.append(True, np.diff(history["time"]) > 0)] for name, values in history.items()}
+    first = np.append(True, history["time"][1:] > np.maximum.accumulate(history["time"])[:-1])  # where a restart has written rows twice
+    history = {name: values[first] for name, values in history.items()}
     middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
     load = "load_quasi_static" if "load_quasi_static" in history else "load"
     area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
@@ -141,6 +142,8 @@ def read_measured(path, depth="depth:um", load="load:mN", time=None):
     measured on the way to the surface is left out.
     """
     columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
+    if columns[0].name == columns[1].name:
+        raise ResultError(path, f"depth and load are the same column, {columns[0].name}")
     columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
     table = read_table(checks.path("path", path), [each.name for each in columns]) * [each.factor for each in columns]
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if time is not None else []

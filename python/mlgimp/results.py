@@ -97,7 +97,8 @@ def box_at(summary, level, time, last):
 
 def numbered_frames(directory):
     """Returns {number: path} of the frames points_FFFFFF.h5 of a result folder, in the order of their numbers."""
-    return {number_in(path): path for path in sorted(Path(directory).glob("points_*.h5"), key=number_in)}
+    frames = sorted(Path(directory).glob("points_[0-9]*.h5"), key=number_in)
+    return {number_in(path): path for path in frames if path.stem.removeprefix("points_").isdigit()}
 
 
 def find_frame(directory, number=None):

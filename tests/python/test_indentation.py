@@ -248,7 +248,7 @@ def write_run(folder, options, repeated=False, slow=False):
     columns["contact_area"] = np.full(len(depth), 3e-12)
     columns |= {"load_quasi_static": load, "load": 1.25 * load} if slow else {}
     table = np.column_stack(list(columns.values()))
-    table = np.insert(table, 100, table[99], axis=0) if repeated else table
+    table = np.insert(table, 100, table[80:100], axis=0) if repeated else table
     np.savetxt(folder / "history.csv", table, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
     (folder / "summary.json").write_text(json.dumps({"case": "made", "levels": []} | ({"options": options} if options else {})))
     return folder

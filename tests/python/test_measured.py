@@ -55,6 +55,12 @@ def test_a_line_below_the_rows_is_told(tmp_path):
         load_depth.read_measured(tmp_path / "m.csv")
 
 
+def test_one_column_for_both_is_refused(tmp_path):
+    (tmp_path / "m.csv").write_text(text_of(*metal()))
+    with pytest.raises(mlgimp.Error, match="depth and load are the same column, depth"):
+        load_depth.read_measured(tmp_path / "m.csv", "depth:um", "depth:mN")
+
+
 def test_rows_of_the_approach(tmp_path, expect):
     """A tip that comes from farther over the surface than it goes into it; a load that is not zeroed does no work there."""
     depth, load = metal()

@@ -13,6 +13,7 @@ import figures
 import harness
 import plot
 import scaling
+from mlgimp import results
 from test_indentation import GOOD
 from test_scripts import HISTORY, write_results
 
@@ -96,6 +97,13 @@ def test_frame(made, name):
     with h5py.File(made / "points_000001.h5", "a") as file:
         file["level_1"][name] = [1.0, 2.0]
     assert "points_000001.h5" in refusal(plot.main, made)
+
+
+def test_other_files_beside_frames(made):
+    """They are left alone, as the program leaves them."""
+    (made / "points_old.h5").write_bytes(b"")
+    (made / "points_2_copy.h5").write_bytes(b"")
+    assert set(results.numbered_frames(made)) == {results.number_in(path) for path in made.glob("points_00*.h5")}
 
 
 def test_frame_that_holds_no_groups(made):

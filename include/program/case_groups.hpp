@@ -14,6 +14,15 @@ void ReadLevels(OptionReader &reader, Case *c);
 void ReadFollowing(OptionReader &reader, Case *c);
 /// What ReadFollowing could not know before the indenter was read.
 void CheckFollowing(OptionReader &reader, const Case &c);
+/// Boxes of all levels at a time, s.
+struct BoxesAtTime {
+  double time;
+  std::vector<Box> boxes;
+};
+/// Those on paths, at the beginning and end of the run and at times between.
+std::vector<BoxesAtTime> LooksAlongPaths(const Case &c);
+/// Each box on its path must lie in the next coarser one, as deep as its border needs.
+void CheckPaths(OptionReader &reader, const Case &c);
 /// The grids of the levels, once all is known that they follow.
 void PlaceLevels(Case *c);
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);

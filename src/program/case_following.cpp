@@ -2,6 +2,7 @@
 #include "program/case_groups.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mlgimp
 {
@@ -74,6 +75,38 @@ void CheckFollowing(OptionReader &reader, const Case &c)
     reader.Refuse("-level_follow", kind == FollowKind::kContact ? "contact" : "path", "none with -level_coupling points");
   if (kind == FollowKind::kContact && (!c.model.indenter || c.model.contact.method != "pressure"))
     reader.Refuse("-level_follow", "contact", "none or path without an -indenter and -contact pressure");
+}
+
+std::vector<BoxesAtTime> LooksAlongPaths(const Case &c)
+{
+  constexpr int kLooks = 1000;
+  const FollowSettings &follow = c.hierarchy.follow;
+  std::vector<BoxesAtTime> looks;
+  double end = 0;
+  for (const auto &path : follow.paths) end = std::max(end, path[0].EndTime());
+  if (std::isfinite(c.time.end_time)) end = c.time.end_time;
+  for (int look = 0; look <= kLooks; ++look) {
+    BoxPlan plan;
+    looks.push_back({end * look / kLooks, {}});
+    FollowPath(c.hierarchy.rules, follow, looks.back().time, {c.boxes, c.levels}, &plan);
+    looks.back().boxes = plan.boxes;
+  }
+  return looks;
+}
+
+void CheckPaths(OptionReader &reader, const Case &c)
+{
+  if (c.hierarchy.follow.kind != FollowKind::kPath) return;
+  for (const BoxesAtTime &look : LooksAlongPaths(c)) {
+    const int k = FindMisplaced(c.hierarchy.rules, look.boxes);
+    if (k == 0) continue;
+    const double room = c.hierarchy.rules.Border(k - 1);
+    reader.Refuse(LevelOption(k, "_path"), "",
+                  "such that the level's box stays " + (room > 0 ? FormatRounded(room) + " m " : "") + "within level " +
+                      std::to_string(k - 1) + "; on cell lines it is " + reader.Text(look.boxes[k].lower) + " to " +
+                      reader.Text(look.boxes[k].upper) + " at time " + FormatRounded(look.time) + " s, in " +
+                      reader.Text(look.boxes[k - 1].lower) + " to " + reader.Text(look.boxes[k - 1].upper));
+  }
 }
 
 } // namespace mlgimp

@@ -129,10 +129,11 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
       reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
                        "ends; with symmetry it would be half of a body that goes on");
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
-      reader.Refuse("-indenter", kind,
-                    std::string("its own mirror image across ") + kSideNames[*side] +
-                        ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter where a turn makes "
-                        "it so");
+      reader.Refuse(
+          "-indenter", kind,
+          std::string("its own mirror image across ") + kSideNames[*side] +
+              ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter where a turn makes "
+              "it so");
   }
 }
 
@@ -216,26 +217,18 @@ void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &
   CheckIndenterSize(reader, c, kind);
 }
 
-/// Looks along the paths of boxes.
+/// The tip on the way of boxes along their paths.
 static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
 {
-  constexpr int kLooks = 1000;
   const Indenter &indenter = *c.model.indenter;
-  const FollowSettings &follow = c.hierarchy.follow;
-  double end = 0;
-  for (const auto &path : follow.paths) end = std::max(end, path[0].EndTime());
-  if (std::isfinite(c.time.end_time)) end = c.time.end_time;
   std::vector<bool> met;
-  for (int look = 0; look <= kLooks; ++look) {
-    const double time = end * look / kLooks;
-    BoxPlan plan;
-    FollowPath(c.hierarchy.rules, follow, time, {c.boxes, c.levels}, &plan);
-    Box tip{indenter.Tip(time), indenter.Tip(time)};
+  for (const BoxesAtTime &look : LooksAlongPaths(c)) {
+    Box tip{indenter.Tip(look.time), indenter.Tip(look.time)};
     if (indenter.by_load) tip.lower[indenter.up] = -HUGE_VAL;
     for (int k = 1; k < c.levels; ++k) {
-      const std::string when = " at time " + FormatRounded(time) + " s";
-      const bool meets = CheckHoldsTip(reader, c, k, plan.boxes[k], tip, when);
-      if (look == 0) met.push_back(meets);
+      const std::string when = " at time " + FormatRounded(look.time) + " s";
+      const bool meets = CheckHoldsTip(reader, c, k, look.boxes[k], tip, when);
+      if (static_cast<int>(met.size()) < k) met.push_back(meets);
       if (meets != met[k - 1])
         reader.Refuse("-level_" + std::to_string(k) + "_path", "",
                       "such that the level holds the indenter's tip all the time, or never: it " +

@@ -261,7 +261,7 @@ REFUSED = [
     ("a jump away from the tip", {**SCRATCH, "level_1_times": "0,10,10.001", "level_1_path": "0,0,0,0,24,0"}, ["-level_1_path: must be such that the level holds", "has left it"]),
     ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
     ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0"},
-     ["time 3.2", "level 1 has followed its path", "are kept"]),
+     ["-level_1_path: must be such that the level's box stays within level 0", "33,2 to 49,18 at time 3", "in 0,0 to 48,20"]),
 ]
 
 

@@ -215,8 +215,9 @@ private:
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
-  std::vector<PushedNode> pushed_; ///< by contact in the step
-  bool pushes_beyond_ = true;      ///< contact in the step may have pushed nodes of the coarser level
+  std::vector<PushedNode> pushed_;     ///< by contact in the step
+  std::vector<PushedNode> held_nodes_; ///< by sides in the step
+  bool pushes_beyond_ = true;          ///< contact in the step may have pushed nodes of the coarser level
   bool is_coupled_ = false, measures_noise_ = false;
   std::vector<double> grid_velocity_[3]; ///< [points][dim] between two sweeps of a step, for each store
   std::vector<FaceForce> applied_;       ///< by loads in the step

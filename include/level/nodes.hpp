@@ -112,8 +112,10 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings);
 /// Adds gravity and damping, m g - damping p, to the nodal forces f; v = p/m + dt f/m; velocity := (v, dv).
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt);
 
-/// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed.
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
+/// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed. held: by how
+/// much the velocities of owned nodes change.
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                             std::vector<PushedNode> *held, Budgets &budgets);
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
@@ -148,12 +150,13 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 /// Before sides and contact change them too.
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
-/// Adds up the kinetic energy that the level's points get in a step from all forces but those of sides and contact, and from
-/// neighbouring levels. With p and P the momenta of the points on a node before and after (P: in `rates`, not yet divided),
-/// it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Less the works known
-/// otherwise and the strain energy that points give for it, this is what coupling brings: see Budgets::exchange_energy.
+/// Adds up the kinetic energy that the level's points get in a step from all forces but those of contact, also those of sides,
+/// which do no work on nodes but on points beside them, and from neighbouring levels. With p and P the momenta of the points on a
+/// node before and after (P: in `rates`, not yet divided), it is exactly dv . (p + P)/2, dv being the part of the change of
+/// velocity that these have in it. Less the works known otherwise and the strain energy that points give for it, this is what
+/// coupling brings: see Budgets::exchange_energy.
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 Budgets &budgets);
+                 const std::vector<PushedNode> &held, const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets);
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second

@@ -164,7 +164,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (!touched) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
   pushed_.clear();
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
   pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
@@ -200,7 +200,7 @@ PetscErrorCode Level::ExchangeRates(double dt)
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
-  if (is_coupled_ || model_.VolumeAverages() > 0) AddExchange(*grid_, nodal_, dt, coupled_nodes_, budgets_);
+  if (is_coupled_ || model_.VolumeAverages() > 0) AddExchange(*grid_, nodal_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
   UpdateRates(*grid_, geometry_.sides, nodal_, dt, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
   PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));

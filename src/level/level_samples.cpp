@@ -27,7 +27,7 @@ PetscErrorCode Level::FindVelocities()
   kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, bodies_}, {}, time_, discarded);
   PetscCall(grid_->ShareSums());
   UpdateVelocities(*grid_, nodal_, 0);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, discarded);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, discarded);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -77,16 +77,20 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
   });
 }
 
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                             std::vector<PushedNode> *held_nodes, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
+  held_nodes->clear();
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass <= settings.mass_cutoff) return;
+    if (owned) held_nodes->push_back({place, {}});
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
       const double held = sides.HeldVelocity(side, axis), lacks = held - velocity[axis];
+      if (owned) held_nodes->back().change[axis] = lacks;
       if (owned) budgets.support_impulse[axis] += node.owned_mass * lacks;
       if (owned) budgets.external_work += held * lacks * node.owned_mass;
       change[axis] += lacks;
@@ -161,7 +165,7 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
 }
 
 void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 Budgets &budgets)
+                 const std::vector<PushedNode> &held, const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
@@ -172,11 +176,18 @@ void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, con
     const double half = 0.5 * dt / node.mass;
     for (int axis = 0; axis < dim; ++axis) work += half * node.force[axis] * (node.momentum[axis] + after[axis]);
   });
-  for (const CoupledNode &one : coupled) {
-    const NodeSums &node = grid.Sums()[one.node];
-    const double *const after = grid.Rates(one.node);
-    for (int axis = 0; axis < dim; ++axis) work += 0.5 * one.change[axis] * (node.momentum[axis] + after[axis]);
-  }
+  for (const auto &[place, part] : ahead) // which points have not
+    for (int axis = 0; axis < dim; ++axis)
+      work -= 0.5 * dt * grid.Sums()[place].force[axis] * part * grid.Velocity(place).change[axis];
+  const auto add = [&](std::ptrdiff_t place, const Vec3 &by) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto pushed = ahead.find(place);
+    const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change,
+                        given = pushed == ahead.end() ? 0 : pushed->second * node.mass;
+    for (int axis = 0; axis < dim; ++axis) work += 0.5 * by[axis] * (node.momentum[axis] + after[axis] - given * change[axis]);
+  };
+  for (const CoupledNode &one : coupled) add(one.node, one.change);
+  for (const PushedNode &one : held) add(one.node, one.change);
   budgets.exchange_energy += work;
 }
 

@@ -124,6 +124,15 @@ def test_exchange_of_averaged_growth(expect):
     expect("energy less works and exchange, of the first", numpy.max(numpy.abs(energy - history["exchange_energy"])) / history["kinetic_energy"][0], at_most=1e-9)
 
 
+@pytest.mark.parametrize("file, steps", [("punch_plastic.opts", 300), ("wedge_3level.opts", 60), ("scratch.opts", 120), ("cone_load.opts", 150)])
+def test_energy_closes(expect, file, steps):
+    """With contact, friction, sides, levels, splitting, viscosity, XPIC and damping: nothing is left that no column has."""
+    history = harness.run({"max_steps": steps, "frames": 0}, file=file).history
+    energy = sum(history[part] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
+    got = sum(history[part] for part in ("external_work", "contact_work", "friction_work", "exchange_energy", "transfer_energy"))
+    expect("energies less works, of the indenter's", numpy.max(numpy.abs(energy - energy[0] - got)) / history["indenter_work"][-1], at_most=1e-11)
+
+
 # Strips of half a cell, one column of points each, that go up and down in turn: inside them the grid stands still.
 STRIPS = 8
 SHEARED = {"domain_lower": "-1,-1", "domain_upper": "5,5", "cell_size": 1, "materials": "m", "m_model": "linear", "m_youngs_modulus": 1,

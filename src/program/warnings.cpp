@@ -76,6 +76,19 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
+/// The same of elastic bodies, at the end: the surface that a tip slides along with friction feeds it, the more the smaller steps
+/// are.
+std::string OfElasticNoise(const Case &c, const Budgets &budgets, const Watched &)
+{
+  constexpr double kMost = 0.01, kLeastShare = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
+  if (c.model.HasMetal() || budgets.contact_points == 0 || budgets.noise_energy <= kMost * budgets.strain_energy) return "";
+  if (budgets.noise_energy <= kLeastShare * budgets.kinetic_energy) return "";
+  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
+         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
+         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
+         ", or a slower indenter; smaller steps alone make it worse";
+}
+
 /// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
 /// see. Not where energy is made or lost, which has another cause.
 std::string OfMotion(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -193,6 +206,7 @@ std::string OfLoss(const Case &c, const Budgets &budgets, const Watched &watched
 {
   constexpr double kMost = 0.15; // of what they were given
   if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
+  if (!OfElasticNoise(c, budgets, watched).empty()) return ""; // which has taken it
   return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no work explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
          " J: cells are too few for how they turn and for their waves, or points have parted or crumpled; look at the last "
@@ -219,7 +233,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
     bool at_end; ///< while little work is done, there is little to compare with
   } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
               {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
-              {OfLoss, true},         {OfTouch, true},      {OfBorder, false}, {OfMotion, true}};
+              {OfLoss, true},         {OfTouch, true},      {OfBorder, false}, {OfMotion, true},  {OfElasticNoise, true}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =

@@ -1,6 +1,7 @@
 """Load-depth curves of runs and of measurements, in the units of the laboratory: mN, um, s; and the cycles in them."""
 
 import codecs
+import csv
 import math
 import re
 from collections import namedtuple
@@ -185,9 +186,9 @@ def read_table(path, wanted):
     lines = [(number, line) for number, line in lines if line.strip()]
     if not lines:
         raise ResultError(path, "is empty")
-    rows = (line for _, line in reversed(lines) if is_row(line.split(mark_of(line)), mark_of(line)))
+    rows = (line for _, line in reversed(lines) if is_row(words_of(line, mark_of(line)), mark_of(line)))
     mark = mark_of(next(rows, lines[-1][1]))
-    lines = [(number, [word.strip().strip('"') for word in line.split(mark)]) for number, line in lines]
+    lines = [(number, words_of(line, mark)) for number, line in lines]
     widths = [len(words) for _, words in lines if is_row(words, mark)]
     if not widths:
         number, words = lines[-1]
@@ -218,6 +219,12 @@ def read_text(path):
 def mark_of(line):
     """Returns what parts the columns of a line; None for spaces."""
     return next((mark for mark in ";\t," if mark in line.strip()), None)
+
+
+def words_of(line, mark):
+    """Returns the columns of a line; a mark within quotes parts nothing."""
+    words = line.split() if mark is None else next(csv.reader([line], delimiter=mark, skipinitialspace=True))
+    return [word.strip().strip('"') for word in words]
 
 
 def to_number(word, mark):

@@ -55,6 +55,15 @@ def test_a_line_below_the_rows_is_told(tmp_path):
         load_depth.read_measured(tmp_path / "m.csv")
 
 
+def test_marks_within_quotes(tmp_path):
+    """Names as instruments give them, with the unit behind a comma."""
+    depth, load = metal()
+    rows = [f'"{d}","{p}"\n' for d, p in zip(depth, load)]
+    (tmp_path / "m.csv").write_text('"Depth, um","Load, mN"\n' + "".join(rows))
+    read = load_depth.read_measured(tmp_path / "m.csv", "Depth, um:um", "Load, mN:mN")
+    assert np.allclose(read.load, load[-len(read.load):])
+
+
 def test_one_column_for_both_is_refused(tmp_path):
     (tmp_path / "m.csv").write_text(text_of(*metal()))
     with pytest.raises(mlgimp.Error, match="depth and load are the same column, depth"):

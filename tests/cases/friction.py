@@ -86,6 +86,17 @@ def test_scratch_in_metal(expect):
     expect("what contact gave beyond the work, of it", history["contact_work"][-1] / work[-1] - 1, near=0, tolerance=0.01)
 
 
+def test_noise_of_an_elastic_surface_is_told():
+    """A tip that slides feeds it, and more with smaller steps: pressures were 9 %, stresses 30 % too high. XPIC takes it."""
+    slide = {"domain_lower": "0,0", "domain_upper": "36e-6,20e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
+             "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700, "bodies": "b",
+             "b_lower": "0,0", "b_upper": "36e-6,16e-6", "indenter": "cylinder", "indenter_radius": 20e-6, "indenter_tip": "11e-6,16e-6",
+             "indenter_times": "0,20e-9,25e-9,35e-9,185e-9", "indenter_velocities": "20,20,0,0,0", "indenter_velocities_x": "0,0,0,80,80",
+             "indenter_friction": 0.3, "damping": 1e8, "end_time": 100e-9, "cfl": 0.1, "frames": 0}
+    said = harness.run(slide).summary["warnings"]
+    assert [line.startswith("-xpic_fraction 0: noise of the points' velocities holds") for line in said] == [True], said
+
+
 def test_sphere_on_the_axis(expect):
     """Pressed and let go in axisymmetry: the surface slips under the rim, and the work closes."""
     case = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "domain_upper": "24,27", "block_upper": "24,24",

@@ -222,8 +222,10 @@ def mark_of(line):
 
 
 def words_of(line, mark):
-    """Returns the columns of a line; a mark within quotes parts nothing."""
-    words = line.split() if mark is None else next(csv.reader([line], delimiter=mark, skipinitialspace=True))
+    """Returns the columns of a line; a mark within quotes that close parts nothing."""
+    words = line.split(mark)
+    if mark and '"' in line and line.count('"') % 2 == 0 and len(line) < csv.field_size_limit():
+        [words] = csv.reader([line], delimiter=mark, skipinitialspace=True)
     return [word.strip().strip('"') for word in words]
 
 

@@ -62,6 +62,8 @@ def test_marks_within_quotes(tmp_path):
     (tmp_path / "m.csv").write_text('"Depth, um","Load, mN"\n' + "".join(rows))
     read = load_depth.read_measured(tmp_path / "m.csv", "Depth, um:um", "Load, mN:mN")
     assert np.allclose(read.load, load[-len(read.load):])
+    (tmp_path / "m.csv").write_text('Depth of 2" disk,Load\n' + "".join(f'"{d},{p}\n' for d, p in zip(depth, load)))  # quotes that do not close
+    assert np.array_equal(load_depth.read_measured(tmp_path / "m.csv", "1:um", "2:mN").load, read.load)
 
 
 def test_one_column_for_both_is_refused(tmp_path):

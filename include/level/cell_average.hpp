@@ -74,12 +74,14 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
   CellSums *const cells = grid.Cells(b.average);
-  for (int p = 0; p < b.count; ++p) {
-    CellSums &cell = cells[parts.cell[p]];
-    cell.mass += b.mass[p];
-    cell.growth += b.mass[p] * parts.growth[p];
-    cell.relative_volume += density * parts.volume[p];
-  }
+  constexpr int kApart = 8; // points of a cell lie beside each other, and their sums would wait for each other
+  for (int first = 0; first < kApart; ++first)
+    for (int p = first; p < b.count; p += kApart) {
+      CellSums &cell = cells[parts.cell[p]];
+      cell.mass += b.mass[p];
+      cell.growth += b.mass[p] * parts.growth[p];
+      cell.relative_volume += density * parts.volume[p];
+    }
 }
 
 /// The gradients of L become those with the mean growth of volume over the points of the cell,

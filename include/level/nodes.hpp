@@ -150,22 +150,27 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 /// Before sides and contact change them too.
 void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
-/// Adds up the kinetic energy that the level's points get in a step from all forces but those of contact, also those of sides,
-/// which do no work on nodes but on points beside them, and from neighbouring levels. With p and P the momenta of the points on a
-/// node before and after (P: in `rates`, not yet divided), it is exactly dv . (p + P)/2, dv being the part of the change of
-/// velocity that these have in it. Less the works known otherwise and the strain energy that points give for it, this is what
-/// coupling brings: see Budgets::exchange_energy.
-void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 const std::vector<PushedNode> &held, const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets);
+/// Adds up the kinetic energy that the level's points get in a step from neighbouring levels, and from sides, which do no work on
+/// nodes but on points beside them. With p and P the momenta of the points on a node before and after (P: in `rates`, not yet
+/// divided), it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Also takes off what
+/// `ahead` would add to the energy of forces, which UpdateRates adds up. Both together, less the works known otherwise and the
+/// strain energy that points give for it, are what coupling brings: see Budgets::exchange_energy.
+void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<PushedNode> &held,
+                 const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets);
+
+/// What the second velocities of a level's nodes take beside sums.
+struct SecondVelocityPlan {
+  const std::vector<double> &least_masses;      ///< by place, kg
+  const std::vector<double> &later_masses;      ///< the same, 0 where another level has a part in the motion, kg
+  const std::vector<std::ptrdiff_t> &held;      ///< places where the second velocity is the new one
+  const std::vector<std::ptrdiff_t> &following; ///< where it is the new one and what the second extrapolation would change of it
+  bool exchange;                                ///< adds up the kinetic energy that points get from forces, see AddExchange
+};
 
 /// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. At nodes that are held, by place, the second velocity is the new one
-/// too; at those that follow the motion it is the new one, and what the second extrapolation would change of it.
-/// later_masses: least ones, 0 where another level has a part in the motion. Adds up the impulse of sides on the projected
-/// velocities.
+/// extrapolation it is the new velocity itself. Adds up the impulse of sides on the projected velocities.
 void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                 const std::vector<double> &least_masses, const std::vector<double> &later_masses,
-                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets);
+                 const SecondVelocityPlan &plan, Budgets &budgets);
 
 } // namespace mlgimp

@@ -175,14 +175,16 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
 
 PetscErrorCode Level::ExchangeRates(double dt)
 {
+  const SecondVelocityPlan plan = {least_masses_, later_masses_, coupled_places_.held, following_,
+                                   is_coupled_ || model_.VolumeAverages() > 0};
   PetscFunctionBeginUser;
   const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, least_masses_);
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
-  if (is_coupled_ || model_.VolumeAverages() > 0) AddExchange(*grid_, nodal_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, dt, least_masses_, later_masses_, coupled_places_.held, following_, budgets_);
+  if (plan.exchange) AddExchange(*grid_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
+  UpdateRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
   PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

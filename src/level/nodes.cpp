@@ -10,14 +10,23 @@ namespace mlgimp
 namespace
 {
 
-/// Calls work(place, dim) with the place in the arrays of every node of a box, and the dimension as a constant.
+/// Calls work(place, dim, owned) with the place in the arrays of every node of a box, the dimension as a constant, and whether
+/// the node is owned, which is a constant too.
 template <class Work> void ForEachNode(const Grid &grid, const IndexBox &box, Work work)
 {
+  const IndexBox &owned = grid.Owned();
   const auto rows = [&](auto dim) {
+    const auto part = [&](std::ptrdiff_t first, std::ptrdiff_t end, auto is_owned) {
+      for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim, is_owned);
+    };
     for (int k = box.lower[2]; k < box.upper[2]; ++k)
       for (int j = box.lower[1]; j < box.upper[1]; ++j) {
         const std::ptrdiff_t first = grid.Place({box.lower[0], j, k}), end = first + box.Size(0);
-        for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim);
+        const std::ptrdiff_t first_owned = first + owned.lower[0] - box.lower[0],
+                             end_owned = first_owned + (owned.Contains({owned.lower[0], j, k}) ? owned.Size(0) : 0);
+        part(first, first_owned, std::false_type());
+        part(first_owned, end_owned, std::true_type());
+        part(end_owned, end, std::false_type());
       }
   };
   if (grid.Geometry().dim == 2)
@@ -51,7 +60,7 @@ template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryCo
 double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 {
   double energy = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     const NodeSums &node = grid.Sums()[place];
     if (node.mass <= settings.mass_cutoff) return;
     for (int axis = 0; axis < dim; ++axis)
@@ -63,7 +72,7 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
   const bool body_forces = settings.HasBodyForces();
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
@@ -103,7 +112,7 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
 {
   Vec3 way{}, momentum{}; // of the mass, by the step; at its start
   double mass = 0, damped = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass == 0) return;
@@ -164,18 +173,11 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
   }
 }
 
-void AddExchange(const Grid &grid, const NodalSettings &settings, double dt, const std::vector<CoupledNode> &coupled,
-                 const std::vector<PushedNode> &held, const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
+void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<PushedNode> &held,
+                 const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
-  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim) {
-    const NodeSums &node = grid.Sums()[place];
-    const double *const after = grid.Rates(place);
-    if (node.mass <= settings.mass_cutoff) return;
-    const double half = 0.5 * dt / node.mass;
-    for (int axis = 0; axis < dim; ++axis) work += half * node.force[axis] * (node.momentum[axis] + after[axis]);
-  });
   for (const auto &[place, part] : ahead) // which points have not
     for (int axis = 0; axis < dim; ++axis)
       work -= 0.5 * dt * grid.Sums()[place].force[axis] * part * grid.Velocity(place).change[axis];
@@ -226,7 +228,7 @@ std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings,
 template <class Work>
 static void ForEachLight(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses, Work work)
 {
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     const double mass = grid.Sums()[place].mass;
     if (mass > settings.mass_cutoff && mass < least_masses[place]) work(place, LackOf(least_masses[place], mass), dim);
   });
@@ -248,7 +250,7 @@ void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const
 
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
 {
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     const NodeSums &node = grid.Sums()[place];
     double *const rates = grid.Rates(place);
     std::fill_n(rates, NodeLayout::Rates(dim), 0.0);
@@ -290,19 +292,30 @@ static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, 
   });
 }
 
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                 const std::vector<double> &least_masses, const std::vector<double> &later_masses,
-                 const std::vector<std::ptrdiff_t> &held, const std::vector<std::ptrdiff_t> &following, Budgets &budgets)
+/// Kinetic energy that points on an owned node get from the forces f in a step, dt f/m . (p + P)/2 with P not yet divided.
+template <int dim> static double EnergyOfForces(const NodeSums &node, const double *after, double half_step)
 {
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim) {
+  double power = 0;
+  for (int axis = 0; axis < dim; ++axis) power += node.force[axis] * (node.momentum[axis] + after[axis]);
+  return half_step * power;
+}
+
+void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
+                 const SecondVelocityPlan &plan, Budgets &budgets)
+{
+  const bool exchange = plan.exchange;
+  double energy = 0;
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto owned) {
     constexpr int components = NodeLayout::Rates(dim);
-    const double mass = grid.Sums()[place].mass, *const updated = grid.Velocity(place).velocity;
+    const NodeSums &node = grid.Sums()[place];
+    const double *const updated = grid.Velocity(place).velocity;
     double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
-    if (mass <= settings.mass_cutoff) {
+    if (node.mass <= settings.mass_cutoff) {
       std::fill_n(velocity, components, 0.0);
       return;
     }
-    const double inverse_mass = 1 / mass;
+    const double inverse_mass = 1 / node.mass;
+    if (owned && exchange) energy += EnergyOfForces<dim>(node, velocity, 0.5 * dt * inverse_mass);
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
     for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
       projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
@@ -310,9 +323,10 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
-  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, later_masses);
-  for (const std::ptrdiff_t node : held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
-  for (const std::ptrdiff_t node : following) FollowMotion(grid, settings, dt, least_masses[node], node);
+  budgets.exchange_energy += energy;
+  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, plan.later_masses);
+  for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+  for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, dt, plan.least_masses[node], node);
   budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
 }
 

@@ -45,7 +45,7 @@ def parse(words):
 
 def take_column(passed, name, units, unit):
     """Takes the column of the measured curve with a name, by default one of that name."""
-    default = load_depth.Column(name, units[unit])
+    default = load_depth.Column(name, units[unit], units)
     return take(passed, name, load_depth.column_argument(units), default, f"COLUMN:UNIT with a unit of {', '.join(units)}")
 
 

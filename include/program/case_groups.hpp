@@ -31,6 +31,8 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 /// if they touched.
 void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
+/// Warns of loads that come after the end of the run, as by a wrong unit.
+void CheckLoadTimes(OptionReader &reader, const Case &c);
 void ReadIndenter(OptionReader &reader, Case *c);
 /// Height of a body under or above x along an axis; false where there is none.
 bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height);

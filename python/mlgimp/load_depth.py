@@ -24,7 +24,7 @@ lowest load, and the slice before the unloading in which the tip is at rest."""
 DEPTH_UNITS = {"nm": 1e-3, "um": 1.0, "mm": 1e3, "m": 1e6, "A": 1e-4}  # in um
 LOAD_UNITS = {"nN": 1e-6, "uN": 1e-3, "mN": 1.0, "N": 1e3, "kN": 1e6}  # in mN
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in s
-UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS, "\N{MICRO SIGN}m", "\N{MICRO SIGN}N"}  # as words under the names of columns
+UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS}  # as words under the names of columns, and in brackets behind them
 
 FALL, RISE = 0.3, 0.1  # of the largest load: by so much it falls in an unloading, and rises again in the next loading
 LEAST_LOAD = 0.01  # of the curve's largest: lower peaks are noise of the first contact
@@ -111,7 +111,9 @@ def numbers(text):
 
 # ---- measurements ----
 
-Column = namedtuple("Column", "name factor")  # name or number from 1 on; values x factor are in the units of Curve
+Column = namedtuple("Column", "name factor units", defaults=({},))
+Column.__doc__ = """A column of a file: name, or number from 1 on; values x factor are in the units of Curve; factors by unit, of which the
+file must not name one with another factor."""
 
 
 def column_argument(units):
@@ -124,7 +126,7 @@ def column_argument(units):
         name, _, unit = text.rpartition(":")
         if not name or unit not in units:
             raise ValueError(f"must be COLUMN:UNIT with a unit of {', '.join(units)}")
-        return Column(name, units[unit])
+        return Column(name, units[unit], units)
     return read
 
 
@@ -146,7 +148,7 @@ def read_measured(path, depth="depth:um", load="load:mN", time=None):
     if columns[0].name == columns[1].name:
         raise ResultError(path, f"depth and load are the same column, {columns[0].name}")
     columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
-    table = read_table(checks.path("path", path), [each.name for each in columns]) * [each.factor for each in columns]
+    table = read_table(checks.path("path", path), columns)
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if time is not None else []
     if len(falls):
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
@@ -177,7 +179,7 @@ def rows_of_approach(depth, load):
 
 
 def read_table(path, wanted):
-    """Returns the numbers of a text in the columns with these names or numbers, [rows][columns].
+    """Returns the numbers of a text in some Columns times their factors, [rows][columns].
 
     Columns are parted by semicolons, tabs, commas or spaces, whichever the last row has first; beside semicolons and tabs a comma is
     a decimal point. Lines above the first row may have the names, also those that begin with #; other columns may hold words.
@@ -195,11 +197,28 @@ def read_table(path, wanted):
         raise ResultError(path, f"has 0 rows of numbers; line {number} has {' '.join(words)[:60]!r}, and not two numbers")
     count = mode(widths)
     first = next(k for k, (_, words) in enumerate(lines) if len(words) == count and is_row(words, mark))
-    places = [place_of(path, [words for _, words in lines[:first]], name, count) for name in wanted]
+    heads = [words for _, words in lines[:first]]
+    places = [place_of(path, heads, column.name, count) for column in wanted]
+    for column, place in zip(wanted, places):
+        check_unit(path, column, [words[place] for words in heads if len(words) == count])
     rows = [row_of(path, number, words, mark, places, count) for number, words in lines[first:]]
     if len(rows) < 10:
         raise ResultError(path, f"has {len(rows)} rows of numbers; a curve needs at least 10")
-    return np.array(rows)
+    return np.array(rows) * [column.factor for column in wanted]
+
+
+def unit_of(word):
+    """Returns what stands in brackets at the end of a word, or all of it, with a u for the letters mu."""
+    return re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", re.split(r"[(\[]", word.rstrip(")] "))[-1].strip())
+
+
+def check_unit(path, column, words):
+    """Refuses a column whose words above the numbers name another unit, by themselves or in brackets at their end."""
+    for word in words:
+        unit = unit_of(word)
+        if column.units.get(unit, column.factor) != column.factor:
+            given = next(name for name, factor in column.units.items() if factor == column.factor)
+            raise ResultError(path, f"the column {column.name} is in {unit} by what stands above it, not in {given}")
 
 
 def read_text(path):
@@ -263,7 +282,7 @@ def place_of(path, names, name, count):
             return matches[0]
     if re.fullmatch(r"\d+", name) and 1 <= int(name) <= count:
         return int(name) - 1
-    heads = [words for words in names if len(words) > 1 and not all(word.strip("()[]") in UNITS for word in words)]
+    heads = [words for words in names if len(words) > 1 and not all(unit_of(word) in UNITS for word in words)]
     known = f"; there are {', '.join(heads[-1])}" if heads else f"; columns have no names, only numbers 1 to {count}"
     raise ResultError(path, f"there is no column {name}{known}")
 

@@ -103,17 +103,41 @@ void CheckSupport(OptionReader &reader, const Case &c)
                    ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
 }
 
-/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one.
+/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
+/// where the lowest place is not.
+Box WayOfTip(const Indenter &indenter, double end_time)
+{
+  constexpr int kSamples = 1000;
+  Box way{indenter.tip, indenter.tip};
+  for (int axis = 0; axis < indenter.up; ++axis) {
+    const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
+    for (int k = 1; k <= kSamples; ++k) {
+      const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
+      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
+    }
+  }
+  way.lower[indenter.up] = LowestTip(indenter, end_time);
+  return way;
+}
+
+/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one; with its axis beyond the
+/// side, what is left of it and its mirror image are no indenter.
 void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
 {
   constexpr double kNear = 0.1; // cells
   const Vec3 tip = c.model.indenter->tip;
+  const Box way = WayOfTip(*c.model.indenter, c.time.end_time);
   for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)}) {
-    const double off = std::abs(tip[axis] - c.domain.At(side));
-    if (c.model.sides[side] == BoundaryKind::kSymmetry && off < kNear * c.CellSize(c.LevelAtTip()))
+    if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
+    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
+    if (off < kNear * c.CellSize(c.LevelAtTip()))
       reader.Refuse("-indenter_tip", reader.Text(tip),
                     std::string("on the side of symmetry ") + kSideNames[side] + ", or away from it; it is " +
                         FormatRounded(off) + " m off");
+    if (beyond > 0 && std::isfinite(c.model.indenter->surface->Width(0)))
+      reader.Refuse("-indenter_tip", reader.Text(tip),
+                    std::string("on this side of ") + kSideNames[side] + ", a side of symmetry, all the time; it is or comes " +
+                        FormatRounded(beyond) + " m beyond");
   }
 }
 
@@ -158,23 +182,6 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
   if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
     reader.WarnLater("-indenter " + kind + ": is flat as far as the domain goes, as it rises there by less than " +
                      FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
-}
-
-/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
-/// where the lowest place is not.
-Box WayOfTip(const Indenter &indenter, double end_time)
-{
-  constexpr int kSamples = 1000;
-  Box way{indenter.tip, indenter.tip};
-  for (int axis = 0; axis < indenter.up; ++axis) {
-    const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
-    for (int k = 1; k <= kSamples; ++k) {
-      const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
-      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
-    }
-  }
-  way.lower[indenter.up] = LowestTip(indenter, end_time);
-  return way;
 }
 
 /// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.

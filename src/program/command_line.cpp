@@ -85,11 +85,14 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
   if (!ReadAll(path, &text) || text.empty()) return "-options_file " + path + ": must be a readable file with options";
   std::istringstream lines(text);
   for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
+    if (const std::size_t end = line.find('\r'); end != std::string::npos && end + 1 < line.size())
+      return place + "must end in a line feed; a carriage return alone ends no line";
     line = line.substr(0, line.find('#'));
     std::istringstream words(line);
     std::string name, value, more;
     words >> name >> value >> more;
-    const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ", wrong = WrongCharacters(line);
+    const std::string wrong = WrongCharacters(line);
     if (!wrong.empty()) return place + wrong;
     if (name.size() + value.size() > kLongestValue)
       return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";

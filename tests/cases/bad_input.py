@@ -196,6 +196,7 @@ CASES = [
     ("contact iterations is text", {**WEDGE, "contact_ksp_max_it": "many"}, ["-contact_ksp_max_it many:", "whole"]),
     ("an option of PETSc with text", {**WEDGE, "contact_ksp_atol": "tight"}, ["PETSc option", "tight"]),
     ("contact tolerance negative", {**WEDGE, "contact_ksp_rtol": "-1"}, ["-contact_ksp_rtol -1:"]),
+    ("contact tolerance of a tenth", {**WEDGE, "contact_ksp_rtol": "0.1"}, ["-contact_ksp_rtol 0.1:", "(0, 0.001]"]),
     # Method and time
     ("shape function unknown", {"shape_function": "spline"}, ["-shape_function spline:", "cpgimp"]),
     ("stress update unknown", {"stress_update": "usx"}, ["-stress_update usx:", "usl, usf, musl"]),

@@ -1,5 +1,6 @@
 """Checks the reading of measured curves: texts of instruments, units, the approach to the surface, and what is refused."""
 import json
+import re
 
 import numpy as np
 import pytest
@@ -46,6 +47,17 @@ def test_texts_of_instruments(tmp_path, content, depth):
     (tmp_path / "m.txt").write_bytes(content)
     read = load_depth.read_measured(tmp_path / "m.txt", depth)
     assert np.allclose(read.depth, metal()[0]) and np.allclose(read.load, metal()[1])
+
+
+@pytest.mark.parametrize("head, load", [
+    ("depth,Load (mN)\n", "Load (mN):uN"), ("depth,Load (mN)\n", "2:uN"), ("depth,Load [\N{MICRO SIGN}N]\n", "2:mN"),
+    ("depth,load\num,mN\n", "load:uN"), ("depth,load\n(um),(mN)\n", "load:N")])
+def test_another_unit_above_the_column_is_refused(tmp_path, head, load):
+    """Hardness would be wrong by the factor between them, and no less likely."""
+    (tmp_path / "m.csv").write_text(text_of(*metal(), head=head))
+    name, _, unit = load.rpartition(":")
+    with pytest.raises(mlgimp.Error, match=rf"the column {re.escape(name)} is in [um]N by what stands above it, not in {unit}$"):
+        load_depth.read_measured(tmp_path / "m.csv", load=load)
 
 
 def test_a_line_below_the_rows_is_told(tmp_path):

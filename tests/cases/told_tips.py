@@ -1,0 +1,49 @@
+"""Tips whose load is not theirs are refused or told: near or beyond a side of symmetry, which cuts or mirrors them, or on few cells."""
+import pytest
+
+import harness
+from limits import FEW_CELLS, ON_RANKS, PRESS, end_of, refusal, warnings
+
+TIP = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "boundary_x_lower": "symmetry", "cell_size": 0.5, "frames": 0}
+IN_SPACE = {**TIP, "geometry": "3d", "cell_size": 1, "domain_upper": "12,12,12", "block_lower": "0,0,0", "block_upper": "8,8,8", "domain_lower": "0,0,0",
+            "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "indenter": "pyramid", "indenter_faces": 4, "indenter_half_angle": 68}
+del IN_SPACE["indenter_radius"]
+BY_LOAD = {**TIP, "indenter_control": "load", "indenter_times": "0,0.02", "indenter_loads": "0,8e8", "end_time": 0.02}
+del BY_LOAD["indenter_velocities"], BY_LOAD["indenter_max_depth"]
+
+
+def test_tip_hardly_off_a_side_of_symmetry():
+    """It would be half a tip that counts as a whole one. Half a cell away it is a tip of its own."""
+    for place in ("1e-6,8", "0.04,8"):
+        assert "must be on the side of symmetry x_lower" in refusal({**TIP, "indenter_tip": place})
+    for place in ("1e-10,8", "0.25,8"):
+        assert not any("symmetry" in line for line in warnings({**TIP, "indenter_tip": place, "max_steps": 2}))
+
+
+@pytest.mark.parametrize("ranks", ON_RANKS)
+@pytest.mark.parametrize("case, tip, side", [
+    (TIP, "-0.3,8", "x_lower"), ({**TIP, "boundary_x_upper": "symmetry"}, "13,8", "x_upper"), (IN_SPACE, "0,-0.5,8", "y_lower"),
+    ({**TIP, "indenter_times": "0,0.01", "indenter_velocities": "50,50", "indenter_velocities_x": "-500,-500"}, "4,8", "x_lower")])
+def test_tip_beyond_a_side_of_symmetry(case, tip, side, ranks):
+    """What is left of it and its mirror image carry less, down to a fifth, and are no indenter."""
+    assert f"must be on this side of {side}, a side of symmetry, all the time; it is or comes" in refusal({**case, "indenter_tip": tip}, ranks)
+
+
+@pytest.mark.parametrize("case, tip, told", [
+    (TIP, "1,8", True), (TIP, "4,8", False), (TIP, "0,8", False), (IN_SPACE, "0,0.5,8", True),
+    (BY_LOAD, "1,8", True)])
+def test_contact_that_meets_its_mirror_image(case, tip, told):
+    """A tip near a side of symmetry and its image are two that have met: the load of a half model is up to 40 % too large."""
+    met = [line for line in harness.run({**case, "indenter_tip": tip}).summary["warnings"] if "the load is that of two indenters" in line]
+    assert len(met) == told and all("_lower by time" in line for line in met), met
+
+
+@pytest.mark.parametrize("change, told", [
+    ({}, True), ({"cell_size": 0.25}, False), ({"levels": 2, "level_1_lower": "0,4", "level_1_upper": "8,12"}, False),
+    ({"block_upper": "2,8", "indenter": "flat_punch", "indenter_width": 20}, False), ({"indenter": "flat_punch", "indenter_width": 2}, True)])
+def test_contact_of_few_cells_is_told(change, told):
+    """Where a tip stands between columns counts for a third of the load there; a plate over the whole end of a body has no such place."""
+    tip = {"indenter_max_depth": 0.3, "boundary_x_lower": "symmetry", "indenter_tip": "0,8"}
+    shape = change if "indenter" in change else {"indenter": "cylinder", "indenter_radius": 4, **change}
+    status, lines, _ = end_of({**PRESS, **tip, **shape})
+    assert status == 0 and [FEW_CELLS in line for line in lines].count(True) == told, lines

@@ -31,8 +31,6 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 /// if they touched.
 void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
-/// Warns of loads that come after the end of the run, as by a wrong unit.
-void CheckLoadTimes(OptionReader &reader, const Case &c);
 void ReadIndenter(OptionReader &reader, Case *c);
 /// Height of a body under or above x along an axis; false where there is none.
 bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height);
@@ -45,6 +43,10 @@ void CheckLevelsHoldTip(OptionReader &reader, const Case &c);
 void ReadContact(OptionReader &reader, ContactSettings *contact);
 /// -quasi_static and what goes with it; has_indenter: there is one that it could move.
 void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan);
+/// Time of a wave from the contact to the support, or to any end of the bodies where nothing holds them, s.
+double TransitOf(const Case &c);
+/// Warns of a run that is too long, of loads after its end, and of an indenter or a load that is fast beside waves.
+void CheckTimes(OptionReader &reader, const Case &c);
 /// Puts a slow schedule with the same turns in place of the one that was read; end_time: what the user gave, or infinity.
 void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c);
 

@@ -209,7 +209,7 @@ void ReadCase(OptionReader &reader, Case *c)
   PlaceLevels(c);
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) reader.Refuse("-end_time", "", "given, or -max_steps");
   CheckPaths(reader, *c);
-  CheckLoadTimes(reader, *c);
+  CheckTimes(reader, *c);
   if (c->model.indenter) CheckLevelsHoldTip(reader, *c);
 }
 

@@ -235,18 +235,4 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
     reader.Refuse("-gravity", reader.Text(gravity), "0 along x, which is away from the axis on all sides");
 }
 
-void CheckLoadTimes(OptionReader &reader, const Case &c)
-{
-  constexpr double kLeast = 0.1; // of the largest pressure
-  for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
-    const PiecewiseLinear &pressure = c.model.loads[k].pressure;
-    const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
-    const double largest = pressure.LargestMagnitude(0, pressure.EndTime());
-    if (met < kLeast * largest)
-      reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
-                       " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
-                       FormatRounded(met) + " Pa; are the times in s?");
-  }
-}
-
 } // namespace mlgimp

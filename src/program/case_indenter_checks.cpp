@@ -74,18 +74,6 @@ void CheckOtherParts(OptionReader &reader, const Case &c)
                      " m inside another part already; put the tip above what it meets first");
 }
 
-/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
-void CheckSpeed(OptionReader &reader, const Case &c)
-{
-  if (c.model.indenter->by_load || c.model.contact.method == "none") return;
-  const double speed = c.model.indenter->Fastest(0, c.time.end_time);
-  double slowest = HUGE_VAL;
-  for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
-  if (speed > kLargestSpeed * slowest)
-    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
-                     " m/s: that is an impact; is Young's modulus in Pa?");
-}
-
 /// Bodies that nothing holds are pushed away, and the load is that of inertia: a side was forgotten, or a gap was left to it.
 void CheckSupport(OptionReader &reader, const Case &c)
 {
@@ -218,7 +206,6 @@ void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &
 {
   CheckReach(reader, c);
   CheckOtherParts(reader, c);
-  CheckSpeed(reader, c);
   CheckMirror(reader, c, kind);
   CheckSupport(reader, c);
   CheckIndenterSize(reader, c, kind);

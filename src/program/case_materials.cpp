@@ -87,6 +87,9 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   if (c.rate_sensitivity > kMostSensitive)
     reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
                      ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
+  constexpr double kSlowest = 1e-5; // 1/s; those of creep are slower, but not those of this law
+  if (c.reference_rate < kSlowest)
+    reader.WarnLater(prefix + "reference_rate " + FormatNumber(c.reference_rate) + ": is slower than tests are; is it in 1/s?");
   WarnIfCelsius(reader, prefix + "reference_temperature", c.reference_temperature);
   if (!c.adiabatic && !std::isnan(c.heat_capacity))
     reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");

@@ -82,14 +82,11 @@ double LongestWay(const Case &c, bool held)
   return longest;
 }
 
-/// The way and the time of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of
-/// the bodies.
-void FindTransit(const Case &c, QuasiStaticPlan *plan)
+/// The way of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
+double WayOfWave(const Case &c)
 {
-  plan->distance = LongestWay(c, true);
-  if (plan->distance < kRounding * c.cell_size) plan->distance = LongestWay(c, false);
-  plan->pace.transit = plan->distance * MeanSlowness(c);
-  plan->wave_speed = plan->distance / plan->pace.transit;
+  const double held = LongestWay(c, true);
+  return held < kRounding * c.cell_size ? LongestWay(c, false) : held;
 }
 
 /// Exponent m of an elastic load over depth, P ~ h^m, from the width of the indenter; in plane strain there is only a logarithm.
@@ -176,6 +173,14 @@ void PlanLoads(OptionReader &reader, Case *c)
   plan.holds = schedule.Holds();
 }
 
+/// The time of the test that the schedule stands for, where a material knows its rates.
+std::string OfRates(const Case &c, const QuasiStaticPlan &plan)
+{
+  double scale = 0;
+  for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
+  return scale > 0 ? ", by -rate_scale that of a test of " + FormatRounded(plan.end_time / scale) + " s" : "";
+}
+
 /// What was chosen, in one line, and what the user should know of it, each in one.
 void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
 {
@@ -186,7 +191,7 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
                                                " m/s = " + in(plan->largest_speed / plan->wave_speed) + " of the speed of waves"
                                          : "") +
                         "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
-                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s");
+                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + OfRates(c, *plan));
   if (std::isfinite(end_time) && end_time < plan->end_time)
     plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
 }
@@ -224,6 +229,8 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
                 &plan->tolerance);
 }
 
+double TransitOf(const Case &c) { return WayOfWave(c) * MeanSlowness(c); }
+
 void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
@@ -234,7 +241,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true",
                     "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
-  FindTransit(*c, &plan);
+  plan.distance = WayOfWave(*c), plan.pace.transit = TransitOf(*c);
+  plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kLeastTransits, std::ceil(kShare / plan.tolerance - 1e-9));
   if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);

@@ -6,6 +6,7 @@ import bad_input
 import harness
 import ranks as on_ranks
 import report as page
+from limits import FAST
 
 ALUMINIUM = {"materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700, "bodies": "block", "frames": 2}
 
@@ -66,6 +67,11 @@ def energy_left(history):
     return (parts - history["indenter_work"][-1]) / history["indenter_work"].max()
 
 
+def warnings(result):
+    """Those of a run, but of a loading within few transits of waves, as most here are."""
+    return [line for line in result.summary["warnings"] if FAST not in line]
+
+
 def expect_clean(expect, result, name=""):
     """Changes at each move, the steps of the load there, and what must be kept."""
     history, moves = result.history, result.summary["regrids"]
@@ -76,7 +82,7 @@ def expect_clean(expect, result, name=""):
     expect(f"{name}mass of a move, largest", max(m["mass_error"] for m in moves) / history["mass"][0], at_most=1e-14)
     expect(f"{name}points lost, mass error", abs(result.summary["points_lost"]) + abs(result.summary["mass_error"]), at_most=1e-14)
     expect(f"{name}energy left", energy_left(history), near=0, tolerance=0.01)
-    expect.that(f"{name}warnings", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+    expect.that(f"{name}warnings", warnings(result) == [], f"{warnings(result)}")
     expect.that(f"{name}points in levels that have ended", all(level["points"] == 0 for level, last in zip(result.summary["levels"][1:], last_moves(moves, result)) if not last))
 
 
@@ -124,7 +130,7 @@ def test_punch_touches_with_all_of_it_at_once(expect):
     punch |= {"indenter": "flat_punch", "indenter_radius": 40e-9, "indenter_max_depth": 3e-9, "levels": 3, "level_cells_max": 64}
     result = harness.run(punch)
     fixed = harness.run(fixed_boxes(punch, [("0,200e-9", "160e-9,480e-9"), ("0,300e-9", "80e-9,440e-9")])).history
-    expect.that("warnings", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+    expect.that("warnings", warnings(result) == [], f"{warnings(result)}")
     history, depths = result.history, numpy.linspace(0.3e-9, 2.9e-9, 27)
     ratio = numpy.interp(depths, history["depth"], history["load"]) / numpy.interp(depths, fixed["depth"], fixed["load"])
     expect("load over that with boxes that stay, largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.01)
@@ -226,10 +232,10 @@ def test_box_that_follows_a_sliding_tip(expect):
 
 
 @pytest.mark.parametrize("changes, said", [
-    ({"levels": 2, "indenter_max_depth": 3e-9}, "cells of the finest level, fewer"),
+    ({"levels": 2, "indenter_max_depth": 3e-9}, "of the finest cells, fewer"),
     ({"levels": 2, "level_cells_max": 0.9, "level_cells_min": 0.1, "indenter_max_depth": 9e-9}, "cells of level 0 by time")])
 def test_too_few_levels_are_told(changes, said):
-    lines = harness.run({**CONE, **changes}).summary["warnings"]
+    lines = warnings(harness.run({**CONE, **changes}))
     assert [said in line for line in lines] == [True], lines
 
 

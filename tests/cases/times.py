@@ -1,0 +1,69 @@
+"""Times that waves do not agree with are told: loadings of a few transits, runs without end, rates in another unit."""
+import subprocess
+import tempfile
+
+import pytest
+
+import harness
+from limits import FAST, PRESS, WARNING, warnings
+
+CYLINDER = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "boundary_x_lower": "symmetry", "indenter_tip": "0,8"}
+TRANSIT = 8 / (1e9 * 0.7 / (1.3 * 0.4) / 1000) ** 0.5  # s, from the tip to the support
+BY_LOAD = {name: value for name, value in CYLINDER.items() if name not in ("indenter_velocities", "indenter_max_depth")} | {
+    "indenter_control": "load"}
+
+
+def paces(options):
+    """The warnings of loadings that are too fast."""
+    return [line for line in warnings(options, but=()) if FAST in line]
+
+
+@pytest.mark.parametrize("transits, told", [(0.6, True), (1.9, True), (2.1, False), (10, False)])
+def test_loading_of_few_transits(transits, told):
+    """Of 0.6 the load is 1.3 times that of a slow test. The way to the body does not count."""
+    case = {**CYLINDER, "indenter_tip": "0,8.5", "indenter_max_depth": 0.2, "indenter_velocities": 0.2 / (transits * TRANSIT)}
+    assert len(paces(case)) == told
+
+
+@pytest.mark.parametrize("times, loads, told", [
+    ((0, 3, 20), (0, 1e7, 1e7), "rise within"), ((0, 6, 20), (0, 1e7, 1e7), ""), ((0, 20), (1e7, 1e7), "begin at once"),
+    ((0, 10, 13, 20), (0, 5e6, 1e7, 0), ""), ((0, 10, 11, 20), (0, 5e6, 1e7, 0), "rise within")])
+def test_loads_that_rise_fast(times, loads, told):
+    """The tip overshoots: by 29 % in depth where the load comes within a third of a transit, by 45 % for good in a metal."""
+    case = {**BY_LOAD, "indenter_times": ",".join(str(time * TRANSIT) for time in times), "indenter_loads": ",".join(map(str, loads)),
+            "end_time": 20 * TRANSIT}
+    said = paces(case)
+    assert [told in line for line in said] == [True] * bool(told), said
+
+
+def test_time_of_a_laboratory_is_told():
+    """Some 3e9 steps; the line comes before them."""
+    words = harness.to_arguments({**BY_LOAD, "indenter_times": "0,1e6", "indenter_loads": "0,1e7", "end_time": 1e6,
+                                  "output_dir": tempfile.mkdtemp(dir=harness.scratch()), "overwrite": None, "monitor": "false"})
+    with subprocess.Popen(harness.command(words, 1), stderr=subprocess.PIPE, text=True, env=harness.environment(1)) as run:
+        line = run.stderr.readline()
+        run.kill()
+    assert line.startswith(WARNING + "-end_time: the end of the run at 1e+06 s is some 2.9") and "e+09 steps of " in line and line.endswith("slow test\n"), line
+
+
+METAL = {"al_model": "j2", "al_hardening": "johnson_cook", "al_yield_stress": 1e7, "al_hardening_modulus": 1e7, "al_hardening_exponent": 0.5,
+         "al_rate_sensitivity": 0.01, "al_reference_rate": 1, "al_thermal_exponent": 1, "al_melting_temperature": 1000}
+
+
+@pytest.mark.parametrize("rate, told", [(1, False), (1e-4, False), (1e-6, True)])
+def test_reference_rate_in_another_unit(rate, told):
+    """1/us for 1/s made a metal 40 % too hard."""
+    said = warnings({**CYLINDER, **METAL, "al_reference_rate": rate, "rate_scale": 1e-3, "max_steps": 1})
+    assert [line for line in said if "rate " in line] == [WARNING + "-al_reference_rate 1e-06: is slower than tests are; is it in 1/s?"] * told
+
+
+def test_slow_schedules_tell_the_time_of_their_test():
+    """The tolerance chooses the length of the run, and -rate_scale with it the rate of a test."""
+    slow = {name: value for name, value in CYLINDER.items() if name not in ("indenter_times", "indenter_velocities", "indenter_max_depth")}
+    words = harness.to_arguments({**slow, **METAL, "rate_scale": 1e-3, "quasi_static": "true", "indenter_depths": 0.2, "max_steps": 1,
+                                  "output_dir": tempfile.mkdtemp(dir=harness.scratch()), "overwrite": None, "monitor": "false"})
+    done = subprocess.run(harness.command(words, 1), capture_output=True, text=True, env=harness.environment(1), timeout=60)
+    words = done.stdout.split()
+    place = words.index("schedule")
+    length, test = float(words[place + 2]), float(words[words.index("test") + 2])
+    assert words[place + 3] == "s," and abs(test / (1000 * length) - 1) < 1e-3, done.stdout

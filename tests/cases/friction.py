@@ -308,7 +308,7 @@ REFUSED = [
     ("speeds that are none", {"indenter_velocities_x": "0,0,0,0,fast"}, ["-indenter_velocities_x 0,0,0,0,fast:", "numbers"]),
     ("a third axis in the plane", {"indenter_velocities_y": "0,0,0,0,1"}, ["-indenter_velocities_y:"]),
     ("from a side of symmetry", {"indenter_tip": "0,16"}, ["-indenter_velocities_x:", "side of symmetry"]),
-    ("out of a level", {"cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level_1_upper": "24,20", "indenter_velocities_x": "0,0,0,1,1"},
+    ("out of a level", {"cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level_1_upper": "24,20", "indenter_velocities_x": "0,0,0,0.4,0.4"},
      ["-level_1_upper 24,20:", "indenter's tip at x"]),
 ]
 OTHERS = [

@@ -191,8 +191,8 @@ def test_memory(expect):
     for ranks in (1, 3):
         for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):
             result = harness.run({**case, "malloc_dump": None, "end_time": 3e-10}, ranks=ranks)
-            expect.that(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not result.stderr,
-                        (result.stdout + result.stderr)[:200])
+            said = [line for line in harness.lines_of(result.stderr) if not line.startswith("mlgimp: warning: ")]
+            expect.that(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not said, (result.stdout + result.stderr)[:600])
 
 
 def test_help(expect):

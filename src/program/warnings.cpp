@@ -137,19 +137,20 @@ std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
          (follows ? "more levels" : "smaller ones, or more -levels");
 }
 
-/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image.
+/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image. A plate over all of the domain has
+/// none.
 std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &)
 {
-  constexpr double kRoom = 0.5; // cells
   if (!c.model.indenter || budgets.contact_half_width == 0) return "";
   const Indenter &indenter = *c.model.indenter;
   const Vec3 tip = indenter.Tip(budgets.time);
-  const double reach = budgets.contact_half_width - kRoom * c.CellSize(0);
+  const double reach = budgets.contact_half_width * (1 - kRounding), flat = indenter.surface->Width(0);
   for (int s = c.model.geometry.HasHoop() ? 2 * indenter.up : 0; s < 2 * indenter.up; ++s) {
     const Side side = static_cast<Side>(s);
-    const double off = std::abs(tip[AxisOf(side)] - c.domain.At(side));
-    if (c.model.sides[s] == BoundaryKind::kSymmetry && c.SideAtTip(AxisOf(side)) != side && off < reach &&
-        std::isfinite(indenter.surface->Width(0)))
+    const int axis = AxisOf(side);
+    const double off = std::abs(tip[axis] - c.domain.At(side));
+    const bool covers = flat > 2 * (c.domain.upper[axis] - c.domain.lower[axis]);
+    if (c.model.sides[s] == BoundaryKind::kSymmetry && c.SideAtTip(axis) != side && off < reach && !covers)
       return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": contact has reached " + kSideNames[s] + When(budgets) +
              ", a side of symmetry " + FormatRounded(off) + " m beside the tip: the load is that of two indenters, one of them " +
              "mirrored, that have met; put the tip on the side, or farther away";

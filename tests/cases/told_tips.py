@@ -8,6 +8,8 @@ TIP = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "boundary_x_lower"
 IN_SPACE = {**TIP, "geometry": "3d", "cell_size": 1, "domain_upper": "12,12,12", "block_lower": "0,0,0", "block_upper": "8,8,8", "domain_lower": "0,0,0",
             "boundary_y_lower": "symmetry", "boundary_z_lower": "symmetry", "indenter": "pyramid", "indenter_faces": 4, "indenter_half_angle": 68}
 del IN_SPACE["indenter_radius"]
+PLATE = {**TIP, "boundary_x_upper": "symmetry", "domain_upper": "8,12", "indenter": "flat_punch", "indenter_width": 20, "indenter_max_depth": 0.1}
+del PLATE["indenter_radius"]
 BY_LOAD = {**TIP, "indenter_control": "load", "indenter_times": "0,0.02", "indenter_loads": "0,8e8", "end_time": 0.02}
 del BY_LOAD["indenter_velocities"], BY_LOAD["indenter_max_depth"]
 
@@ -30,7 +32,8 @@ def test_tip_beyond_a_side_of_symmetry(case, tip, side, ranks):
 
 
 @pytest.mark.parametrize("case, tip, told", [
-    (TIP, "1,8", True), (TIP, "4,8", False), (TIP, "0,8", False), (IN_SPACE, "0,0.5,8", True),
+    (TIP, "1,8", True), (TIP, "1.75,8", True), (TIP, "4,8", False), (TIP, "0,8", False),
+    (PLATE, "3,8", False), (IN_SPACE, "0,0.5,8", True),
     (BY_LOAD, "1,8", True)])
 def test_contact_that_meets_its_mirror_image(case, tip, told):
     """A tip near a side of symmetry and its image are two that have met: the load of a half model is up to 40 % too large."""

@@ -96,13 +96,13 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   constexpr int dim = Geometry::kDim;
   constexpr double kLeast = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
-  alignas(64) double mean[kBlock], mean_J[kBlock];
+  alignas(64) double sums[3][kBlock]; // of the point's cell
   alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors
   LoadRows<dim>(b.stress, b.count, sigma, Geometry::kStress);
   const CellSums *const cells = grid.Cells(b.average);
   for (int p = 0; p < b.count; ++p) {
     const CellSums &cell = cells[parts.cell[p]];
-    mean[p] = cell.growth, mean_J[p] = cell.relative_volume;
+    sums[0][p] = cell.mass, sums[1][p] = cell.growth, sums[2][p] = cell.relative_volume;
   }
   const double exponent = 2 * (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
   const double settling = kSettling * dt / dim, specific_volume = 1 / b.material.Density();
@@ -112,16 +112,17 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   double work = 0;
 #pragma omp simd reduction(+ : work)
   for (int p = 0; p < b.count; ++p) {
-    // ln((1 + mean)/(1 + growth)) = 2 atanh s; with one division.
-    const double sum = std::max(2 + mean[p] + growth[p], kLeast), inverse = 1 / (sum * volume[p]);
-    const double s = (mean[p] - growth[p]) * volume[p] * inverse;
+    // ln((1 + mean)/(1 + growth)) = 2 atanh s; the means are sums over the cell's mass, and all is over one division.
+    const double cell_mass = sums[0][p], mean = sums[1][p], own = cell_mass * growth[p]; // growths, times that mass
+    const double sum = std::max(2 * cell_mass + mean + own, kLeast * cell_mass), inverse = 1 / (sum * volume[p] * cell_mass);
+    const double s = (mean - own) * (volume[p] * cell_mass) * inverse;
     double square = 0; // |D|^2
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) {
       const double D = 0.5 * (L[k][p] + L[k % dim * dim + k / dim][p]);
       square += D * D;
     }
-    const double difference = faces[p] ? 0 : mean_J[p] * (specific_volume * mass[p]) * (sum * inverse) - 1;
+    const double difference = faces[p] ? 0 : sums[2][p] * (specific_volume * mass[p]) * (sum * inverse) - 1;
     const double stretch = exponent * s * AtanhRatio(s * s) + settling * std::sqrt(square) * difference;
     const double excess = SmallGrowth(stretch);
 #pragma GCC unroll 9

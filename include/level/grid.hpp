@@ -60,9 +60,9 @@ struct NodeVelocity {
   double *velocity, *change; ///< [dim] each
 };
 
-/// What a cell holds of the points of a material in it. Growth and volume are first summed up times mass, kg, then the means.
+/// What a cell holds of the points of a material in it, kg: sums of mass, and of what else is named times mass.
 struct CellSums {
-  double mass;            ///< kg
+  double mass;
   double growth;          ///< of volume, in the step
   double relative_volume; ///< J, at the step's start
 };

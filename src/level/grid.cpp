@@ -214,16 +214,13 @@ PetscErrorCode Grid::ShareRates(bool projection, bool strain_rate)
   const int dim = geometry_.dim;
   NodalField rates = {rates_, rates_size_, {}}, cells = {reinterpret_cast<double *>(cells_), 0, {}};
   PetscFunctionBeginUser;
+  if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   Choose(0, dim, &rates.chosen);
   if (projection) Choose(NodeLayout::Projected(dim), dim, &rates.chosen);
   if (strain_rate) Choose(NodeLayout::StrainRate(dim), dim == 2 ? 4 : 6, &rates.chosen);
   cells.size = cell_size_ * static_cast<int>(sizeof(CellSums) / sizeof(double));
   Choose(0, cells.size, &cells.chosen);
-  if (HasGhosts()) PetscCall(shared_.Sum({rates, cells}));
-  for (CellSums &cell : cell_memory_) {
-    const double inverse_mass = cell.mass > 0 ? 1 / cell.mass : 0;
-    cell.growth *= inverse_mass, cell.relative_volume *= inverse_mass;
-  }
+  PetscCall(shared_.Sum({rates, cells}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -322,8 +322,11 @@ def verify_wedge(study):
         load, depth, width = (last_tenth(history, column) for column in ("load", "depth", "contact_half_width"))
         of_load, of_pressure, of_lip = exact[angle]
         study.figure(name + "load, of the exact one", load / (k * depth) / of_load)
-        study.expect(name + "mean pressure, of the exact one", load / width / (2 * k) / of_pressure, near=1, tolerance=0.06)
-        study.figure(name + "half width by the contact's area, of that by its ends", last_tenth(history, "contact_area") / width)
+        study.expect(name + "load over the width by its ends, of the exact pressure", load / width / (2 * k) / of_pressure, near=1, tolerance=0.06)
+        half_width, exact_half_width = last_tenth(history, "contact_area"), of_load / 2 / of_pressure * depth  # P = 2k (1 + psi) a
+        study.expect(name + "half width by the contact's area, of the exact one", half_width / exact_half_width, near=1, tolerance=0.06)
+        study.figure(name + "half width by its ends, of the exact one", width / exact_half_width)
+        study.figure(name + "load over the area, of the exact pressure", load / half_width / (2 * k) / of_pressure)
         lip = numpy.max(frame["position"][:, 1] + frame["half_size"][:, 1]) - 48e-6
         study.expect(name + "rise of the lip, of the exact one", lip / history["depth"][-1] / of_lip, near=1, tolerance=0.06)
         study.expect(name + "what contact gave beyond the work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1, near=0,

@@ -86,8 +86,8 @@ public:
   int Place(Index column) const { return (column[1] - box_.lower[1]) * box_.Size(0) + column[0] - box_.lower[0]; }
   const ContactColumn &At(Index column) const { return columns_[Place(column)]; }
 
-  /// Largest pressure p_i = (load on column i)/a_i, Pa. lambda [columns], Pa.
-  double PeakPressure(const std::vector<double> &lambda) const;
+  /// The pressures p_i = (load on column i)/a_i, Pa; lambda, Pa. Both [columns].
+  std::vector<double> Pressures(const std::vector<double> &lambda) const;
 
 private:
   PetscErrorCode FindBox(const ContactView &view, const std::vector<PressedSegment> &segments);
@@ -102,5 +102,8 @@ private:
 
 /// k_j of a column whose surface is level and complete: it ends at the sides of the domain, m2.
 double FullKernelArea(const ContactView &view, double width, Index column);
+
+/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
+bool CrossesBorder(const ContactView &view, Index column);
 
 } // namespace mlgimp

@@ -188,20 +188,25 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-double ContactColumns::PeakPressure(const std::vector<double> &lambda) const
+std::vector<double> ContactColumns::Pressures(const std::vector<double> &lambda) const
 {
-  std::vector<double> load(columns_.size());
-  double peak = 0;
+  std::vector<double> pressures(columns_.size());
   ForEach(box_, [&](Index j) {
     if (lambda[Place(j)] == 0) return;
     for (int offset = 0; offset < 9; ++offset) {
       const Index i = j + Index{offset % 3 - 1, offset / 3 - 1, 0};
-      if (box_.Contains(i)) load[Place(i)] += At(j).share[offset] * lambda[Place(j)];
+      if (box_.Contains(i)) pressures[Place(i)] += At(j).share[offset] * lambda[Place(j)];
     }
   });
-  for (std::size_t i = 0; i < load.size(); ++i)
-    if (load[i] > 0) peak = std::max(peak, load[i] / columns_[i].area);
-  return peak;
+  for (std::size_t i = 0; i < pressures.size(); ++i) pressures[i] = pressures[i] > 0 ? pressures[i] / columns_[i].area : 0;
+  return pressures;
+}
+
+bool CrossesBorder(const ContactView &view, Index column)
+{
+  const int up = view.geometry.Dim() - 1;
+  column[up] = Locate(view.grid, view.tip.start, view.geometry.Dim()).cell[up];
+  return view.border && view.border->BlendOf(column).beta == 0;
 }
 
 double FullKernelArea(const ContactView &view, double width, Index column)

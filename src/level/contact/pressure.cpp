@@ -3,9 +3,9 @@
 //   B_ij = sum_s K_j(x_s) N_i(x_s) n_s w_s,   sum_s K_j w_s g_s + dt sum_i B_ij . v_i >= 0,   sum over segments s of outer faces,
 // with the same B in the force on the nodes and in the condition, so that the work of the indenter is what the body gets.
 #include "level/contact/columns.hpp"
+#include "level/contact/footprint.hpp"
 #include "level/contact/methods.hpp"
 #include "level/contact/system.hpp"
-#include "level/contact/width.hpp"
 
 #include <algorithm>
 #include <cfloat>
@@ -49,14 +49,6 @@ double LargestGap(const ContactView &view, const SurfaceSegment &segment, Vec3 n
   const double facing = Dot(segment.normal, normal) / (Norm(segment.normal) * Norm(normal)),
                slope = std::sqrt(std::max(0.0, 1 - facing * facing)), across = 2 * std::sqrt(view.geometry.Dim() - 1.0);
   return std::min(kContactRange, kCandidateGap + across * slope) * view.grid.Geometry().spacing;
-}
-
-/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
-bool CrossesBorder(const ContactView &view, Index column)
-{
-  const int up = view.geometry.Dim() - 1;
-  column[up] = Locate(view.grid, view.tip.start, view.geometry.Dim()).cell[up];
-  return view.border && view.border->BlendOf(column).beta == 0;
 }
 
 /// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
@@ -114,7 +106,9 @@ public:
     NumberUnknowns(view);
     MakeCouplings(view);
     PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), pattern, report));
-    MeasureShape(view, report);
+    const std::vector<double> lambda = LambdaOfColumns();
+    MeasureFootprint(view, columns_, lambda, report);
+    report->local_points = CountLoadedPoints(view.geometry.Dim(), lambda);
     if (unknowns_.empty()) report->room = least_gap_ - kCandidateGap * view.grid.Geometry().spacing;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -122,13 +116,18 @@ public:
   PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
   {
     ContactReport discarded;
+    SendPattern nobody = 0;
     std::size_t s = 0;
+    std::vector<double> of_columns;
     PetscFunctionBeginUser;
     PetscCall(CollectSegments(view, &discarded));
+    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &nobody, &discarded.at_border));
+    PetscCall(PressuresOfColumns(view, &of_columns));
     pressures->assign(view.points.Count(), 0.0);
     for (const PointSegments &of : points_) {
       double load = 0, area = 0;
-      for (; s < of.end; ++s) load += segments_[s].area * PressureAt(view, segments_[s].place), area += segments_[s].area;
+      for (; s < of.end; ++s)
+        load += segments_[s].area * PressureAt(view, segments_[s].place, of_columns), area += segments_[s].area;
       if (area > 0) (*pressures)[of.point] = load / area;
     }
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -227,15 +226,27 @@ private:
     return per_column * (column[0] + std::int64_t(view.grid.Geometry().Nodes(0)) * column[1]);
   }
 
-  /// P(x) of the last solve, Pa.
-  double PressureAt(const ContactView &view, const CellPlace &place) const
+  /// p_i of the last solve on the columns as they are now. Collective on the group, whose first rank has all of lambda.
+  PetscErrorCode PressuresOfColumns(const ContactView &view, std::vector<double> *pressures) const
+  {
+    std::vector<double> lambda;
+    PetscFunctionBeginUser;
+    ForEach(columns_.Box(), [&](Index at) {
+      const auto found = system_.Pressures().find(KeyOf(view, at));
+      lambda.push_back(found == system_.Pressures().end() ? 0 : found->second);
+    });
+    PetscCallMPI(MPI_Bcast(lambda.data(), static_cast<PetscMPIInt>(lambda.size()), MPI_DOUBLE, 0, view.group.Comm()));
+    *pressures = columns_.Pressures(lambda);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// sum_i H_i p_i, Pa.
+  double PressureAt(const ContactView &view, const CellPlace &place, const std::vector<double> &of_columns) const
   {
     const int axes = view.geometry.Dim() - 1;
     double pressure = 0;
-    for (int c = 0; c < 1 << axes; ++c) {
-      const auto lambda = system_.Pressures().find(KeyOf(view, Corner(place.column, c)));
-      if (lambda != system_.Pressures().end()) pressure += CornerHat(place.part, c, axes, settings_.width) * lambda->second;
-    }
+    for (int c = 0; c < 1 << axes; ++c)
+      pressure += CornerHat(place.part, c, axes) * of_columns[columns_.Place(Corner(place.column, c))];
     return pressure;
   }
 
@@ -287,74 +298,12 @@ private:
     }
   }
 
-  void MeasureShape(const ContactView &view, ContactReport *report)
+  /// The pressures of the last solve by columns, 0 of those that it left out.
+  std::vector<double> LambdaOfColumns() const
   {
-    const int dim = view.geometry.Dim();
-    std::vector<SurfaceRange> ranges;
     std::vector<double> lambda;
-    ForEach(columns_.Box(), [&](Index at) {
-      const ContactColumn &column = columns_.At(at);
-      lambda.push_back(number_[lambda.size()] < 0 ? 0 : system_.Lambda()[number_[lambda.size()]]);
-      ranges.push_back({view.grid.Coordinate(0, at[0]), column.left, column.right});
-    });
-    ForEach(columns_.Box(), [&](Index at) {
-      if (!IsPressed(view, at, lambda)) return;
-      report->area += PressedArea(view, at, lambda);
-      report->crosses = report->crosses || CrossesBorder(view, at);
-      for (int a = 0; a < dim - 1; ++a)
-        report->reach = std::max(report->reach, std::abs(view.grid.Coordinate(a, at[a]) - view.tip.start[a]));
-    });
-    const double rounding = 1e-6 * view.grid.Geometry().spacing;
-    report->peak_pressure = columns_.PeakPressure(lambda);
-    report->half_width = dim == 3 ? std::sqrt(PartsOfTip(view) * report->area / PETSC_PI)
-                                  : HalfWidth(ranges, lambda, true, view.tip.start[0], rounding);
-    report->local_points = CountLoadedPoints(dim, lambda);
-  }
-
-  /// Whether a column is in contact: it is loaded, or it touches between two that are. The column next to a punch's edge, where
-  /// the pressure has no bound, is often the one that carries nothing.
-  bool IsPressed(const ContactView &view, Index at, const std::vector<double> &lambda) const
-  {
-    constexpr double kTouches = 0.01; // cells
-    const ContactColumn &column = columns_.At(at);
-    const auto loaded = [&](Index i) { return columns_.Box().Contains(i) && lambda[columns_.Place(i)] > 0; };
-    if (loaded(at)) return true;
-    bool between = false;
-    for (int a = 0; a < view.geometry.Dim() - 1; ++a) {
-      Index before = at, after = at;
-      --before[a], ++after[a];
-      between = between || (loaded(before) && loaded(after));
-    }
-    return between && column.gap < kTouches * view.grid.Geometry().spacing * column.kernel_area;
-  }
-
-  /// The projected area of a loaded column, m2: that of its faces. Metal that flows draws them out unevenly, so that they leave
-  /// gaps and overlap: among loaded columns all of the column is taken to be covered.
-  double PressedArea(const ContactView &view, Index at, const std::vector<double> &lambda) const
-  {
-    const IndexBox &box = columns_.Box();
-    bool inside = columns_.At(at).flowing > 0;
-    for (int a = 0; a < view.geometry.Dim() - 1; ++a)
-      for (int step = -1; step < 2; step += 2) {
-        Index next = at;
-        next[a] += step;
-        const Side side = static_cast<Side>(2 * a + (step > 0));
-        if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, at)) continue;
-        inside = inside && box.Contains(next) && lambda[columns_.Place(next)] > 0;
-      }
-    return inside ? FullKernelArea(view, 1, at) : columns_.At(at).area;
-  }
-
-  /// How many models of this kind make the whole tip: 2 for each side of symmetry that it is on.
-  static int PartsOfTip(const ContactView &view)
-  {
-    const GridGeometry &grid = view.grid.Geometry();
-    int parts = 1;
-    for (int s = 0; s < 2 * (view.geometry.Dim() - 1); ++s) {
-      const double from_side = view.tip.start[s / 2] - view.grid.Coordinate(s / 2, view.sides.node[s]);
-      if (view.sides.kind[s] == BoundaryKind::kSymmetry && std::abs(from_side) < 1e-6 * grid.spacing) parts *= 2;
-    }
-    return parts;
+    for (const int number : number_) lambda.push_back(number < 0 ? 0 : system_.Lambda()[number]);
+    return lambda;
   }
 
   /// Points with a segment under the kernel of a loaded column.

@@ -1,5 +1,6 @@
 // What contact makes of faces: their segments, and the columns of the grid under them.
 #include "contact_body.hpp"
+#include "level/contact/footprint.hpp"
 #include "level/face.hpp"
 #include "unit/random.hpp"
 
@@ -207,6 +208,24 @@ TEST(ContactColumns, FullArea)
         EXPECT_NEAR(std::accumulate(column.share, column.share + 9, 0.0), column.kernel_area, 1e-14);
       }
     }
+}
+
+/// Metal whose columns carry load in turns is in contact also where it touches in between; a surface apart is not.
+TEST(ContactFootprint, ColumnsBetweenLoadedOnes)
+{
+  for (const auto &[gap, columns_covered] : {std::pair{0.03, 4.5}, std::pair{0.3, 2.5}}) {
+    PressedBody body;
+    body.geometry = {GeometryKind::kPlaneStrain, 0.7};
+    ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
+    ContactColumns columns;
+    auto segments = LevelSurface(body, 0, {0, -1, 0}, gap * kH, {});
+    for (PressedSegment &segment : segments) segment.flows = true;
+    ASSERT_EQ(SumColumns(body, 1, segments, &columns), PETSC_SUCCESS);
+    ContactReport report;
+    MeasureFootprint(body.View(), columns, {1, 0, 1, 0, 1, 0}, &report);
+    EXPECT_NEAR(report.area, columns_covered * kH * 0.7, 1e-12);
+    EXPECT_NEAR(report.peak_pressure, 2.0 / 3, 1e-3); // of a column: a sixth of its neighbours' and two thirds of its own
+  }
 }
 
 /// A flow without growth or stretch along the axes, off the axis of rotation.

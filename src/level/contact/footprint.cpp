@@ -13,8 +13,8 @@ namespace mlgimp
 /// of hundredths of a cell, as the nodes hardly feel what neighbours take from each other.
 static bool IsPressed(const ContactView &view, const ContactColumns &columns, Index at, const std::vector<double> &lambda)
 {
-  constexpr double kTouches = 0.1; // cells
   const ContactColumn &column = columns.At(at);
+  const double touches = column.flowing > 0 ? 0.1 : 0.01; // cells
   const auto loaded = [&](Index i) { return columns.Box().Contains(i) && lambda[columns.Place(i)] > 0; };
   if (loaded(at)) return true;
   bool between = false;
@@ -23,7 +23,7 @@ static bool IsPressed(const ContactView &view, const ContactColumns &columns, In
     --before[a], ++after[a];
     between = between || (loaded(before) && loaded(after));
   }
-  return between && column.gap < kTouches * view.grid.Geometry().spacing * column.kernel_area;
+  return between && column.gap < touches * view.grid.Geometry().spacing * column.kernel_area;
 }
 
 /// The projected area of a column in contact, m2: that of its faces. Metal that flows draws them out unevenly, so that they

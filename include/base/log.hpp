@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 
@@ -10,6 +11,13 @@ namespace mlgimp
 
 /// ln 2 in two parts, the first of which is exact times a whole number.
 inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;
+
+/// 1/n!
+inline constexpr std::array<double, 14> kInverseFactorial = [] {
+  std::array<double, 14> all = {1};
+  for (int n = 1; n < 14; ++n) all[n] = all[n - 1] / n;
+  return all;
+}();
 
 /// ln x of a positive normal x, to round-off: without branches or calls.
 /// x = 2^k m with m between sqrt(1/2) and sqrt(2); ln m from the odd series in s = (m - 1)/(m + 1), with the
@@ -47,9 +55,9 @@ inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90
   constexpr std::uint64_t kBias = 1023;
   const double limited = std::min(std::max(x, -kMost), kMost), shifted = limited * kInverseLn2 + kRounding;
   const double k = shifted - kRounding, r = limited - k * kLn2Upper - k * kLn2Lower;
-  double sum = 1;
+  double sum = kInverseFactorial[13];
 #pragma GCC unroll 13
-  for (int n = 13; n > 0; --n) sum = 1 + sum * r * (1.0 / n);
+  for (int n = 12; n >= 0; --n) sum = sum * r + kInverseFactorial[n];
   std::uint64_t bits;
   std::memcpy(&bits, &shifted, 8);
   bits = (bits + kBias) << 52;
@@ -74,10 +82,13 @@ inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90
   return sum;
 }
 
-/// exp(x) - 1, to round-off for |x| < 0.005. By products, which cost less than divisions.
+/// exp(x) - 1, to round-off for |x| < 0.005.
 [[gnu::always_inline]] inline double SmallGrowth(double x)
 {
-  return x * (1 + x * (1.0 / 2) * (1 + x * (1.0 / 3) * (1 + x * (1.0 / 4) * (1 + x * (1.0 / 5)))));
+  double sum = kInverseFactorial[5];
+#pragma GCC unroll 4
+  for (int n = 4; n > 0; --n) sum = sum * x + kInverseFactorial[n];
+  return x * sum;
 }
 
 } // namespace mlgimp

@@ -41,9 +41,9 @@ struct Hyperbolic {
   [[gnu::always_inline]] explicit Hyperbolic(double x2)
   {
 #pragma GCC unroll 4
-    for (int k = 8; k > 0; k -= 2) even = 1 + even * x2 * (1.0 / (k * (k - 1))), odd = 1 + odd * x2 * (1.0 / (k * (k + 1)));
+    for (int k = 6; k >= 0; k -= 2) even = even * x2 + kInverseFactorial[k], odd = odd * x2 + kInverseFactorial[k + 1];
   }
-  double even = 1, odd = 1;
+  double even = kInverseFactorial[8], odd = kInverseFactorial[9];
 };
 
 /// exp(a) of a tensor of the plane without trace.

@@ -172,7 +172,7 @@ public:
   const LevelClock &Clock() const { return clock_; }
   /// Collective on all ranks.
   PetscErrorCode SetClock(const LevelClock &clock);
-  void SetXpicFraction(double fraction) { nodal_.xpic_fraction = fraction; }
+  void SetXpic(const XpicSchedule &schedule) { xpic_ = schedule; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
 private:
@@ -188,7 +188,7 @@ private:
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
-  PetscErrorCode ExchangeRates(double dt);
+  PetscErrorCode ExchangeRates(double dt, double xpic);
   /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
   double NoiseEnergy();
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
@@ -202,6 +202,7 @@ private:
   MPI_Comm world_ = MPI_COMM_NULL;
   LevelGeometry geometry_{};
   NodalSettings nodal_;
+  XpicSchedule xpic_;
   BodyTable bodies_;
   std::unique_ptr<Grid> grid_;
   Points points_, copies_[2];

@@ -94,7 +94,7 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
   levels_[l]->SetSortInterval(settings_.sort_interval);
-  levels_[l]->SetXpicFraction(model_->nodal.xpic_fraction / std::pow(settings_.ratio, l)); // the same share in the same time
+  levels_[l]->SetXpic({model_->nodal.xpic_fraction, std::pow(settings_.ratio, l)});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

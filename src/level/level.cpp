@@ -173,13 +173,13 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::ExchangeRates(double dt)
+PetscErrorCode Level::ExchangeRates(double dt, double xpic)
 {
-  const SecondVelocityPlan plan = {least_masses_, later_masses_, coupled_places_.held, following_,
-                                   is_coupled_ || model_.VolumeAverages() > 0};
+  const SecondVelocityPlan plan = {least_masses_, later_masses_, coupled_places_.held,
+                                   following_,    xpic,          is_coupled_ || model_.VolumeAverages() > 0};
   PetscFunctionBeginUser;
   const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, least_masses_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(nodal_.xpic_fraction > 0, model_.short_wave.On()); }));
+  PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
   AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
@@ -194,8 +194,9 @@ PetscErrorCode Level::AdvancePoints(double dt)
 {
   // The weights must not change within a step, so F advances in its last sweep.
   const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
-  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, nodal_.xpic_fraction > 0, !rates};
-  const RatesPlan second = {dt, strain, model_.short_wave, nodal_.xpic_fraction, true};
+  const double xpic = xpic_.InStep(clock_.steps);
+  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates};
+  const RatesPlan second = {dt, strain, model_.short_wave, xpic, true};
   const double first_flops = flops_.grid_to_points + rates * flops_.scatter_rates + first.strain * flops_.stress;
   const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
   PetscFunctionBeginUser;
@@ -211,7 +212,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
     AddLoadWork(*grid_, applied_, false, nodal_.mass_cutoff, dt, budgets_);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ExchangeRates(dt));
+  PetscCall(ExchangeRates(dt, xpic));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(second_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     kernels_->ApplyRates(view, second, budgets, failure);

@@ -317,17 +317,17 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
     const double inverse_mass = 1 / node.mass;
     if (owned && exchange) energy += EnergyOfForces<dim>(node, velocity, 0.5 * dt * inverse_mass);
     for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
-    for (int axis = 0; settings.xpic_fraction > 0 && axis < dim; ++axis) {
+    for (int axis = 0; plan.xpic > 0 && axis < dim; ++axis) {
       projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
-      velocity[axis] += settings.xpic_fraction * (projected[axis] - velocity[axis]);
+      velocity[axis] += plan.xpic * (projected[axis] - velocity[axis]);
     }
     for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
   });
   budgets.exchange_energy += energy;
-  if (settings.xpic_fraction > 0) ProjectWholeChange(grid, settings, plan.later_masses);
+  if (plan.xpic > 0) ProjectWholeChange(grid, settings, plan.later_masses);
   for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
   for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, dt, plan.least_masses[node], node);
-  budgets.xpic_side_impulse += settings.xpic_fraction * ConstrainRates(grid, sides);
+  budgets.xpic_side_impulse += plan.xpic * ConstrainRates(grid, sides);
 }
 
 } // namespace mlgimp

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <utility>
 
 using namespace mlgimp;
 
@@ -74,6 +76,27 @@ TEST(LightNodes, AreLeftAloneWhereAnotherLevelMovesThem)
 {
   EXPECT_EQ(Restrained(1e-6, {2, 1, 0}, false, true)[1], -4);
   EXPECT_NE(Restrained(1e-6, {2, 1, 0}, false)[1], -4);
+}
+
+/// What steps of XPIC leave of a velocity that the projection has nothing of.
+double LeftOfNoise(const XpicSchedule &xpic, int steps)
+{
+  double left = 1;
+  for (long step = 0; step < steps; ++step) left *= 1 - xpic.InStep(step);
+  return left;
+}
+
+TEST(Xpic, OfSeveralStepsTakesWhatItWouldStepByStep)
+{
+  constexpr int kSteps = 24;
+  for (const double fraction : {0.0, 0.001, 0.02, 0.03, 0.05, 0.5})
+    for (const double steps : {1.0, 2.0, 25.0})
+      EXPECT_NEAR(LeftOfNoise({fraction, steps}, kSteps), std::pow(1 - fraction / steps, kSteps), 1e-13) << fraction;
+  for (const auto &[fraction, interval] : {std::pair{0.02, 4}, {0.001, 4}, {0.021, 3}, {0.04, 2}, {0.05, 1}, {1.0, 1}}) {
+    const XpicSchedule xpic(fraction, 2);
+    for (int step = 0; step < kSteps; ++step)
+      EXPECT_EQ(xpic.InStep(step) > 0, step % interval == interval - 1) << fraction << " in step " << step;
+  }
 }
 
 } // namespace

@@ -30,7 +30,7 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
 }
 
 /// Parts of a point's fields that a sweep needs beside those of its weights and the short-wave stress.
-enum PointParts : int { kMomentum = 1, kStressOfPoint = 2, kInternal = 4 };
+enum PointParts : int { kVelocityOfPoint = 1, kMassOfPoint = 2, kMomentum = 3, kStressOfPoint = 4, kInternal = 8 };
 
 /// Asks the memory for points of the next block, with such parts of their fields as are named. A block's part of a field is too
 /// short for the processor to notice a stream. To be done between groups, as many requests at once would wait for each other.
@@ -41,7 +41,8 @@ template <class Geometry> [[gnu::always_inline]] inline void PrefetchNext(const 
   p += kBlock;
   Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
   Prefetch<Geometry::kRate>(b.short_wave_stress, p);
-  if (parts & kMomentum) Prefetch<dim>(b.velocity, p), Prefetch<1>(b.mass, p);
+  if (parts & kVelocityOfPoint) Prefetch<dim>(b.velocity, p);
+  if (parts & kMassOfPoint) Prefetch<1>(b.mass, p);
   if (parts & kStressOfPoint) Prefetch<Geometry::kStress>(b.stress, p);
   if (parts & kInternal && b.history) Prefetch<Geometry::kStress + 1>(b.history, p, b.history_components);
   if (parts & kInternal && b.average >= 0) Prefetch<1>(b.faces, p);

@@ -199,7 +199,7 @@ private:
   static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
                           Row *projected, Row *smooth)
   {
-    const int parts = kStressOfPoint | kInternal | (b.average >= 0 || plan.xpic_fraction > 0 ? kMomentum : 0);
+    const int parts = kStressOfPoint | kInternal | (b.average >= 0 ? kMassOfPoint : 0) | (plan.xpic_fraction > 0 ? kMomentum : 0);
     ForEachGroup(w, b.count, [&](int p, int) {
       const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
       const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.VelocityArray());

@@ -60,7 +60,7 @@ def verify_manufactured(study):
         if int(n) >= 16:
             largest.setdefault(variant, {})[int(n)] = float(largest_error)
             rms.setdefault(variant, {})[int(n)] = float(rms_error)
-    for variant in ("cpGIMP USL", "cpGIMP MUSL XPIC(2) 10 %", "cpGIMP default"):
+    for variant in ("cpGIMP USL", "cpGIMP MUSL XPIC(2) 10 %", "cpGIMP default", "cpGIMP default, volume average"):
         study.expect(f"manufactured, {variant}: order of the rms error, n = 16..128", order(rms[variant], 16, 128), at_least=ORDER_GOAL)
         study.figure(f"manufactured, {variant}: order of the max error, n = 16..128", order(largest[variant], 16, 128))
     original = rms["original MPM USL"]

@@ -30,7 +30,13 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
 }
 
 /// Parts of a point's fields that a sweep needs beside those of its weights and the short-wave stress.
-enum PointParts : int { kVelocityOfPoint = 1, kMassOfPoint = 2, kMomentum = 3, kStressOfPoint = 4, kInternal = 8 };
+enum PointParts : int {
+  kVelocityOfPoint = 1,
+  kMassOfPoint = 2,
+  kMomentum = kVelocityOfPoint | kMassOfPoint,
+  kStressOfPoint = 4,
+  kInternal = 8
+};
 
 /// Asks the memory for points of the next block, with such parts of their fields as are named. A block's part of a field is too
 /// short for the processor to notice a stream. To be done between groups, as many requests at once would wait for each other.

@@ -97,15 +97,4 @@ template <bool in_plane = false> [[gnu::always_inline]] inline Sym3 Push(const M
   return SymmetricProduct(product, a);
 }
 
-/// a b of symmetric tensors with the same principal axes. in_plane: as above.
-template <bool in_plane> [[gnu::always_inline]] inline Sym3 CoaxialProduct(const Sym3 &a, const Sym3 &b)
-{
-  if constexpr (in_plane)
-    return {a.xx * b.xx + a.xy * b.xy, a.xy * b.xy + a.yy * b.yy, a.zz * b.zz, a.xx * b.xy + a.xy * b.yy, 0, 0};
-  else
-    return {a.xx * b.xx + a.xy * b.xy + a.xz * b.xz, a.xy * b.xy + a.yy * b.yy + a.yz * b.yz,
-            a.xz * b.xz + a.yz * b.yz + a.zz * b.zz, a.xx * b.xy + a.xy * b.yy + a.xz * b.yz,
-            a.xy * b.xz + a.yy * b.yz + a.yz * b.zz, a.xx * b.xz + a.xy * b.yz + a.xz * b.zz};
-}
-
 } // namespace mlgimp

@@ -50,7 +50,7 @@ template <class Geometry> [[gnu::always_inline]] inline void PrefetchNext(const 
   if (parts & kVelocityOfPoint) Prefetch<dim>(b.velocity, p);
   if (parts & kMassOfPoint) Prefetch<1>(b.mass, p);
   if (parts & kStressOfPoint) Prefetch<Geometry::kStress>(b.stress, p);
-  if (parts & kInternal && b.history) Prefetch<Geometry::kStress + 1>(b.history, p, b.history_components);
+  if (parts & kInternal && b.history) Prefetch<1>(b.history, p, b.history_components);
   if (parts & kInternal && b.average >= 0) Prefetch<1>(b.faces, p);
 }
 

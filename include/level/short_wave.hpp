@@ -37,18 +37,19 @@ template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, i
   return square;
 }
 
-/// |E|^2 of (b_e - I)/2 of point p.
-template <class Geometry> double ElasticStrainSquared(const Row *elastic, int p)
+/// |E|^2 of the strain E that Hooke's law has for the stress of point p. compliance: 1/(4 mu^2); of_pressure: its share of the
+/// square of the trace, 1/(27 K^2) - 1/(12 mu^2).
+template <class Geometry> double ElasticStrainSquared(const Row *stress, double compliance, double of_pressure, int p)
 {
-  const Sym3 strain = 0.5 * (StressIn<Geometry>(elastic, p) - Sphere(1));
-  return Contract(strain, strain);
+  const Sym3 s = StressIn<Geometry>(stress, p);
+  return compliance * Contract(s, s) + of_pressure * Trace(s) * Trace(s);
 }
 
 /// Part of the strength by the cells that a point moves in a step. Without it waves of a body that crosses cells grow (MUSL).
 inline constexpr double kOfMotion = 30;
 
-/// h_p = min(0.3, a + b |E|^2 + kOfMotion (|u| dt/h)^2): E is the Green strain, in metals the elastic (b_e - I)/2, as flow would
-/// make it a rate effect. cells_per_speed: dt/h; u: the grid's velocity at the points.
+/// h_p = min(0.3, a + b |E|^2 + kOfMotion (|u| dt/h)^2): E is the Green strain, in metals the elastic strain, as flow would make
+/// it a rate effect. cells_per_speed: dt/h; u: the grid's velocity at the points.
 template <class Geometry>
 void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, const ShortWaveViscosity &viscosity,
                        double cells_per_speed, const Row *u, double *strength)
@@ -57,10 +58,12 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
   const Row *const F = points.F, *const x = points.x;
   const double *const radius = b.initial_radius;
   if (b.material.IsMetal()) {
-    alignas(64) Row elastic[Geometry::kStress];
-    LoadRows<Geometry::kStress>(b.history, b.count, elastic, b.history_components);
+    alignas(64) Row stress[Geometry::kStress];
+    const double mu = b.material.Mu(), bulk = b.material.Bulk(), compliance = 1 / (4 * mu * mu);
+    const double of_pressure = 1 / (27 * bulk * bulk) - compliance / 3;
+    LoadRows<Geometry::kStress>(b.stress, b.count, stress);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(elastic, p);
+    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(stress, compliance, of_pressure, p);
   } else {
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) strength[p] = GreenStrainSquared<Geometry>(F, Geometry::kHoop ? x[0][p] / radius[p] : 1, p);

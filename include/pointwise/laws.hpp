@@ -28,6 +28,15 @@ struct Elasticity {
     return 0.5 * lambda * Trace(strain) * Trace(strain) + mu * Contract(strain, strain);
   }
 
+  double Bulk() const { return lambda + 2 * mu / 3; } ///< K, Pa
+  /// Of a stress that is Hooke's, J/m3.
+  double EnergyOf(const Sym3 &stress) const
+  {
+    const double mean = Trace(stress) / 3;
+    const Sym3 deviator = stress - Sphere(mean);
+    return 0.5 * mean * mean / Bulk() + Contract(deviator, deviator) / (4 * mu);
+  }
+
   double density, lambda, mu; ///< initial density, kg/m3; Lame's constants, Pa
 };
 
@@ -99,12 +108,7 @@ struct Hypoelastic : Elasticity {
             s * (y * z - x),         s * (x * z - y), s * (y * z + x), 1 - s * (x * x + y * y)};
   }
   Sym3 Stress(LawPoint &p) const { return Push(Rotation(p.strain), p.stress) + Hooke(SymmetricPart(p.strain)); }
-  double Energy(const LawPoint &p) const
-  {
-    const double mean = Trace(p.stress) / 3, bulk = lambda + 2 * mu / 3;
-    const Sym3 deviator = p.stress - Sphere(mean);
-    return Determinant(p.F) * (0.5 * mean * mean / bulk + Contract(deviator, deviator) / (4 * mu));
-  }
+  double Energy(const LawPoint &p) const { return Determinant(p.F) * EnergyOf(p.stress); }
   double WaveSpeedSquared(const Mat3 &F, double) const { return (lambda + 2 * mu) * Determinant(F) / density; }
 };
 

@@ -14,16 +14,15 @@
 namespace mlgimp
 {
 
-/// (ln b)/2 of a symmetric positive tensor b.
+/// The deviator of (ln b)/2 of a symmetric positive tensor b.
 struct LogStrain {
   Sym3 deviator; ///< e'
-  double mean;   ///< tr/3
   double norm2;  ///< about 4 e':e'; where it is above kLargestNorm2, LogarithmicStrain is not to be used
 };
 inline constexpr double kLargestNorm2 = 0.01, kThird = 1.0 / 3;
 
-/// Where b has the plane's components only: by ln b = (ln det)/2 I + atanh(s) n, with n the deviator of the two by two
-/// over its size, s its size over half its trace; and by the ratio of those two and zz.
+/// Where b has the plane's components only: by ln b = (ln det)/2 I + atanh(s) n in the plane, with n the deviator of the two by
+/// two over its size, s its size over half its trace; and by the ratio of those two and zz.
 [[gnu::always_inline]] inline LogStrain LogarithmicStrainInPlane(const Sym3 &b)
 {
   const double middle = 0.5 * (b.xx + b.yy), d = 0.5 * (b.xx - b.yy);
@@ -31,9 +30,7 @@ inline constexpr double kLargestNorm2 = 0.01, kThird = 1.0 / 3;
   const double sum = determinant + zz2, inverse_both = 1 / (middle * sum), inverse = sum * inverse_both; // one division
   const double s2 = radius2 * inverse * inverse, ratio = (determinant - zz2) * middle * inverse_both;
   const double shear = 0.5 * AtanhRatio(s2) * inverse, e = 0.5 * kThird * ratio * AtanhRatio(ratio * ratio);
-  return {{e + shear * d, e - shear * d, -2 * e, shear * b.xy, 0, 0},
-          0.5 * kThird * Log(determinant * b.zz),
-          2 * s2 + 2 * kThird * ratio * ratio};
+  return {{e + shear * d, e - shear * d, -2 * e, shear * b.xy, 0, 0}, 2 * s2 + 2 * kThird * ratio * ratio};
 }
 
 /// cosh x and sinh(x)/x by their series in x^2, to round-off for |x| < 0.1.
@@ -75,19 +72,17 @@ template <bool in_plane> [[gnu::always_inline]] inline LogStrain LogarithmicStra
 {
   if constexpr (in_plane) return LogarithmicStrainInPlane(b);
   constexpr int kTerms = 14;
-  const double third = kThird * Trace(b);
-  const Sym3 y = (1 / third) * b - Sphere(1), square = Square(y);
+  const Sym3 y = (3 / Trace(b)) * b - Sphere(1), square = Square(y);
   const double norm2 = Trace(square), determinant = kThird * Contract(square, y);
   PowerOf power = {0, 1, 0};
-  double c0 = 0, c1 = 1, c2 = 0;
+  double c1 = 1, c2 = 0;
 #pragma GCC unroll 14
   for (int k = 2; k <= kTerms; ++k) {
     power = power.Next(0.5 * norm2, determinant);
     const double factor = (k % 2 ? 1.0 : -1.0) / k;
-    c0 += factor * power.c0, c1 += factor * power.c1, c2 += factor * power.c2;
+    c1 += factor * power.c1, c2 += factor * power.c2;
   }
-  const double rest = c0 + c2 * (kThird * norm2); // of order y^2
-  return {0.5 * (c1 * y + c2 * (square - Sphere(kThird * norm2))), 0.5 * (Log(third) + rest), norm2};
+  return {0.5 * (c1 * y + c2 * (square - Sphere(kThird * norm2))), norm2};
 }
 
 /// exp(a) of a tensor without trace, a:a at most kLargestNorm2 or little more.
@@ -109,12 +104,12 @@ template <bool in_plane> [[gnu::always_inline]] inline Sym3 Exponential(const Sy
 }
 
 /// The same two by principal values, for any b and a.
-inline LogStrain LogarithmicStrainOfLarge(const Sym3 &b, double norm2)
+inline LogStrain LogarithmicStrainOfLarge(const Sym3 &b)
 {
   const Spectrum spectrum = Decompose(b);
   const Vec3 e = {0.5 * Log(spectrum.value[0]), 0.5 * Log(spectrum.value[1]), 0.5 * Log(spectrum.value[2])};
   const double mean = (e[0] + e[1] + e[2]) / 3;
-  return {spectrum.Compose(e - Vec3{mean, mean, mean}), mean, norm2};
+  return {spectrum.Compose(e - Vec3{mean, mean, mean}), HUGE_VAL};
 }
 inline Sym3 ExponentialOfLarge(const Sym3 &a)
 {

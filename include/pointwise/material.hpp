@@ -24,7 +24,7 @@ struct MaterialBatch {
   const Row *F;             ///< [kGradient] new deformation gradient
   const double *hoop;       ///< [count] new F_zz = r/R; null but in axisymmetry
   const double *hoop_ratio; ///< [count] r over that of before the step; likewise
-  double *stress;           ///< [count][kStress] overwritten with the new Cauchy stress, Pa
+  double *stress;           ///< [count][kStress] Cauchy stress, Pa, updated in place
   double *history;          ///< [count][history_stride] internal variables, updated in place
   int history_stride;       ///< >= HistorySize(): the most that any material of the run has
 };
@@ -42,6 +42,7 @@ public:
   double Density() const { return elasticity_.density; } ///< initial density, kg/m3
   double Lambda() const { return elasticity_.lambda; }   ///< first Lame constant, Pa
   double Mu() const { return elasticity_.mu; }           ///< shear modulus, Pa
+  double Bulk() const { return elasticity_.Bulk(); }     ///< bulk modulus, Pa
   double SpeedOfSound() const;                           ///< sqrt((lambda + 2 mu)/rho0), m/s
 
   /// Against locking, the growth of volume of points is the mean over those of a cell, but for the share of their own.
@@ -62,8 +63,7 @@ public:
   /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
   virtual void WaveSpeedSquared(int count, const double *F, const double *hoop, double *speed2) const = 0;
 
-  /// Number of internal variables per point, and their values in the undeformed body. Metals begin with the elastic left
-  /// Cauchy-Green tensor, stored as a stress.
+  /// Number of internal variables per point, and their values in the undeformed body.
   virtual int HistorySize() const { return 0; }
   virtual void InitialHistory(double *) const {}
   bool IsMetal() const { return HistorySize() > 0; }

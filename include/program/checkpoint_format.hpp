@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 19;
+inline constexpr int kFormatVersion = 20;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 

@@ -113,16 +113,15 @@ double MeanVolumeRatio(const PointArrays &a, const std::vector<Sibling> &family)
   return sum / mass;
 }
 
-/// For metals, as means of tensors do not keep determinants: F gets the mean J of the siblings, and the elastic tensor J^2.
-void SetVolumeRatio(const PointArrays &a, int parent, double volume_ratio)
+/// For metals, as means of tensors do not keep determinants: F gets the mean J of the siblings, and the stress its pressure.
+void SetVolumeRatio(const Material &metal, const PointArrays &a, int parent, double J)
 {
-  const double grown = std::pow(volume_ratio / a.VolumeRatio(parent), 1.0 / a.dim);
-  double *const F = a.F + PointArrays::At(parent, a.dim * a.dim), *const b =
-                                                                      a.history + PointArrays::At(parent, a.history_components);
+  double *const F = a.F + PointArrays::At(parent, a.dim * a.dim), *const s =
+                                                                      a.stress + PointArrays::At(parent, a.stress_components);
+  const double grown = std::pow(J / a.VolumeRatio(parent), 1.0 / a.dim);
+  const double more = metal.Bulk() * std::log(J) / J - (s[0] + s[1] + s[2]) / 3;
   for (int k = 0; k < a.dim * a.dim; ++k) F[k] *= grown;
-  const Sym3 elastic = a.dim == 3 ? LoadStress<Spatial>(b) : LoadStress<PlaneStrain>(b);
-  const double scale = std::cbrt(volume_ratio * volume_ratio / Determinant(elastic));
-  for (int k = 0; k < a.stress_components; ++k) b[k] *= scale;
+  for (int k = 0; k < 3; ++k) s[k] += more;
 }
 
 /// The first of a family becomes its parent.
@@ -144,7 +143,8 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   a.id[first] = id;
   for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
   if (a.initial_radius) SetRadius(a, first, radius, volume_ratio);
-  if (model.materials[model.bodies[a.body[first]].material]->IsMetal()) SetVolumeRatio(a, first, volume_ratio);
+  const Material &material = *model.materials[model.bodies[a.body[first]].material];
+  if (material.IsMetal()) SetVolumeRatio(material, a, first, volume_ratio);
 }
 
 double SpeedOfSoundOf(Level &level, int point)

@@ -13,12 +13,12 @@ namespace mlgimp
 namespace
 {
 
-/// Internal variables: the elastic left Cauchy-Green tensor b_e, the equivalent plastic strain and, where the law knows it, the
-/// temperature.
+/// The elastic strain is what the stress says: its deviator e' is that of J sigma over 2 mu, its trace ln J, as flow keeps the
+/// volume. So b_e is exp(2 e') J^(2/3) and no field. Internal variables: the equivalent plastic strain and, where the law knows
+/// it, the temperature.
 template <class Hardening, class Geometry> class Metal : public Material
 {
-  static constexpr int kS = Geometry::kStress, kStrain = kS, kHeat = kS + 1;
-  static constexpr int kHistory = kS + 1 + Hardening::kThermal;
+  static constexpr int kS = Geometry::kStress, kStrain = 0, kHeat = 1, kHistory = 1 + Hardening::kThermal;
   static constexpr bool kInPlane = Geometry::kDim == 2;
 
 public:
@@ -41,31 +41,32 @@ public:
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
     Flow flow;
-    alignas(64) Row history[kHistory], stress[kS]; // internal variables, of which b_e are the first; Cauchy's stress
+    alignas(64) Row history[kHistory], stress[kS];
     const MaterialBatch b = batch;
-    const double mu2 = 2 * elasticity_.mu, bulk3 = 3 * elasticity_.lambda + mu2;
+    const Elasticity law = elasticity_;
+    LoadRows<kS>(b.stress, b.count, stress);
     LoadRows<kHistory>(b.history, b.count, history, b.history_stride);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) Trial(b, p, mu2, history, flow);
-    flow.large = AnyLarge(b.count, flow.norm2);
-    for (int p = 0; flow.large && p < b.count; ++p)
-      if (IsLarge(flow.norm2[p])) Set(LogarithmicStrainOfLarge(StressIn<Geometry>(history, p), 1), p, mu2, flow);
-    const bool flows = Return(b, history, flow, dissipated);
+    for (int p = 0; p < b.count; ++p) TakeStrain(b, p, law.mu, stress, flow);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) FinishStress(b, p, mu2, bulk3, flow, stress);
-    if (flows) UpdateElastic(b.count, flow, history);
+    for (int p = 0; p < b.count; ++p) Trial(b, p, law.mu, flow);
+    const bool any_large = AnyLarge(b.count, flow.norm2);
+    for (int p = 0; any_large && p < b.count; ++p)
+      if (IsLarge(flow.norm2[p])) TrialOfLarge(b, p, law.mu, flow);
+    Return(b, history, flow, dissipated);
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p) FinishStress(p, law, flow, stress);
     StoreRows<kS>(stress, b.count, b.stress);
     StoreRows<kHistory>(history, b.count, b.history, b.history_stride);
   }
 
-  void StoredEnergy(int count, const double *, const double *, const double *, const double *history, int stride,
+  void StoredEnergy(int count, const double *F, const double *hoop, const double *stress, const double *, int,
                     double *energy) const override
   {
     const Elasticity law = elasticity_;
 #pragma omp simd
-    for (int p = 0; p < count; ++p) energy[p] = EnergyOf(law, history + stride * p);
     for (int p = 0; p < count; ++p)
-      if (energy[p] < 0) energy[p] = Energy(law, LogarithmicStrainOfLarge(LoadStress<Geometry>(history + stride * p), 1));
+      energy[p] = law.EnergyOf(Determinant(GradientOf<Geometry>(F, hoop, p)) * LoadStress<Geometry>(stress + kS * p));
   }
 
   void WaveSpeedSquared(int count, const double *, const double *, double *speed2) const override
@@ -76,8 +77,7 @@ public:
   int HistorySize() const override { return kHistory; }
   void InitialHistory(double *history) const override
   {
-    // No array of constants here: GCC 12 for AVX-512 copies 1, 1, 1, 0 as 1, 1, 1, 1.
-    for (int k = 0; k < kHistory; ++k) history[k] = k < 3 ? 1 : 0;
+    history[kStrain] = 0;
     if constexpr (Hardening::kThermal) history[kHeat] = initial_temperature_;
   }
   int PlaceOf(InternalVariable variable) const override
@@ -88,10 +88,9 @@ public:
 private:
   static constexpr double kHeatShare = 0.9; ///< of plastic work (Taylor & Quinney)
 
-  /// The trial state of a block, by components; stress: von Mises', Pa; kept: the part of the deviator that the flow leaves.
+  /// The state of a block; stress: von Mises' of the trial, Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) Row deviator[kS], mean, norm2, stress, kept;
-    bool large; ///< whether any strain is too large for the series
+    alignas(64) Row elastic[kS], deviator[kS], J, inverse_J, norm2, stress, kept;
     Sym3 Deviator(int p) const { return StressIn<Geometry>(deviator, p); }
   };
 
@@ -105,85 +104,76 @@ private:
     return any;
   }
 
-  [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu2, Flow &flow)
+  [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu, Flow &flow)
   {
     PutStress<Geometry>(e.deviator, p, flow.deviator);
-    flow.mean[p] = e.mean, flow.norm2[p] = e.norm2;
-    flow.stress[p] = mu2 * std::sqrt(1.5 * Contract(e.deviator, e.deviator)), flow.kept[p] = 1;
+    flow.norm2[p] = e.norm2, flow.stress[p] = 2 * mu * std::sqrt(1.5 * Contract(e.deviator, e.deviator)), flow.kept[p] = 1;
   }
 
   /// I + dt L, with the growth along z where the geometry has no L_zz.
-  [[gnu::always_inline]] static Mat3 Increment(double dt, const Mat3 &L, double growth)
+  [[gnu::always_inline]] static Mat3 IncrementOf(const MaterialBatch &b, int p)
   {
+    const double dt = b.dt, growth = Geometry::kHoop ? b.hoop_ratio[p] : 1;
+    const Mat3 L = LoadGradient<Geometry>(b.L, p, 0);
     return {1 + dt * L.xx, dt * L.xy,     dt * L.xz,
             dt * L.yx,     1 + dt * L.yy, dt * L.yz,
             dt * L.zx,     dt * L.zy,     Geometry::kDim == 3 ? 1 + dt * L.zz : growth};
   }
 
-  /// b_e := (I + dt L) b_e (I + dt L)^T, and its logarithm.
-  [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu2, Row *elastic, Flow &flow)
+  /// 2 e' of a stress, where det F is J.
+  [[gnu::always_inline]] static Sym3 TwiceStrain(const Sym3 &stress, double J, double mu)
   {
-    const Mat3 increment = Increment(b.dt, LoadGradient<Geometry>(b.L, p, 0), Geometry::kHoop ? b.hoop_ratio[p] : 1);
-    const Sym3 trial = Push<kInPlane>(increment, StressIn<Geometry>(elastic, p));
-    PutStress<Geometry>(trial, p, elastic);
-    Set(LogarithmicStrain<kInPlane>(trial), p, mu2, flow);
+    return J * (1 / mu) * (stress - Sphere(kThird * Trace(stress)));
   }
 
-  /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work; true where any point flows. All
-  /// that it calls becomes part of it, so that loops over points vectorise whatever the law.
-  [[gnu::flatten]] bool Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
+  /// exp(2 e') of before the step: b_e but for its volume.
+  [[gnu::always_inline]] static void TakeStrain(const MaterialBatch &b, int p, double mu, const Row *stress, Flow &flow)
+  {
+    const double J = Determinant(GradientOf<Geometry>(b.F, b.hoop, p)), growth = Determinant(IncrementOf(b, p));
+    const double inverse_both = 1 / (J * growth); // one division
+    const Sym3 twice = TwiceStrain(StressIn<Geometry>(stress, p), J * J * inverse_both, mu);
+    flow.J[p] = J, flow.inverse_J[p] = growth * inverse_both, flow.norm2[p] = Contract(twice, twice);
+    PutStress<Geometry>(Exponential<kInPlane>(twice), p, flow.elastic);
+  }
+
+  /// e' of G b_e G^T, G = I + dt L.
+  [[gnu::always_inline]] static void Trial(const MaterialBatch &b, int p, double mu, Flow &flow)
+  {
+    LogStrain e = LogarithmicStrain<kInPlane>(Push<kInPlane>(IncrementOf(b, p), StressIn<Geometry>(flow.elastic, p)));
+    e.norm2 = std::max(e.norm2, flow.norm2[p]);
+    Set(e, p, mu, flow);
+  }
+  static void TrialOfLarge(const MaterialBatch &b, int p, double mu, Flow &flow)
+  {
+    const Mat3 G = IncrementOf(b, p);
+    const Sym3 twice = TwiceStrain(LoadStress<Geometry>(b.stress + kS * p), flow.J[p] / Determinant(G), mu);
+    Set(LogarithmicStrainOfLarge(Push<kInPlane>(G, ExponentialOfLarge(twice))), p, mu, flow);
+  }
+
+  /// Finds what is kept of the deviators, and updates plastic strains, temperatures and work. All that it calls becomes part of
+  /// it, so that loops over points vectorise whatever the law.
+  [[gnu::flatten]] void Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
   {
     const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
     const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt, heating = heating_;
     PlasticStep step;
     FlowOf(law, mu3, {b.count, flow.stress, history[kStrain], Hardening::kThermal ? history[kHeat] : nullptr, rate}, step);
-    int any = 0;
-#pragma omp simd reduction(| : any)
+#pragma omp simd
     for (int p = 0; p < b.count; ++p) {
       const double plastic = step.strain[p], work = step.work[p];
       flow.kept[p] = plastic > 0 ? 1 - mu3 * plastic / flow.stress[p] : 1;
       history[kStrain][p] += plastic;
       if constexpr (Hardening::kThermal) history[kHeat][p] += heating * work;
       dissipated[p] += work;
-      any |= plastic > 0;
     }
-    return any;
   }
 
-  /// Cauchy stress (2 mu kept e' + (3 lambda + 2 mu) mean I)/J.
-  [[gnu::always_inline]] static void FinishStress(const MaterialBatch &b, int p, double mu2, double bulk3, const Flow &flow,
-                                                  Row *stress)
+  /// Cauchy stress (2 mu kept e' + K ln J I)/J.
+  [[gnu::always_inline]] static void FinishStress(int p, const Elasticity &law, const Flow &flow, Row *stress)
   {
-    const double inverse_J = 1 / Determinant(GradientOf<Geometry>(b.F, b.hoop, p));
-    const double shear = mu2 * flow.kept[p] * inverse_J;
-    PutStress<Geometry>(shear * flow.Deviator(p) + Sphere(bulk3 * flow.mean[p] * inverse_J), p, stress);
-  }
-
-  /// b_e := b_e exp(-2 (1 - kept) e'): the mean strain stays.
-  static void UpdateElastic(int count, const Flow &flow, Row *elastic)
-  {
-#pragma omp simd
-    for (int p = 0; p < count; ++p) {
-      const double lost = IsLarge(flow.norm2[p]) ? 0 : 1 - flow.kept[p];
-      Multiply(Exponential<kInPlane>(-2 * lost * flow.Deviator(p)), p, elastic);
-    }
-    for (int p = 0; flow.large && p < count; ++p)
-      if (IsLarge(flow.norm2[p])) Multiply(ExponentialOfLarge(-2 * (1 - flow.kept[p]) * flow.Deviator(p)), p, elastic);
-  }
-  [[gnu::always_inline]] static void Multiply(const Sym3 &factor, int p, Row *elastic)
-  {
-    PutStress<Geometry>(CoaxialProduct<kInPlane>(StressIn<Geometry>(elastic, p), factor), p, elastic);
-  }
-
-  static double Energy(const Elasticity &law, const LogStrain &e)
-  {
-    return 0.5 * (3 * law.lambda + 2 * law.mu) * 3 * e.mean * e.mean + law.mu * Contract(e.deviator, e.deviator);
-  }
-  /// -1 where the strain is too large for the series.
-  [[gnu::always_inline]] static double EnergyOf(const Elasticity &law, const double *history)
-  {
-    const LogStrain e = LogarithmicStrain<kInPlane>(LoadStress<Geometry>(history));
-    return e.norm2 <= kLargestNorm2 ? Energy(law, e) : -1;
+    const double inverse_J = flow.inverse_J[p];
+    const Sym3 pressure = Sphere(law.Bulk() * inverse_J * Log(flow.J[p]));
+    PutStress<Geometry>((2 * law.mu * flow.kept[p] * inverse_J) * flow.Deviator(p) + pressure, p, stress);
   }
 
   Hardening hardening_;

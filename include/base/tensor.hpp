@@ -8,6 +8,8 @@
 namespace mlgimp
 {
 
+inline constexpr double kThird = 1.0 / 3;
+
 using Vec3 = std::array<double, 3>;
 
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }

@@ -37,14 +37,6 @@ template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, i
   return square;
 }
 
-/// |E|^2 of the strain E that Hooke's law has for the stress of point p. compliance: 1/(4 mu^2); of_pressure: its share of the
-/// square of the trace, 1/(27 K^2) - 1/(12 mu^2).
-template <class Geometry> double ElasticStrainSquared(const Row *stress, double compliance, double of_pressure, int p)
-{
-  const Sym3 s = StressIn<Geometry>(stress, p);
-  return compliance * Contract(s, s) + of_pressure * Trace(s) * Trace(s);
-}
-
 /// Part of the strength by the cells that a point moves in a step. Without it waves of a body that crosses cells grow (MUSL).
 inline constexpr double kOfMotion = 30;
 
@@ -59,11 +51,10 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
   const double *const radius = b.initial_radius;
   if (b.material.IsMetal()) {
     alignas(64) Row stress[Geometry::kStress];
-    const double mu = b.material.Mu(), bulk = b.material.Bulk(), compliance = 1 / (4 * mu * mu);
-    const double of_pressure = 1 / (27 * bulk * bulk) - compliance / 3;
+    const Elasticity elastic = b.material.Elastic();
     LoadRows<Geometry::kStress>(b.stress, b.count, stress);
 #pragma omp simd
-    for (int p = 0; p < b.count; ++p) strength[p] = ElasticStrainSquared<Geometry>(stress, compliance, of_pressure, p);
+    for (int p = 0; p < b.count; ++p) strength[p] = elastic.StrainSquared(StressIn<Geometry>(stress, p));
   } else {
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) strength[p] = GreenStrainSquared<Geometry>(F, Geometry::kHoop ? x[0][p] / radius[p] : 1, p);

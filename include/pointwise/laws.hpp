@@ -29,15 +29,26 @@ struct Elasticity {
   }
 
   double Bulk() const { return lambda + 2 * mu / 3; } ///< K, Pa
-  /// Of a stress that is Hooke's, J/m3.
+  /// Energy, J/m3, and |e|^2 of the strain e that has this stress by Hooke's law.
   double EnergyOf(const Sym3 &stress) const
   {
-    const double mean = Trace(stress) / 3;
-    const Sym3 deviator = stress - Sphere(mean);
-    return 0.5 * mean * mean / Bulk() + Contract(deviator, deviator) / (4 * mu);
+    const double mean = kThird * Trace(stress), of_mean = 0.5 / Bulk(), of_shear = 1 / (4 * mu);
+    return of_mean * mean * mean + of_shear * DeviatorSquared(stress, mean);
+  }
+  double StrainSquared(const Sym3 &stress) const
+  {
+    const double mean = kThird * Trace(stress), of_mean = 1 / (3 * Bulk() * Bulk()), of_shear = 1 / (4 * mu * mu);
+    return of_mean * mean * mean + of_shear * DeviatorSquared(stress, mean);
   }
 
   double density, lambda, mu; ///< initial density, kg/m3; Lame's constants, Pa
+
+private:
+  static double DeviatorSquared(const Sym3 &stress, double mean)
+  {
+    const Sym3 deviator = stress - Sphere(mean);
+    return Contract(deviator, deviator);
+  }
 };
 
 /// A point at the end of a step, as far as laws look at it.

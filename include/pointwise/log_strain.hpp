@@ -19,7 +19,7 @@ struct LogStrain {
   Sym3 deviator; ///< e'
   double norm2;  ///< about 4 e':e'; where it is above kLargestNorm2, LogarithmicStrain is not to be used
 };
-inline constexpr double kLargestNorm2 = 0.01, kThird = 1.0 / 3;
+inline constexpr double kLargestNorm2 = 0.01;
 
 /// Where b has the plane's components only: by ln b = (ln det)/2 I + atanh(s) n in the plane, with n the deviator of the two by
 /// two over its size, s its size over half its trace; and by the ratio of those two and zz.

@@ -119,7 +119,7 @@ void SetVolumeRatio(const Material &metal, const PointArrays &a, int parent, dou
   double *const F = a.F + PointArrays::At(parent, a.dim * a.dim), *const s =
                                                                       a.stress + PointArrays::At(parent, a.stress_components);
   const double grown = std::pow(J / a.VolumeRatio(parent), 1.0 / a.dim);
-  const double more = metal.Bulk() * std::log(J) / J - (s[0] + s[1] + s[2]) / 3;
+  const double more = metal.Elastic().Bulk() * std::log(J) / J - (s[0] + s[1] + s[2]) / 3;
   for (int k = 0; k < a.dim * a.dim; ++k) F[k] *= grown;
   for (int k = 0; k < 3; ++k) s[k] += more;
 }

@@ -275,6 +275,20 @@ TEST(Materials, RadialReturn)
   EXPECT_LE(off_pressure, 1e-12) << "j2: pressure less that of J, of the bulk modulus";
 }
 
+/// What Hooke's law says of a stress is what it says of the strain that has it.
+TEST(Materials, StrainOfAStress)
+{
+  const Elasticity law({kE, kNu, kRho, kYield, kHardening});
+  double energy = 0, square = 0;
+  for (int n = 0; n < 50; ++n) {
+    const Sym3 e = {Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1)};
+    energy = Largest({energy, std::abs(law.EnergyOf(law.Hooke(e)) / law.HookeEnergy(e) - 1)});
+    square = Largest({square, std::abs(law.StrainSquared(law.Hooke(e)) / Contract(e, e) - 1)});
+  }
+  EXPECT_LE(energy, 1e-13) << "energy of a stress, of that of its strain";
+  EXPECT_LE(square, 1e-13) << "square of the strain of a stress";
+}
+
 /// The state of a point of a geometry after one step, and what the law says of it.
 struct Outcome {
   Stress stress{};

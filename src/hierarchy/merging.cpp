@@ -116,8 +116,8 @@ double MeanVolumeRatio(const PointArrays &a, const std::vector<Sibling> &family)
 /// For metals, as means of tensors do not keep determinants: F gets the mean J of the siblings, and the stress its pressure.
 void SetVolumeRatio(const Material &metal, const PointArrays &a, int parent, double J)
 {
-  double *const F = a.F + PointArrays::At(parent, a.dim * a.dim), *const s =
-                                                                      a.stress + PointArrays::At(parent, a.stress_components);
+  double *const F = a.F + PointArrays::At(parent, a.dim * a.dim);
+  double *const s = a.stress + PointArrays::At(parent, a.stress_components);
   const double grown = std::pow(J / a.VolumeRatio(parent), 1.0 / a.dim);
   const double more = metal.Elastic().Bulk() * std::log(J) / J - (s[0] + s[1] + s[2]) / 3;
   for (int k = 0; k < a.dim * a.dim; ++k) F[k] *= grown;

@@ -107,7 +107,7 @@ private:
   [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu, Flow &flow)
   {
     PutStress<Geometry>(e.deviator, p, flow.deviator);
-    flow.norm2[p] = e.norm2, flow.stress[p] = 2 * mu * std::sqrt(1.5 * Contract(e.deviator, e.deviator)), flow.kept[p] = 1;
+    flow.norm2[p] = e.norm2, flow.stress[p] = 2 * mu * std::sqrt(1.5 * Contract(e.deviator, e.deviator));
   }
 
   /// I + dt L, with the growth along z where the geometry has no L_zz.

@@ -118,13 +118,17 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
     const double sum = std::max(2 * cell_mass + mean + own, kLeast * cell_mass), inverse = 1 / (sum * volume[p] * cell_mass);
     const double s = (mean - own) * (volume[p] * cell_mass) * inverse;
     double square = 0; // |D|^2
-#pragma GCC unroll 9
-    for (int k = 0; k < dim * dim; ++k) {
-      const double D = 0.5 * (L[k][p] + L[k % dim * dim + k / dim][p]);
-      square += D * D;
+#pragma GCC unroll 3
+    for (int i = 0; i < dim; ++i) {
+      square += L[dim * i + i][p] * L[dim * i + i][p];
+#pragma GCC unroll 2
+      for (int j = 0; j < i; ++j) {
+        const double twice = L[dim * i + j][p] + L[dim * j + i][p];
+        square += 0.5 * twice * twice;
+      }
     }
     const double difference = faces[p] ? 0 : sums[2][p] * (specific_volume * mass[p]) * (sum * inverse) - 1;
-    const double stretch = exponent * s * AtanhRatio(s * s) + settling * std::sqrt(square) * difference;
+    const double stretch = exponent * s * AtanhRatio<4>(s * s) + settling * std::sqrt(square) * difference;
     const double excess = SmallGrowth(stretch);
 #pragma GCC unroll 9
     for (int k = 0; k < dim * dim; ++k) L[k][p] += excess * (L[k][p] + (k % (dim + 1) == 0 ? rate : 0));

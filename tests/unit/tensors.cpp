@@ -33,6 +33,17 @@ TEST(Tensors, Logarithm)
   }
 }
 
+/// To round-off in the ranges that they state.
+TEST(Tensors, SeriesOfSmallArguments)
+{
+  for (int n = 0; n < 20000; ++n) {
+    const double s = Random(-0.1, 0.1), least = s * std::sqrt(2e-2), x = 0.03 * s;
+    EXPECT_LE(std::abs(s * AtanhRatio(s * s) - std::atanh(s)), 1e-15 * std::abs(s)) << "s " << s;
+    EXPECT_LE(std::abs(least * AtanhRatio<4>(least * least) - std::atanh(least)), 1e-15 * std::abs(least)) << "s " << least;
+    EXPECT_LE(std::abs(SmallGrowth(x) - std::expm1(x)), 1e-15 * std::abs(x)) << "x " << x;
+  }
+}
+
 TEST(Tensors, Products)
 {
   double push = 0, determinant = 0;

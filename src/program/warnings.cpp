@@ -123,14 +123,24 @@ std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &)
          When(budgets) + ", more than -level_cells_max, and no level is coarser: try more levels and a larger -cell_size";
 }
 
-/// A contact that never gets wide: the load is some 10 % off then, and a third before, as the tip stands between columns. Not
-/// that of a flat indenter over the whole end of a body.
+/// Finest cells in half the contact's width from which the load is no more that of the cells. With fewer than two it is some 10 %
+/// off, and a third before, as the tip stands between columns; metal rises beside a steep tip column by column for longer.
+double EnoughCells(const Case &c)
+{
+  constexpr double kNear = 4, kSteep = 4; // a half angle of 63 degrees
+  const double height = kNear * c.CellSize(c.levels - 1);
+  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteep * height ? 6 : 2;
+}
+
+/// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
 std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
 {
+  if (budgets.contact_cells == 0) return "";
   const FollowSettings &follow = c.hierarchy.follow;
   const bool follows = follow.kind == FollowKind::kContact;
-  const double cells = budgets.contact_cells, finest = c.CellSize(c.levels - 1), least = follows ? follow.cells_min : 2;
-  if (cells == 0 || cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * finest) return "";
+  const double cells = budgets.contact_cells, finest = c.CellSize(c.levels - 1);
+  const double least = follows ? follow.cells_min : EnoughCells(c);
+  if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * finest) return "";
   return (follows ? "-levels " + std::to_string(c.levels) : "-cell_size " + FormatNumber(c.cell_size)) +
          ": half the contact's width is at most " + FormatRounded(cells) + " of the finest cells, fewer than " +
          (follows ? "-level_cells_min" : FormatNumber(least)) + ": the load is that of the cells; try " +

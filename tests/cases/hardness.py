@@ -136,6 +136,13 @@ def test_steep_cone(expect):
     expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.05)
 
 
+def test_few_cells_are_told():
+    """The load of a steep cone in metal wavers by a tenth of it until half the contact is six cells wide."""
+    for cells, told in ((6, True), (10, False)):
+        warnings = drive(50, cells, 1).summary["warnings"]
+        assert any("fewer than 6" in line for line in warnings) == told, warnings
+
+
 def test_steeper_cone(expect):
     """A cone of 50 degrees draws out the points that it pushes away from the axis: none may reach across it, where none is."""
     result = drive(50, CELLS // 2, 1, frames=1)

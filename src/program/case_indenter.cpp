@@ -187,7 +187,10 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   if (has_unload && unload == 0) reader.Refuse("-indenter_unload_velocity", "0", "not zero");
   if (!has_depth || reader.Help()) return;
   const double travel = depth + indenter.tip[indenter.up] - indenter.initial_surface;
-  if (travel <= 0) reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above the depth that -indenter_max_depth gives");
+  if (travel <= 0)
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  std::string("above ") + "xyz"[indenter.up] + " = " + FormatNumber(indenter.initial_surface - depth) +
+                      ", the depth that -indenter_max_depth gives");
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {

@@ -187,6 +187,7 @@ CASES = [
     ("indenter polygon with an odd number", {**POLYGON, "indenter_vertices": "0,0,1,1,-1,1,0"}, ["-indenter_vertices", "x,y pairs"]),
     ("depth out of reach", {**WEDGE, "max_steps": None, "indenter_velocities": "-1", "indenter_max_depth": "1"},
      ["-indenter_max_depth 1:", "reached"]),
+    ("tip below its depth", {**WEDGE, "indenter_tip": "4,1", "indenter_max_depth": "1"}, ["-indenter_tip 4,1:", "above y = "]),
     ("unloading speed 0", {**WEDGE, "indenter_max_depth": "1", "indenter_unload_velocity": "0"},
      ["-indenter_unload_velocity 0:", "not zero"]),
     ("contact unknown", {**WEDGE, "contact": "glue"}, ["-contact glue:", "pressure"]),

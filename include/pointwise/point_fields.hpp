@@ -109,11 +109,10 @@ struct PointArrays {
   Vec3 Position(int p) const { return Load(position, p); }
   Vec3 Velocity(int p) const { return Load(velocity, p); }
   Vec3 HalfSize(int p) const { return Load(half_size, p); }
-  /// J = det F, in axisymmetry with the hoop's r/R.
-  double VolumeRatio(int p) const
-  {
-    return Determinant(F + At(p, dim * dim), dim) * (initial_radius ? position[At(p, dim)] / initial_radius[p] : 1);
-  }
+  /// F_zz of two dimensions: r/R in axisymmetry, else one.
+  double HoopStretch(int p) const { return initial_radius ? position[At(p, dim)] / initial_radius[p] : 1; }
+  /// J = det F, in two dimensions with F_zz.
+  double VolumeRatio(int p) const { return Determinant(F + At(p, dim * dim), dim) * HoopStretch(p); }
   /// F a, for a vector of the undeformed point.
   Vec3 Deform(int p, Vec3 a) const
   {

@@ -20,6 +20,9 @@ struct FrameField {
   int components;
 };
 
+/// Name of the field F_zz = r/R that the deformation gradient of the plane has in axisymmetry.
+inline constexpr char kHoopStretch[] = "hoop_stretch";
+
 /// A frame that has been written.
 struct Frame {
   int number;
@@ -29,8 +32,9 @@ struct Frame {
 };
 
 /// The bytes of a VTKHDF file of PolyData, a vertex for each point, with frames as time steps and levels as partitions. Vectors
-/// get three components and tensors six or nine, as VTK's filters take them; those that a geometry has not are zero. Beside
-/// the fields each point has the number of its level. Empty where HDF5 fails. Alone, without MPI.
+/// get three components and tensors six or nine, as VTK's filters take them; those that a geometry has not are zero, but for the
+/// stretch out of the plane: kHoopStretch where that is a field, else one. Beside the fields each point has the number of its
+/// level. Empty where HDF5 fails. Alone, without MPI.
 std::string MakeVtkhdf(const std::vector<Frame> &frames, const std::vector<FrameField> &fields);
 
 } // namespace mlgimp

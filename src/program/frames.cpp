@@ -41,8 +41,8 @@ static double VonMisesStress(const Sym3 &stress)
   return std::sqrt(1.5 * Contract(deviator, deviator));
 }
 
-/// Displacement since the start; current volume and half size; measures of the stress; pressures of contact, [points] Pa;
-/// internal variables that any material has; the others have what that starts from.
+/// Displacement since the start; current volume and half size; measures of the stress; stretch around the axis; pressures of
+/// contact, [points] Pa; internal variables that any material has; the others have what that starts from.
 static std::vector<DerivedField> DerivedFields(const Model &model, const std::vector<double> &pressures)
 {
   using Points = const PointArrays &;
@@ -65,6 +65,8 @@ static std::vector<DerivedField> DerivedFields(const Model &model, const std::ve
       {"pressure", 1, [](Points a, int p, const Material &, double *value) { *value = -Trace(StressOf(a, p)) / 3; }},
       {"von_mises_stress", 1, [](Points a, int p, const Material &, double *value) { *value = VonMisesStress(StressOf(a, p)); }},
   };
+  if (model.geometry.HasHoop())
+    fields.push_back({kHoopStretch, 1, [](Points a, int p, const Material &, double *value) { *value = a.HoopStretch(p); }});
   if (model.indenter && FindsPressures(model.contact))
     fields.push_back(
         {"contact_pressure", 1, [&pressures](Points, int p, const Material &, double *value) { *value = pressures[p]; }});

@@ -2,7 +2,9 @@
 #include "program/vtkhdf.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
+#include <utility>
 
 namespace mlgimp
 {
@@ -17,18 +19,26 @@ struct Part {
   hsize_t count;
 };
 
-/// How a row of a dataset lies in the row that VTK takes: blocks of so many components, one every `stride`.
-struct Columns {
-  hsize_t stored, shown, block, stride;
+/// A dataset with rows of `stored` components, which lie in the row that VTK takes from `first` on: blocks of so many, one every
+/// `stride`. of(part): file and name of the dataset, the first rows of which the part takes.
+struct Source {
+  hsize_t stored, first, block, stride;
+  std::function<std::pair<std::string, std::string>(const Part &part)> of;
 };
 
-Columns ColumnsOf(const FrameField &field)
+/// The same dataset for every part, in this file.
+Source Own(const std::string &dataset, hsize_t first = 0)
 {
-  const auto stored = static_cast<hsize_t>(field.components);
-  const bool gradient = field.name == "deformation_gradient", tensor = field.components == 4;
-  if (gradient && tensor) return {stored, 9, 2, 3}; // xx, xy, yx, yy
-  const hsize_t shown = tensor ? 6 : stored == 2 ? 3 : stored;
-  return {stored, shown, stored, shown};
+  return {1, first, 1, 1, [=](const Part &) { return std::pair<std::string, std::string>(".", dataset); }};
+}
+
+/// A field of each level's group in the frames.
+Source OfFrames(const FrameField &field, hsize_t first, hsize_t block, hsize_t stride)
+{
+  const auto of = [name = field.name](const Part &part) {
+    return std::pair(part.file, "/level_" + std::to_string(part.level) + "/" + name);
+  };
+  return {static_cast<hsize_t>(field.components), first, block, stride, of};
 }
 
 /// A file in memory; after any failure it has no bytes.
@@ -72,11 +82,9 @@ public:
     Create(name, H5T_NATIVE_INT, Space(count, 1), layout);
   }
 
-  /// Pieces of other datasets, one after the other. piece(part): file and dataset whose first rows are the piece; `more` rows
-  /// than the part has points.
-  template <class Piece>
-  void Virtual(const std::string &name, hid_t type, const Columns &columns, const std::vector<Part> &parts, hsize_t more,
-               Piece piece)
+  /// Rows of `width` numbers that lie in other datasets, part by part, `more` than a part has points; zero where no source is.
+  void Virtual(const std::string &name, hid_t type, hsize_t width, const std::vector<Part> &parts, hsize_t more,
+               const std::vector<Source> &sources)
   {
     const H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     const int zero = 0;
@@ -84,15 +92,18 @@ public:
     for (const Part &part : parts) rows += part.count + more;
     H5Pset_fill_value(layout, H5T_NATIVE_INT, &zero);
     for (const Part &part : parts) {
-      const hsize_t count = part.count + more, start[2] = {at, 0}, stride[2] = {count, columns.stride};
-      const hsize_t times[2] = {1, columns.stored / columns.block}, block[2] = {count, columns.block};
-      const H5Handle target = Space(rows, columns.shown), source = Space(count, columns.stored);
-      const std::pair<std::string, std::string> from = piece(part);
-      good_ = good_ && H5Sselect_hyperslab(target, H5S_SELECT_SET, start, stride, times, block) >= 0 &&
-              H5Pset_virtual(layout, target, from.first.c_str(), from.second.c_str(), source) >= 0;
+      const hsize_t count = part.count + more;
+      for (const Source &source : sources) {
+        const hsize_t start[2] = {at, source.first}, stride[2] = {count, source.stride};
+        const hsize_t times[2] = {1, source.stored / source.block}, block[2] = {count, source.block};
+        const H5Handle target = Space(rows, width), stored = Space(count, source.stored);
+        const auto [file, dataset] = source.of(part);
+        good_ = good_ && H5Sselect_hyperslab(target, H5S_SELECT_SET, start, stride, times, block) >= 0 &&
+                H5Pset_virtual(layout, target, file.c_str(), dataset.c_str(), stored) >= 0;
+      }
       at += count;
     }
-    Create(name, type, Space(rows, columns.shown), layout);
+    Create(name, type, Space(rows, width), layout);
   }
 
   std::string Bytes()
@@ -151,8 +162,6 @@ void AddCells(VtkhdfFile &file, const std::vector<Part> &parts, const std::vecto
 {
   const std::vector<hsize_t> none(parts.size(), 0);
   std::vector<hsize_t> numbers(1 + (counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end())));
-  const auto first_numbers = [](const Part &) { return std::pair<std::string, std::string>(".", "/numbers"); };
-  const Columns single = {1, 1, 1, 1};
   std::iota(numbers.begin(), numbers.end(), hsize_t{0});
   file.List("/numbers", numbers);
   for (const std::string kind : kCells) {
@@ -161,8 +170,8 @@ void AddCells(VtkhdfFile &file, const std::vector<Part> &parts, const std::vecto
     file.Group(group);
     file.List(group + "/NumberOfCells", vertices ? counts : none);
     file.List(group + "/NumberOfConnectivityIds", vertices ? counts : none);
-    if (vertices) file.Virtual(group + "/Offsets", H5T_NATIVE_INT64, single, parts, 1, first_numbers);
-    if (vertices) file.Virtual(group + "/Connectivity", H5T_NATIVE_INT64, single, parts, 0, first_numbers);
+    if (vertices) file.Virtual(group + "/Offsets", H5T_NATIVE_INT64, 1, parts, 1, {Own("/numbers")});
+    if (vertices) file.Virtual(group + "/Connectivity", H5T_NATIVE_INT64, 1, parts, 0, {Own("/numbers")});
     if (!vertices) file.List(group + "/Offsets", none);
     if (!vertices) file.List(group + "/Connectivity", std::vector<hsize_t>());
   }
@@ -199,6 +208,23 @@ void AddSteps(VtkhdfFile &file, const std::vector<Frame> &frames, const std::vec
   for (const std::string &name : point_data) file.List(group + "/PointDataOffsets/" + name, first_point);
 }
 
+/// The field as VTK takes it: three components of vectors, six of symmetric tensors, nine of others. Out of the plane the
+/// deformation gradient has the hoop's stretch, or one.
+void AddField(VtkhdfFile &file, const FrameField &field, const std::vector<FrameField> &fields, const std::vector<Part> &parts)
+{
+  const std::string name = field.name == "position" ? "/VTKHDF/Points" : "/VTKHDF/PointData/" + field.name;
+  const auto stored = static_cast<hsize_t>(field.components);
+  if (field.name == "deformation_gradient" && stored == 4) {
+    constexpr hsize_t kOutOfPlane = 8;
+    const auto hoop = std::find_if(fields.begin(), fields.end(), [](const FrameField &one) { return one.name == kHoopStretch; });
+    const Source stretch = hoop == fields.end() ? Own("/ones", kOutOfPlane) : OfFrames(*hoop, kOutOfPlane, 1, 1);
+    file.Virtual(name, field.type, 9, parts, 0, {OfFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz
+    return;
+  }
+  const hsize_t shown = stored == 4 ? 6 : stored == 2 ? 3 : stored;
+  file.Virtual(name, field.type, shown, parts, 0, {OfFrames(field, 0, stored, shown)});
+}
+
 } // namespace
 
 std::string MakeVtkhdf(const std::vector<Frame> &frames, const std::vector<FrameField> &fields)
@@ -216,16 +242,14 @@ std::string MakeVtkhdf(const std::vector<Frame> &frames, const std::vector<Frame
   file.List("/VTKHDF/NumberOfPoints", counts);
   AddCells(file, parts, counts);
   file.Group("/VTKHDF/PointData");
-  const auto in_group = [](int level, const std::string &name) { return "/level_" + std::to_string(level) + "/" + name; };
+  file.Constant("/ones", 1, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
   for (const FrameField &field : fields) {
-    const bool points = field.name == "position";
-    file.Virtual(points ? "/VTKHDF/Points" : "/VTKHDF/PointData/" + field.name, field.type, ColumnsOf(field), parts, 0,
-                 [&](const Part &part) { return std::pair(part.file, in_group(part.level, field.name)); });
-    if (!points) point_data.push_back(field.name);
+    AddField(file, field, fields, parts);
+    if (field.name != "position") point_data.push_back(field.name);
   }
   for (std::size_t l = 0; l < most.size(); ++l) file.Constant("/level_" + std::to_string(l), static_cast<int>(l), most[l]);
-  file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, {1, 1, 1, 1}, parts, 0,
-               [](const Part &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); });
+  const auto own_level = [](const Part &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); };
+  file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, 1, parts, 0, {{1, 0, 1, 1, own_level}});
   point_data.emplace_back("level");
   AddSteps(file, frames, point_data);
   return file.Bytes();

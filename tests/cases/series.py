@@ -6,7 +6,7 @@ import numpy
 import pytest
 
 import harness
-from ranks import BERKOVICH, LEVELS
+from ranks import BERKOVICH, CONE, LEVELS
 
 pytestmark = pytest.mark.mpi
 
@@ -15,14 +15,23 @@ COLUMNS = {**{(vector, 2): ([0, 1], 3) for vector in ("position", "velocity", "d
            ("stress", 4): ([0, 1, 2, 3], 6), ("deformation_gradient", 4): ([0, 1, 3, 4], 9)}
 
 
-def as_vtk(name, values):
-    """Values of a frame with the components that VTK takes."""
+def as_vtk(name, level):
+    """A field of a level of a frame with the components that VTK takes; F_zz of the plane is the hoop's stretch or one."""
+    values = level[name][:]
     places, width = COLUMNS.get((name, values.shape[-1] if values.ndim > 1 else 1), (None, 0))
     if places is None:
         return values
     wide = numpy.zeros((len(values), width))
     wide[:, places] = values
+    if name == "deformation_gradient":
+        wide[:, 8] = level.get("hoop_stretch", [1])[:]
     return wide
+
+
+def density(level):
+    """Of each point, by mass, volume and the determinant of F as VTK shows it."""
+    gradient = as_vtk("deformation_gradient", level).reshape(-1, 3, 3)
+    return level["mass"][:] / level["volume"][:] * numpy.linalg.det(gradient)
 
 
 def vertices(group, first, count, part):
@@ -51,12 +60,14 @@ def problems_of_step(root, step, frame):
             if field != "position":
                 data = root["PointData"][field]
                 offset += int(steps["PointDataOffsets"][field][step]) - int(steps["PointOffsets"][step])
-            if not numpy.array_equal(data[offset : offset + count], as_vtk(field, level[field][:])):
+            if not numpy.array_equal(data[offset : offset + count], as_vtk(field, level)):
                 wrong.append(f"{name}: {field}")
         if set(root["PointData"]) != set(level) - {"position"} | {"level"}:
             wrong.append(f"{name}: fields")
         if not numpy.array_equal(root["PointData/level"][first : first + count], numpy.full(count, int(name[-1]))):
             wrong.append(f"{name}: level")
+        if numpy.ptp(density(level)) > 1e-12 * density(level)[0]:
+            wrong.append(f"{name}: det F")
         part, first = part + 1, first + count
     return wrong
 
@@ -79,7 +90,7 @@ def problems_of_series(folder):
     return wrong
 
 
-@pytest.mark.parametrize("case, ranks", [(LEVELS, 2), (BERKOVICH, 1)], ids=["plane", "space"])
+@pytest.mark.parametrize("case, ranks", [(LEVELS, 2), (CONE, 1), (BERKOVICH, 1)], ids=["plane", "axisymmetric", "space"])
 def test_series(expect, case, ranks):
     case = {name: value for name, value in case.items() if name != "end_time"}
     result = harness.run({**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0}, ranks=ranks)
@@ -105,7 +116,7 @@ def problems_by_vtk(folder):
         arrays["position"] = vtk_to_numpy(shown.GetPoints().GetData())
         with h5py.File(path) as frame:
             levels = [frame[name] for name in sorted(frame) if len(frame[name]["id"])]
-            expected = {field: numpy.concatenate([as_vtk(field, level[field][:]) for level in levels]) for field in levels[0]}
+            expected = {field: numpy.concatenate([as_vtk(field, level) for level in levels]) for field in levels[0]}
             expected["level"] = numpy.concatenate([numpy.full(len(level["id"]), int(level.name[-1])) for level in levels])
         wrong += [f"{path.name}: {field}" for field in expected.keys() | arrays.keys()
                   if not numpy.array_equal(arrays.get(field), expected.get(field))]
@@ -118,7 +129,7 @@ def test_vtk_reads_the_series(expect):
     vtk = pytest.importorskip("vtkmodules.vtkCommonCore", reason="VTK is not installed (python3-vtk9)")
     if vtk.vtkVersion.GetVTKMajorVersion() * 100 + vtk.vtkVersion.GetVTKMinorVersion() < 903:
         pytest.skip(f"VTK {vtk.vtkVersion.GetVTKVersion()} knows no PolyData over time in VTKHDF; 9.3 does")
-    for case in (LEVELS, BERKOVICH):
+    for case in (LEVELS, CONE, BERKOVICH):
         case = {name: value for name, value in case.items() if name != "end_time"}
         wrong = problems_by_vtk(harness.run({**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0}, ranks=1).folder)
         expect.that(f"points.vtkhdf by VTK, {case['indenter']}", not wrong, "; ".join(wrong[:5]))

@@ -40,8 +40,9 @@ struct Model {
   std::string shape_function = "cpgimp";
   StressUpdate stress_update = StressUpdate::kMusl;
   ShortWaveViscosity short_wave;
-  NodalSettings nodal;           ///< mass_cutoff is set by each level
-  BodyAcceleration acceleration; ///< beside gravity; empty for none
+  NodalSettings nodal;                     ///< mass_cutoff is set by each level
+  PiecewiseLinear gravity_share{{0}, {1}}; ///< of nodal.gravity, over time
+  BodyAcceleration acceleration;           ///< beside gravity; empty for none
 
   /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes, or sums at cells.
   bool UsesRates() const

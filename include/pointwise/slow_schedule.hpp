@@ -16,10 +16,14 @@ struct SlowPace {
   double transits = 0;          ///< of a loading from nothing, and of the first part of an unloading
   double most_speed = HUGE_VAL; ///< of any motion, per second
   double spring_back = 1;       ///< share of what was reached that the first part of an unloading gives back
+  double start = 0;             ///< of the first leg, s
 
   static constexpr double kRamp = 0.2; ///< share of a leg's time in which its speed rises, and again in which it falls
   static constexpr double kHold = 8;   ///< transits of rest before an unloading
 };
+
+/// From 0 to a value along 3 s^2 - 2 s^3, in straight pieces, and constant then.
+PiecewiseLinear SmoothRise(double value, double duration);
 
 /// The history of a quantity x (a depth, or a root of a load) that begins with 0 and passes through given turns. A leg into the
 /// body from x0 to x1 > x0 has the speed of a loading from nothing to x1 in the given transits, x1/((1 - r) N T), with S-shaped

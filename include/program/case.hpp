@@ -34,6 +34,7 @@ struct QuasiStaticPlan {
   bool own_xpic = true;                         ///< no fraction of XPIC was given
   double distance = 0;                          ///< from the contact to the farthest held side, m
   SlowPace pace;                                ///< of depths, or of roots of the load
+  double rise = 0;                              ///< time in which loads and gravity rise before the tip starts, s
   double damping_ratio = 0;                     ///< of the body's lowest mode
   double largest_speed = 0;                     ///< of the tip, m/s; 0 under load control
   double wave_speed = 0;                        ///< distance over transit, m/s

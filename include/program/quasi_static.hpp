@@ -12,7 +12,7 @@ namespace mlgimp
 /// The load less what inertia and damping add to it, by their power: with E_k the kinetic energy of nodes, W the work of
 /// -damping, z the depth, as changes over the last transit of a wave,
 ///   P_qs = P - (dE_k + dW) dz/(dz^2 + (0.05 z/N)^2),   z/N: the way in a transit of a loading to z,
-/// so that a tip at rest has P_qs = P.
+/// so that a tip at rest has P_qs = P. The difference is at most P: loads, gravity and waves that come later have energy too.
 class QuasiStaticWatch
 {
 public:
@@ -44,7 +44,7 @@ private:
   };
   static constexpr int kSample = sizeof(Sample) / sizeof(double);
 
-  double Added(const Sample &now);
+  double Added(const Sample &now, double load);
   void LookAtHold(double time, double value);
   bool IsLoaded(const Budgets &row) const;
 

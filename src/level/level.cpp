@@ -113,6 +113,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
 {
   PetscFunctionBeginUser;
   budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
+  nodal_.gravity = model_.gravity_share.Value(time) * model_.nodal.gravity;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   time_ = time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));

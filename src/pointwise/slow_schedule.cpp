@@ -6,16 +6,28 @@
 namespace mlgimp
 {
 
-/// Changes the speed along 3 s^2 - 2 s^3. The straight pieces have the curve's integral, which is symmetric about its middle.
-void SlowSchedule::Ramp(double to, double duration)
+PiecewiseLinear SmoothRise(double value, double duration)
 {
   constexpr int kPieces = 16;
-  const double start = times_.back(), from = speeds_.back();
+  std::vector<double> times = {0}, values = {0};
   for (int k = 1; k <= kPieces; ++k) {
     const double s = static_cast<double>(k) / kPieces;
-    times_.push_back(start + s * duration);
-    speeds_.push_back(k == kPieces ? to : from + (to - from) * s * s * (3 - 2 * s));
+    times.push_back(s * duration);
+    values.push_back(value * s * s * (3 - 2 * s));
   }
+  return {times, values};
+}
+
+/// Changes the speed. The straight pieces have the curve's integral, which is symmetric about its middle.
+void SlowSchedule::Ramp(double to, double duration)
+{
+  const double start = times_.back(), from = speeds_.back();
+  const PiecewiseLinear rise = SmoothRise(1, duration);
+  for (std::size_t k = 1; k < rise.Times().size(); ++k) {
+    times_.push_back(start + rise.Times()[k]);
+    speeds_.push_back(from + (to - from) * rise.Value(rise.Times()[k]));
+  }
+  speeds_.back() = to; // without rounding
 }
 
 /// Goes on for a way at the speed of now, which has its sign.
@@ -53,6 +65,7 @@ void SlowSchedule::Unload(double way, double first, double slow, double fast, do
 
 SlowSchedule::SlowSchedule(const SlowPace &pace, const std::vector<double> &turns, double surface)
 {
+  if (pace.start > 0) times_.push_back(pace.start), speeds_.push_back(0);
   const double duration = pace.transits * pace.transit, ramp = SlowPace::kRamp * duration;
   const auto speed = [&](double x) { return std::min(pace.most_speed, x / (duration - ramp)); };
   for (std::size_t k = 1; k < turns.size(); ++k) {

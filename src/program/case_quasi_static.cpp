@@ -121,6 +121,17 @@ double MostSpeed(const Case &c)
   return most;
 }
 
+/// Loads and gravity rise from nothing, and the bodies come to rest, before the tip starts: what begins at once is a blow.
+void PlanRise(Case *c)
+{
+  QuasiStaticPlan &plan = c->quasi_static;
+  if (c->model.loads.empty() && c->model.nodal.gravity == Vec3{}) return;
+  plan.rise = plan.pace.transits * plan.pace.transit;
+  plan.pace.start = plan.rise + SlowPace::kHold * plan.pace.transit;
+  for (Load &load : c->model.loads) load.pressure = SmoothRise(load.pressure.EndValue(), plan.rise);
+  c->model.gravity_share = SmoothRise(1, plan.rise);
+}
+
 /// Turns of the travel that was read, m, from 0 on; gap: what is left of it before the surface.
 std::vector<double> TravelTurns(OptionReader &reader, const Case &c, double gap)
 {
@@ -192,6 +203,9 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
                                          : "") +
                         "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
                         in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + OfRates(c, *plan));
+  if (plan->rise > 0)
+    plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
+                          in(plan->pace.start) + " s");
   if (std::isfinite(end_time) && end_time < plan->end_time)
     plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
 }
@@ -245,6 +259,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kLeastTransits, std::ceil(kShare / plan.tolerance - 1e-9));
   if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
+  PlanRise(c);
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
   double &damping = c->model.nodal.damping;
   const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit

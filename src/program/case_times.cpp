@@ -77,6 +77,27 @@ void CheckLoadTimes(OptionReader &reader, const Case &c)
   }
 }
 
+/// A pressure that begins at once sends waves of up to twice its stress through the body, which a metal that would bear it does
+/// not forget.
+void CheckBlows(OptionReader &reader, const Case &c)
+{
+  for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
+    const Load &load = c.model.loads[k];
+    const Body &body = c.model.bodies[load.body];
+    const Material &material = *c.model.materials[body.material];
+    const double first = std::abs(load.pressure.Value(0)), yield = material.FlowStress(0);
+    if (!material.IsMetal() || first >= yield || 2 * first <= yield) continue;
+    double extent = 0;
+    for (int axis = 0; axis < c.Dim(); ++axis)
+      extent = std::max(extent, body.region->Bounds().upper[axis] - body.region->Bounds().lower[axis]);
+    reader.WarnLater("-" + c.load_names[k] + "_pressures: begin with " + FormatRounded(first) +
+                     " Pa at once, a blow of up to twice that stress: a metal with a yield stress of " + FormatRounded(yield) +
+                     " Pa flows that would bear it; let them rise from 0 within ten times " +
+                     FormatRounded(extent / material.SpeedOfSound()) + " s, which a wave takes through the body, or more" +
+                     (c.model.indenter ? " (-quasi_static)" : ""));
+  }
+}
+
 /// A run that nobody waits for, as with times in another unit or those of a test in the laboratory.
 void CheckSteps(OptionReader &reader, const Case &c)
 {
@@ -98,6 +119,7 @@ void CheckSteps(OptionReader &reader, const Case &c)
 void CheckTimes(OptionReader &reader, const Case &c)
 {
   CheckLoadTimes(reader, c);
+  CheckBlows(reader, c);
   CheckSteps(reader, c);
   if (!c.model.indenter || c.model.contact.method == "none") return;
   CheckSpeed(reader, c);

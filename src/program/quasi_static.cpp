@@ -10,8 +10,8 @@ namespace mlgimp
 static constexpr double kEarly = 0.2; ///< of depth or load: before, shares of them say nothing
 static constexpr int kSamples = 16;   ///< in a transit
 
-/// What inertia and damping add to the load, N.
-double QuasiStaticWatch::Added(const Sample &now)
+/// What inertia and damping add to the load, N: no more than all of it, since other things than the tip move bodies too.
+double QuasiStaticWatch::Added(const Sample &now, double load)
 {
   constexpr double kSlow = 0.05;
   const double transit = plan_.pace.transit;
@@ -22,7 +22,8 @@ double QuasiStaticWatch::Added(const Sample &now)
   if (!(time > 0)) return 0;
   speed_ = std::abs(way) / time;
   const double least = kSlow * now.depth / plan_.pace.transits * time / transit;
-  return way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  const double added = way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  return std::clamp(added, -std::abs(load), std::abs(load));
 }
 
 /// value: the load, or under load control the depth.
@@ -47,7 +48,7 @@ void QuasiStaticWatch::Look(Budgets &row)
 {
   if (!plan_.on) return;
   const double kinetic = row.kinetic_energy - row.noise_energy;
-  row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work});
+  row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
   numbers_[kLargestLoad] = std::max<double>(numbers_[kLargestLoad], row.load_quasi_static);
   LookAtHold(row.time, plan_.depth > 0 ? row.load : row.depth);
   if (!IsLoaded(row)) return;

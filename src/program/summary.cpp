@@ -97,6 +97,7 @@ Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
           {"transit", Number(plan.pace.transit)},
           {"transits", Number(plan.pace.transits)},
           {"distance", Number(plan.distance)},
+          {"start", Number(plan.pace.start)},
           {"speed", Number(watch.FastestSpeed())},
           {"speed_over_wave_speed", Number(watch.FastestSpeed() / plan.wave_speed)},
           {"damping", Number(c.model.nodal.damping)},

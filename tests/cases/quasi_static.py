@@ -166,6 +166,53 @@ def test_levels_ranks_and_restart(expect, control):
             expect.that("summary of the test is the same", again.summary["quasi_static"] == runs[wrote].summary["quasi_static"])
 
 
+SQUEEZED = {**CONE, **METAL, "boundary_x_upper": "free", "domain_upper": "18,18", "loads": "p", "p_side": "x_upper", "p_times": 0,
+            "p_pressures": 0.008, "indenter_half_angle": 85, "indenter_depths": 0.4, "quasi_static_tolerance": 0.05, "frames": 1}
+
+
+def far_strain(run):
+    """Equivalent plastic strain away from the tip."""
+    points = run.frame(1)
+    return points["equivalent_plastic_strain"][(points["position"][:, 0] > 12) & (points["position"][:, 1] < 4)]
+
+
+def test_constant_loads_rise_before_the_tip_starts(expect):
+    """A metal bears a pressure of 0.8 of its yield stress, and the load of the tip is that of a run whose pressure rises by hand; at once it
+    strikes, the whole body flows and the load is a sixth higher."""
+    slow = harness.run(SQUEEZED)
+    plan = slow.summary["quasi_static"]
+    start, speed = plan["start"], plan["speed"]
+    by_hand = {name: value for name, value in SQUEEZED.items() if not name.startswith(("quasi_static", "indenter_depths"))} | {
+        "damping": plan["damping"], "xpic_fraction": plan["xpic_fraction"], "indenter_velocities": f"0,0,{speed},{speed}",
+        "indenter_max_depth": 0.4, "end_time": 1.5 * start + 0.4 / speed}
+    times = {"indenter_times": f"0,{start},{1.2 * start},{9 * start}"}
+    risen = harness.run({**by_hand, **times, "p_times": f"0,{0.5 * start}", "p_pressures": "0,0.008"})
+    struck = harness.run({**by_hand, **times})
+    loads = [numpy.interp(0.38, *(run.history[name][:numpy.argmax(run.history["depth"])] for name in ("depth", "load")))
+             for run in (slow, risen, struck)]
+    expect("plastic strain away from the tip", far_strain(slow).max(), at_most=0)
+    expect("load over that with a pressure that rises by hand", loads[0] / loads[1], near=1, tolerance=0.03)
+    expect("with one that strikes: load", loads[2] / loads[1], at_least=1.05)
+    expect("with one that strikes: plastic strain away from the tip", far_strain(struck).min(), at_least=1e-3)
+    said = [any("a blow of up to twice" in line for line in run.summary["warnings"]) for run in (slow, risen, struck)]
+    assert said == [False, False, True], said
+
+
+def test_gravity_rises_before_the_tip_starts(expect):
+    """It has done the work of a column that it fills slowly, half of what it would do at once; the load of the tip is not its own energy."""
+    gravity, M = 1e-4, 0.7 / (1.3 * 0.4)
+    run = harness.run({**CONE, "gravity": f"0,{-gravity}"})
+    history, start = run.history, run.summary["quasi_static"]["start"]
+    rests = history["time"] < start
+    work = 0.5 * gravity**2 * 16**3 / (3 * M) * numpy.pi * 16**2
+    expect("work of gravity on a confined column", history["external_work"][rests][-1] / work, near=1, tolerance=0.01)
+    expect("kinetic energy then, of it", history["kinetic_energy"][rests][-1] / work, at_most=1e-3)
+    expect("depth then", numpy.max(numpy.abs(history["depth"][rests])), at_most=0)
+    expect("load_quasi_static, largest difference from the load, of the largest", numpy.max(
+        numpy.abs(history["load_quasi_static"] - history["load"])) / history["load"].max(), at_most=0.03)
+    expect("added load", run.summary["quasi_static"]["added_load"], at_least=1e-3)
+
+
 OTHERS = {
     "plane strain": {"geometry": "plane_strain", "indenter": "wedge", "boundary_x_lower": "symmetry", "boundary_x_upper": "free"},
     "space": {"geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "6,6,8", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry",

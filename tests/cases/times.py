@@ -5,7 +5,7 @@ import tempfile
 import pytest
 
 import harness
-from limits import FAST, PRESS, WARNING, warnings
+from limits import BLOCK, FAST, PRESS, WARNING, warnings
 
 CYLINDER = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "boundary_x_lower": "symmetry", "indenter_tip": "0,8"}
 TRANSIT = 8 / (1e9 * 0.7 / (1.3 * 0.4) / 1000) ** 0.5  # s, from the tip to the support
@@ -55,6 +55,15 @@ def test_reference_rate_in_another_unit(rate, told):
     """1/us for 1/s made a metal 40 % too hard."""
     said = warnings({**CYLINDER, **METAL, "al_reference_rate": rate, "rate_scale": 1e-3, "max_steps": 1})
     assert [line for line in said if "rate " in line] == [WARNING + "-al_reference_rate 1e-06: is slower than tests are; is it in 1/s?"] * told
+
+
+@pytest.mark.parametrize("share, law, told", [(0.8, "j2", True), (-0.8, "j2", True), (0.45, "j2", False), (1.1, "j2", False), (0.8, "neo_hookean", False)])
+def test_pressures_that_strike_a_metal_are_told(share, law, told):
+    """At once, 0.8 of the yield stress left a strain of 0.005 for good."""
+    metal = {"al_model": law, "al_yield_stress": 1e7, "al_hardening_modulus": 1e7} if law == "j2" else {}
+    said = warnings({**BLOCK, **metal, "boundary_y_lower": "symmetry", "loads": "p", "p_side": "y_upper", "p_times": 0, "p_pressures": share * 1e7,
+                     "end_time": 1e-3, "max_steps": 1})
+    assert any("-p_pressures: begin with" in line and "a blow" in line for line in said) == told, said
 
 
 def test_slow_schedules_tell_the_time_of_their_test():

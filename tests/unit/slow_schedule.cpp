@@ -56,6 +56,30 @@ TEST(SlowSchedule, TakesTheTransitsItPromises)
   EXPECT_NEAR(both.Speed().Integral(96 + 80 - 8), 0.95, 1e-13);
 }
 
+/// The same later, after a rest.
+TEST(SlowSchedule, StartsLater)
+{
+  SlowPace pace = kPace;
+  pace.start = 7;
+  const SlowSchedule at_once(kPace, {0, 1, 0}), later(pace, {0, 1, 0});
+  EXPECT_NEAR(later.EndTime(), at_once.EndTime() + 7, 1e-12);
+  EXPECT_EQ(later.Speed().LargestMagnitude(0, 7), 0);
+  for (int k = 0; k < 100; ++k) EXPECT_NEAR(later.Speed().Integral(7 + 2.5 * k), at_once.Speed().Integral(2.5 * k), 1e-14);
+  EXPECT_NEAR(later.Power(2).Value(7 + 80), 1, 1e-13);
+  EXPECT_EQ(later.Power(2).Value(7), 0);
+}
+
+/// 3 s^2 - 2 s^3 to a chord of a sixteenth: half the second derivative, 3, times a quarter of the length's square.
+TEST(SlowSchedule, RisesSmoothly)
+{
+  const PiecewiseLinear rise = SmoothRise(5, 4);
+  for (int k = 0; k <= 100; ++k) {
+    const double s = 0.01 * k;
+    EXPECT_NEAR(rise.Value(4 * s), 5 * s * s * (3 - 2 * s), 5 * 0.75 / 256);
+  }
+  EXPECT_EQ(rise.Value(100), 5);
+}
+
 TEST(SlowSchedule, BoundsTheSpeed)
 {
   SlowPace pace = kPace;

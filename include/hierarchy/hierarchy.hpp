@@ -98,7 +98,7 @@ public:
   /// The same with the largest reach of all ranks. Collective.
   PetscErrorCode ShareReach();
   /// The budgets of all levels on this rank, but what only a run knows.
-  PetscErrorCode SumBudgets(Budgets *budgets);
+  Budgets SumBudgets();
   /// Those of all ranks, on every rank. Collective.
   PetscErrorCode ReduceBudgets(Budgets *budgets);
   /// Whether the next steps measure the noise of velocities, a budget that costs.

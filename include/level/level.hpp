@@ -90,8 +90,8 @@ public:
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
-  /// The nodal velocity of the last step at some points. Collective on the level's ranks.
-  PetscErrorCode SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples);
+  /// The nodal velocity of the last step at some points of this rank.
+  std::vector<VelocitySample> SampleVelocity(const std::vector<int> &points);
   /// F and stress of some points as the grid sees them: sum_i S_ip (sum_q m_q S_iq F_q)/(sum_q m_q S_iq), [points][8], in two
   /// dimensions. Collective on the level's ranks.
   PetscErrorCode SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors);
@@ -128,7 +128,7 @@ public:
   void BoundDrift(double largest_speed, double dt);
 
   /// Widens a box by the places of this rank's surface points that are nearer than `range` to the indenter with its tip there.
-  PetscErrorCode FindNearIndenter(Vec3 tip, double range, Box *near);
+  void FindNearIndenter(Vec3 tip, double range, Box *near);
   /// While the indenter is out of reach, contact is left out of the steps; else it concerns the ranks with nodes in a zone, which
   /// holds all that the points near the indenter may touch. Collective on all ranks.
   PetscErrorCode WatchContact(bool within_reach, const IndexBox &zone);
@@ -148,11 +148,11 @@ public:
   /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
   /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.
   PetscErrorCode View(const std::string &prefix, double time);
-  /// Adds mass, momentum, energies and number of all points, or of some, on this rank.
-  PetscErrorCode SumPoints(Budgets *sums);
-  PetscErrorCode SumPoints(const std::vector<int> &points, Budgets *sums);
+  /// Adds mass, momentum, energies and number of all points on this rank; and those of some.
+  void SumPoints(Budgets *sums);
+  Budgets SumPoints(const std::vector<int> &points);
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
-  PetscErrorCode LargestSpeeds(double *wave, double *point);
+  void LargestSpeeds(double *wave, double *point);
 
   Points &PointStore() { return points_; }
   /// Copies of points that the next coarser (0) or finer level (1) owns. They move and act with the level's own points,

@@ -30,8 +30,8 @@ struct FaceForce {
 /// Adds the forces of the loads at `time` to the nodal forces, and to the list `applied` those on points that the level owns.
 /// f_i = -p n int_face N_i ds: the hat function across the face and its mean along the face (paper's Eq. 10).
 /// failure: a point whose face has left this rank's nodes.
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
-                        double time, std::vector<FaceForce> &applied, PointFailure &failure);
+void AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry, double time,
+              std::vector<FaceForce> &applied, PointFailure &failure);
 
 /// Adds up impulse and work of the forces in a step, the latter as in WorkOnPoints. Forces on nodes with no more than a mass are
 /// lost. Sums, velocities and rates must be known on ghosts.

@@ -22,14 +22,12 @@ void Hierarchy::MeasureNoise(bool measures)
   for (auto &level : levels_) level->MeasureNoise(measures);
 }
 
-PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
+Budgets Hierarchy::SumBudgets()
 {
-  Budgets &sum = *budgets;
-  PetscFunctionBeginUser;
-  sum = {};
+  Budgets sum;
   for (int l = 0; l < Levels(); ++l) {
     Budgets part = levels_[l]->Totals();
-    PetscCall(levels_[l]->SumPoints(&part));
+    levels_[l]->SumPoints(&part);
     if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness += Levels() - l;
     part.support_impulse += part.xpic_side_impulse;
     if (CoupledByNodes()) part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
@@ -44,14 +42,13 @@ PetscErrorCode Hierarchy::SumBudgets(Budgets *budgets)
   sum.viscous_work = sum.Viscous();
   sum.dissipated_energy = sum.Dissipated();
   sum.failed = DescribeFailure().empty() ? 0 : 1;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return sum;
 }
 
 PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
 {
-  std::vector<Budgets> sums(1);
+  std::vector<Budgets> sums = {SumBudgets()};
   PetscFunctionBeginUser;
-  PetscCall(SumBudgets(&sums[0]));
   PetscCall(AddRanks(comm_, &sums));
   *budgets = sums[0];
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -275,7 +275,7 @@ PetscErrorCode Hierarchy::CheckSpeeds(SpeedCheck *speeds)
   PetscFunctionBeginUser;
   for (const auto &level : levels_) {
     double wave = 0, point = 0;
-    PetscCall(level->LargestSpeeds(&wave, &point));
+    level->LargestSpeeds(&wave, &point);
     values[0] = std::max(values[0], wave);
     values[1] = std::max(values[1], point);
     if (level->Failure().kind != LevelFailure::kNone) values[2] = 1;
@@ -314,11 +314,11 @@ PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
     const double range = kPointRange * settings_.levels[l].grid.spacing + travel + drift;
     const double touch = range + (TouchRange(model_->contact) - kPointRange) * settings_.levels[l].grid.spacing;
     Box near = kNowhere, touching = kNowhere;
-    PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), range, &near));
-    PetscCall(levels_[l]->FindNearIndenter(tip_.At(time), touch, &touching));
+    levels_[l]->FindNearIndenter(tip_.At(time), range, &near);
+    levels_[l]->FindNearIndenter(tip_.At(time), touch, &touching);
     largest.push_back(touching.lower[0] < HUGE_VAL);
     for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
-      if (other != l) PetscCall(levels_[other]->FindNearIndenter(tip_.At(time), range, &near));
+      if (other != l) levels_[other]->FindNearIndenter(tip_.At(time), range, &near);
     for (const double x : near.lower) largest.push_back(-x);
     largest.insert(largest.end(), near.upper.begin(), near.upper.end());
   }

@@ -210,16 +210,15 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   std::vector<char> record(level.PointStore().RecordBytes());
   for (const auto &[parent, family] : WholeFamilies(FindSmall(level, numbers, rank), numbers, children)) {
     std::vector<int> points;
-    Budgets before, after;
     for (const Sibling &s : family) points.push_back(s.point);
-    PetscCall(level.SumPoints(points, &before));
+    const Budgets before = level.SumPoints(points);
     if (std::isfinite(most_loss) &&
         Distortion(level.PointStore().Arrays(), family, ratio) > kMostDistortion * level.Geometry().grid.spacing)
       continue;
     level.PointStore().Pack(points.front(), record.data());
     const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);
     MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
-    PetscCall(level.SumPoints({points.front()}, &after));
+    const Budgets after = level.SumPoints({points.front()});
     const double speed = SpeedOfSoundOf(level, points.front()), least = 0.5 * before.mass * std::pow(kNoStrain * speed, 2);
     if (std::abs(after.strain_energy - before.strain_energy) > allowed * std::max<double>(before.strain_energy, least)) {
       level.PointStore().Unpack(record.data(), points.front());

@@ -109,7 +109,7 @@ PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
   std::vector<VelocitySample> samples;
   std::vector<double> tensors;
   PetscFunctionBeginUser;
-  if (dt_shift != 0) PetscCall(from_->SampleVelocity(points, &samples));
+  if (dt_shift != 0) samples = from_->SampleVelocity(points);
   if (smooth) PetscCall(from_->SmoothTensors(points, &tensors));
   ForEachEvolving(from_->PointStore(), [&](PointField field, const double *data, int components, int place) {
     for (std::size_t k = 0; k < points.size(); ++k) {

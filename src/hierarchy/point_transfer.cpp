@@ -93,13 +93,13 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 PetscErrorCode PointTransfer::Enter(std::vector<int> points, double dt, double shift, LevelInterface *border)
 {
   const PointArrays coarse = coarse_.PointStore().Arrays();
-  std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   points.erase(std::remove_if(points.begin(), points.end(), [&](int p) { return fine_.OwnerOf(coarse, p) < 0; }),
                points.end()); // beyond the finer grid, which ends the run soon: not to be split
   budgets_.points_entered += static_cast<double>(points.size());
   const std::vector<int> parents = ParentsAmong(points);
-  PetscCall(coarse_.SampleVelocity(parents, &samples)); // before the nodal sums are used for the forces
+  // Before the nodal sums are used for the forces.
+  const std::vector<VelocitySample> samples = coarse_.SampleVelocity(parents);
   if (border) {
     PetscCall(coarse_.GatherForcesOf(points, -1));
     PetscCall(border->ShiftForces(false));
@@ -112,13 +112,11 @@ PetscErrorCode PointTransfer::Enter(std::vector<int> points, double dt, double s
 PetscErrorCode PointTransfer::SplitRing()
 {
   const Box box = BoxAt(rule_.ring);
-  std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
   std::vector<int> near = PointsIn(coarse_.PointStore().Arrays(), box, true);
   const std::vector<int> parents = ParentsAmong(near);
-  PetscCall(coarse_.SampleVelocity(parents, &samples));
-  PetscCall(Split(parents, samples, &near));
+  PetscCall(Split(parents, coarse_.SampleVelocity(parents), &near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,7 +125,7 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
   Migrants migrants;
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
-  if (shift != 0) PetscCall(from.SampleVelocity(points, &samples));
+  if (shift != 0) samples = from.SampleVelocity(points);
   const PointArrays a = from.PointStore().Arrays();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
@@ -135,13 +133,12 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
     for (int d = 0; d < a.dim && shift != 0; ++d)
       a.velocity[PointArrays::At(p, a.dim) + d] += shift / step * samples[k].change[d];
   }
-  Budgets sent, received;
   const int before = to.PointStore().Count();
-  PetscCall(from.SumPoints(migrants.points, &sent));
+  const Budgets sent = from.SumPoints(migrants.points);
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), migrants));
   std::vector<int> incoming(to.PointStore().Count() - before); // at the end of the storage
   std::iota(incoming.begin(), incoming.end(), before);
-  PetscCall(to.SumPoints(incoming, &received));
+  const Budgets received = to.SumPoints(incoming);
   budgets_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
   budgets_.mass_adrift += sent.mass - received.mass;
   budgets_.momentum_adrift += sent.momentum - received.momentum;

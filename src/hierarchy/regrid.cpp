@@ -76,9 +76,7 @@ PetscErrorCode Hierarchy::SplitIntoBoxes(const std::vector<LevelGeometry> &next,
       Budgets &totals = transfers_[t - 1]->Totals();
       std::vector<int> points = PointsIn(level.PointStore().Arrays(), WidenedBox(next[t], kEnter * h), true);
       const std::vector<int> parents = FindParents(level, points, h, ratio, *numbers_, &totals);
-      std::vector<VelocitySample> samples;
-      PetscCall(level.SampleVelocity(parents, &samples));
-      PetscCall(SplitPoints(level, {parts, *numbers_}, parents, samples, &points, &totals));
+      PetscCall(SplitPoints(level, {parts, *numbers_}, parents, level.SampleVelocity(parents), &points, &totals));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -113,10 +113,9 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
                            const std::vector<VelocitySample> &samples, std::vector<int> *points, Budgets *budgets)
 {
   const int children = split.Children();
-  Budgets before, after;
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(level.SumPoints(*points, &before));
+  const Budgets before = level.SumPoints(*points);
   Points &store = level.PointStore();
   int next = store.Count();
   PetscCall(store.Resize(next + static_cast<int>(parents.size()) * (children - 1)));
@@ -129,8 +128,7 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
       MakeChild(level.Physics(), a, target, child, split, samples[k]);
     }
   level.PutBack(*points);
-  PetscCall(level.SumPoints(*points, &after));
-  AddChange(before, after, budgets);
+  AddChange(before, level.SumPoints(*points), budgets);
   budgets->points_split += static_cast<double>(parents.size());
   budgets->points_made += static_cast<double>(parents.size()) * (children - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -184,7 +182,6 @@ PetscErrorCode SplitStretched(MPI_Comm world, Level &level, const PointNumbers &
 {
   const int dim = level.Geometry().grid.dim;
   int any = 0;
-  std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
   any = !FindStretched(level, numbers, dim == 3 ? std::vector<int>{0, 1, 2} : std::vector<int>{0, 1}).empty();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world));
@@ -194,8 +191,7 @@ PetscErrorCode SplitStretched(MPI_Comm world, Level &level, const PointNumbers &
     parts[axis] = 2;
     std::vector<int> points = FindStretched(level, numbers, {axis});
     const std::vector<int> parents = points;
-    PetscCall(level.SampleVelocity(parents, &samples));
-    PetscCall(SplitPoints(level, {parts, numbers}, parents, samples, &points, &level.Totals()));
+    PetscCall(SplitPoints(level, {parts, numbers}, parents, level.SampleVelocity(parents), &points, &level.Totals()));
   }
   PetscCall(level.Migrate(true));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -101,9 +101,8 @@ PetscErrorCode Level::PointsToGrid(double time)
     kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
   PointFailure failure;
-  PetscCall(AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure));
-  for (Points &copies : copies_)
-    PetscCall(AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, applied_, failure));
+  AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure);
+  for (Points &copies : copies_) AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, applied_, failure);
   NoteFailure(failure, time);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

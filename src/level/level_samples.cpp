@@ -1,5 +1,6 @@
 // What a level tells about its points: sums, extremes, velocities and forces of some.
 #include "level/level.hpp"
+#include "level/point_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,15 +8,14 @@
 namespace mlgimp
 {
 
-PetscErrorCode Level::SampleVelocity(const std::vector<int> &points, std::vector<VelocitySample> *samples)
+std::vector<VelocitySample> Level::SampleVelocity(const std::vector<int> &points)
 {
-  PetscFunctionBeginUser;
-  samples->resize(points.size());
-  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  std::vector<VelocitySample> samples(points.size());
+  if (!grid_->Participates()) return samples;
   const PointArrays arrays = points_.Arrays();
   const SweepView view = {*grid_, arrays, nullptr, bodies_};
-  for (std::size_t k = 0; k < points.size(); ++k) (*samples)[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (std::size_t k = 0; k < points.size(); ++k) samples[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
+  return samples;
 }
 
 PetscErrorCode Level::FindVelocities()
@@ -95,29 +95,22 @@ static void AddPoints(const PointArrays &points, const Material &material, Budge
   sums->points += points.count;
 }
 
-PetscErrorCode Level::SumPoints(Budgets *sums)
+void Level::SumPoints(Budgets *sums)
 {
-  PetscFunctionBeginUser;
-  const PointArrays points = points_.Arrays();
-  for (int first = 0, end; first < points.count; first = end) {
-    end = bodies_.BlockEnd(points, first);
-    AddPoints(Slice(points, first, end), bodies_.Of(points, first), sums);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  ForEachBlock({*grid_, points_.Arrays(), nullptr, bodies_}, [&](const Block &b) { AddPoints(b, b.material, sums); });
 }
 
-PetscErrorCode Level::SumPoints(const std::vector<int> &list, Budgets *sums)
+Budgets Level::SumPoints(const std::vector<int> &list)
 {
-  PetscFunctionBeginUser;
+  Budgets sums;
   const PointArrays points = points_.Arrays();
-  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), sums);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), &sums);
+  return sums;
 }
 
-PetscErrorCode Level::FindNearIndenter(Vec3 tip, double range, Box *near)
+void Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 {
-  PetscFunctionBeginUser;
-  if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contact_) return;
   const PointArrays points = points_.Arrays();
   const std::vector<int> &surface = points_.SurfacePoints();
   for (int p : surface) {
@@ -128,36 +121,27 @@ PetscErrorCode Level::FindNearIndenter(Vec3 tip, double range, Box *near)
       near->upper[axis] = std::max(near->upper[axis], x[axis]);
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::LargestSpeeds(double *wave, double *point)
+void Level::LargestSpeeds(double *wave, double *point)
 {
-  double speed2[kBlock], hoop[kBlock];
-  PetscFunctionBeginUser;
   *wave = *point = 0;
-  const PointArrays points = points_.Arrays();
-  for (int first = 0, end; first < points.count; first = end) {
-    end = bodies_.BlockEnd(points, first);
-    const PointArrays block = Slice(points, first, end);
-    bodies_.Of(points, first).WaveSpeedSquared(block.count, block.F, HoopStretch(block, hoop), speed2);
-    double speeds[kBlock], fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
-    for (int p = first; p < end; ++p) {
-      const Vec3 v = points.Velocity(p);
-      speeds[p - first] = std::sqrt(Dot(v, v));
-    }
+  ForEachBlock({*grid_, points_.Arrays(), nullptr, bodies_}, [&](const Block &b) {
+    double speed2[kBlock], hoop[kBlock], speeds[kBlock];
+    double fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
+    b.material.WaveSpeedSquared(b.count, b.F, HoopStretch(b, hoop), speed2);
+    for (int p = 0; p < b.count; ++p) speeds[p] = Norm(b.Velocity(p));
 #pragma omp simd reduction(max : fastest_point, fastest_wave) reduction(+ : sum)
-    for (int k = 0; k < end - first; ++k) {
-      fastest_point = std::max(fastest_point, speeds[k]);
-      fastest_wave = std::max(fastest_wave, speeds[k] + std::sqrt(speed2[k]));
-      sum += speeds[k];
+    for (int p = 0; p < b.count; ++p) {
+      fastest_point = std::max(fastest_point, speeds[p]);
+      fastest_wave = std::max(fastest_wave, speeds[p] + std::sqrt(speed2[p]));
+      sum += speeds[p];
     }
-    for (int p = first; std::isnan(sum) && p < end; ++p)
-      if (std::isnan(speeds[p - first])) NoteFailure({PointFailure::kNotFinite, points.id[p], points.Position(p)}, time_);
+    for (int p = 0; std::isnan(sum) && p < b.count; ++p)
+      if (std::isnan(speeds[p])) NoteFailure({PointFailure::kNotFinite, b.id[p], b.Position(p)}, time_);
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  });
 }
 
 } // namespace mlgimp

@@ -39,13 +39,12 @@ static bool PlaceFace(const Grid &grid, const Face &face, FaceForce *placed)
   return true;
 }
 
-PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry,
-                        double time, std::vector<FaceForce> &applied, PointFailure &failure)
+void AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Load> &loads, const Geometry &geometry, double time,
+              std::vector<FaceForce> &applied, PointFailure &failure)
 {
   const int dim = grid.Geometry().dim;
   std::vector<double> pressure;
-  PetscFunctionBeginUser;
-  if (loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (loads.empty()) return;
   for (const Load &load : loads) pressure.push_back(load.pressure.Value(time));
   const PointArrays arrays = points.Arrays();
   const std::vector<int> &surface = points.SurfacePoints();
@@ -65,7 +64,6 @@ PetscErrorCode AddLoads(const Grid &grid, Points &points, bool owned, const std:
       });
       if (owned) applied.push_back(placed);
     }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, bool rates, double mass_cutoff, double dt,

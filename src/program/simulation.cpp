@@ -342,7 +342,7 @@ void Simulation::SetFrictionForce(double time)
 /// Keeps this rank's part of a row until the next look, so that rows cost no agreement of all ranks in their steps.
 void Simulation::NoteRow()
 {
-  EndOn(hierarchy_.SumBudgets(&row_sums_.emplace_back()));
+  row_sums_.push_back(hierarchy_.SumBudgets());
   rows_.push_back({state_.step, state_.time, hierarchy_.Tip().At(state_.time)});
 }
 

@@ -26,7 +26,7 @@ public:
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 3, MPI_DOUBLE, MPI_MAX, view.group.Comm()));
     const double tip = view.tip.start[0];
     if (bounds[0] > -HUGE_VAL) report->half_width = std::max(bounds[1] - tip, tip + bounds[0]);
-    PetscCall(CountPoints(view, bounds[2] > 0, report));
+    CountPoints(view, bounds[2] > 0, report);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -46,9 +46,8 @@ private:
     bounds[2] = std::max(bounds[2], std::abs(mass * approach * gap.normal[1]));
   }
 
-  static PetscErrorCode CountPoints(const ContactView &view, bool touching, ContactReport *report)
+  static void CountPoints(const ContactView &view, bool touching, ContactReport *report)
   {
-    PetscFunctionBeginUser;
     const PointArrays points = view.points.Arrays();
     const std::vector<int> &surface = view.points.SurfacePoints();
     for (int p : surface) {
@@ -56,7 +55,6 @@ private:
       report->local_points += touching && distance < view.grid.Geometry().spacing;
       report->penetration = std::max(report->penetration, -distance);
     }
-    PetscFunctionReturn(PETSC_SUCCESS);
   }
 };
 

@@ -100,7 +100,7 @@ public:
   {
     PetscFunctionBeginUser;
     *report = {};
-    PetscCall(CollectSegments(view, report));
+    CollectSegments(view, report);
     SendPattern pattern = OwnersOfNodes(view, &report->at_border);
     PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &pattern, &report->at_border));
     NumberUnknowns(view);
@@ -120,7 +120,7 @@ public:
     std::size_t s = 0;
     std::vector<double> of_columns;
     PetscFunctionBeginUser;
-    PetscCall(CollectSegments(view, &discarded));
+    CollectSegments(view, &discarded);
     PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &nobody, &discarded.at_border));
     PetscCall(PressuresOfColumns(view, &of_columns));
     pressures->assign(view.points.Count(), 0.0);
@@ -146,11 +146,10 @@ private:
     Vec3 B[3][4][8] = {}; ///< of the pressure and of tractions along the horizontal axes
   };
 
-  PetscErrorCode CollectSegments(const ContactView &view, ContactReport *report)
+  void CollectSegments(const ContactView &view, ContactReport *report)
   {
     const double range = kContactRange * view.grid.Geometry().spacing;
     std::vector<SurfaceSegment> all;
-    PetscFunctionBeginUser;
     segments_.clear();
     points_.clear();
     least_gap_ = range;
@@ -177,7 +176,6 @@ private:
       }
       points_.push_back({p, segments_.size()});
     }
-    PetscFunctionReturn(PETSC_SUCCESS);
   }
 
   /// To which ranks this one may send couplings: the owners of all nodes around its segments. at_border: nodes of the coarser

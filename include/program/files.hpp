@@ -3,37 +3,39 @@
 
 #include <string>
 #include <unistd.h>
+#include <utility>
 
 namespace mlgimp
 {
 
-/// Owns a file descriptor.
-class Descriptor
+/// Owns what a number stands for, a file or an object of HDF5, and closes it by a function; a negative number is none.
+template <class Id> class Owned
 {
 public:
-  Descriptor() = default;
-  explicit Descriptor(int id) : id_(id) {}
-  Descriptor(const Descriptor &) = delete;
-  Descriptor &operator=(const Descriptor &) = delete;
-  ~Descriptor() { Close(); }
-  void Reset(int id)
+  Owned() = default;
+  Owned(Id id, int (*close)(Id)) : id_(id), close_(close) {}
+  Owned(Owned &&other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Owned &operator=(Owned &&other) noexcept
   {
-    Close();
-    id_ = id;
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
   }
-  /// False, with errno, where what was written could not be kept.
+  ~Owned() { Close(); }
+  /// False where that fails, for instance when what was still to be written did not fit on the disk; of a file with errno.
   bool Close()
   {
-    const int id = id_;
-    id_ = -1;
-    return id < 0 || close(id) == 0;
+    const Id id = std::exchange(id_, -1);
+    return id < 0 || close_(id) >= 0;
   }
-  operator int() const { return id_; }
+  operator Id() const { return id_; }
   bool Valid() const { return id_ >= 0; }
 
 private:
-  int id_ = -1;
+  Id id_ = -1;
+  int (*close_)(Id) = nullptr;
 };
+using Descriptor = Owned<int>; ///< of the system, which `close` closes
 
 /// "cannot write PATH: REASON"; error: what errno was, or 0 where the system gave no reason.
 std::string CannotWrite(const std::string &path, int error);

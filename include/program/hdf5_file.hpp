@@ -11,7 +11,6 @@
 #include <hdf5.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace mlgimp
@@ -28,34 +27,7 @@ inline hid_t H5Type(FieldType type)
 /// without the folder, that a killed run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
 void PrepareHdf5();
 
-/// Owns one HDF5 identifier.
-class H5Handle
-{
-public:
-  H5Handle() = default;
-  H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  H5Handle(H5Handle &&other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
-  H5Handle &operator=(H5Handle &&other) noexcept
-  {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  ~H5Handle() { Close(); }
-  /// False if the library reports an error, for instance when what it still had to write did not fit on the disk.
-  bool Close()
-  {
-    const hid_t id = id_;
-    id_ = -1;
-    return id < 0 || close_(id) >= 0;
-  }
-  operator hid_t() const { return id_; }
-  bool Valid() const { return id_ >= 0; }
-
-private:
-  hid_t id_ = -1;
-  herr_t (*close_)(hid_t) = nullptr;
-};
+using H5Handle = Owned<hid_t>;
 
 /// Where a rank's rows lie in a dataset.
 struct Slab {

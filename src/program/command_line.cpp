@@ -52,7 +52,7 @@ bool ReadAll(const std::string &path, std::string *text)
   constexpr int kPatience = 5000; // ms
   constexpr std::size_t kMost = 100000000;
   char buffer[1 << 16];
-  Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)); // a pipe without a writer would be waited for
+  Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC), close); // a pipe without a writer would be waited for
   while (file.Valid() && text->size() < kMost) {
     pollfd ready{file, POLLIN, 0};
     if (poll(&ready, 1, kPatience) == 0) return false;

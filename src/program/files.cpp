@@ -28,7 +28,7 @@ bool WriteAll(int file, const std::string &text)
 std::string ReplaceFile(const std::string &path, const std::string &text)
 {
   const std::string part = path + ".part";
-  Descriptor file(open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
+  Descriptor file(open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), close);
   if (file.Valid() && WriteAll(file, text) && file.Close() && std::rename(part.c_str(), path.c_str()) == 0) return "";
   const int error = errno;
   unlink(part.c_str());

@@ -73,7 +73,7 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   checked_ = checked;
   chunks_ = 0;
   if (RankIn(comm) == 0) {
-    part_.Reset(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
+    part_ = Descriptor(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), close);
     NoteSystem(part_.Valid());
   }
   Reserve(0);

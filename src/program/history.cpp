@@ -68,7 +68,7 @@ std::string History::Open(MPI_Comm comm, const std::string &directory, const Geo
   std::string problem = OnFirstRank(comm, "history_open", [&] {
     const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
     const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);
-    if (wrong.empty()) file_.Reset(open(path_.c_str(), O_WRONLY | O_APPEND));
+    if (wrong.empty()) file_ = Descriptor(open(path_.c_str(), O_WRONLY | O_APPEND), close);
     return wrong.empty() && !file_.Valid() ? CannotWrite(path_, errno) : wrong;
   });
   MPI_Bcast(&last_, 1, MPI_LONG, 0, comm);

@@ -102,7 +102,7 @@ std::string OutputFolder::Lock()
 {
   const std::string path = PathOf(kLockName);
   do {
-    lock_.Reset(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+    lock_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666), close);
     // Where no file can be made, the first result says why; where a file system has no locks, nobody can tell.
     if (!lock_.Valid()) return "";
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {

@@ -3,6 +3,8 @@
 
 #include "base/petsc.hpp"
 
+#include <array>
+#include <tuple>
 #include <utility>
 
 namespace mlgimp
@@ -46,6 +48,17 @@ using VecHandle = Handle<Vec, VecDestroy>;
 using MatHandle = Handle<Mat, MatDestroy>;
 using KSPHandle = Handle<KSP, KSPDestroy>;
 using SFHandle = Handle<PetscSF, PetscSFDestroy>;
+
+/// Calls work(numbers, ...) with this rank's numbers of some vectors, and gives them back.
+template <std::size_t count, class Work> PetscErrorCode WithNumbers(const Vec (&vectors)[count], Work work)
+{
+  std::array<PetscScalar *, count> numbers;
+  PetscFunctionBeginUser;
+  for (std::size_t k = 0; k < count; ++k) PetscCall(VecGetArray(vectors[k], &numbers[k]));
+  std::apply(work, numbers);
+  for (std::size_t k = 0; k < count; ++k) PetscCall(VecRestoreArray(vectors[k], &numbers[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /// Owns an MPI type of some doubles in a row.
 class UnitHandle

@@ -75,15 +75,12 @@ PetscErrorCode ActiveSetSolver::SetPattern(const ComplementarityProblem &problem
 PetscErrorCode ActiveSetSolver::SetValues(const ComplementarityProblem &problem, const std::vector<double> &lambda)
 {
   PetscReal largest;
-  PetscScalar *values;
   PetscFunctionBeginUser;
   PetscCall(MatSetValuesCOO(A_, problem.values.data(), INSERT_VALUES));
-  PetscCall(VecGetArray(r_, &values));
-  std::copy(problem.r.begin(), problem.r.end(), values);
-  PetscCall(VecRestoreArray(r_, &values));
-  PetscCall(VecGetArray(lambda_, &values));
-  std::copy(lambda.begin(), lambda.end(), values);
-  PetscCall(VecRestoreArray(lambda_, &values));
+  PetscCall(WithNumbers({r_, lambda_}, [&](PetscScalar *r, PetscScalar *start) {
+    std::copy(problem.r.begin(), problem.r.end(), r);
+    std::copy(lambda.begin(), lambda.end(), start);
+  }));
   PetscCall(MatGetDiagonal(A_, diagonal_));
   PetscCall(VecMax(diagonal_, nullptr, &largest));
   scale_ = std::ldexp(1.0, -std::ilogb(largest));
@@ -97,16 +94,11 @@ PetscErrorCode ActiveSetSolver::SetValues(const ComplementarityProblem &problem,
 PetscErrorCode ActiveSetSolver::StartSet()
 {
   PetscReal largest;
-  const PetscScalar *values;
-  PetscScalar *active;
   PetscFunctionBeginUser;
   PetscCall(VecMax(lambda_, nullptr, &largest));
-  const Vec source = largest > 0 ? lambda_ : r_;
-  PetscCall(VecGetArrayRead(source, &values));
-  PetscCall(VecGetArray(active_, &active));
-  for (PetscInt k = 0; k < size_; ++k) active[k] = values[k] > 0;
-  PetscCall(VecRestoreArray(active_, &active));
-  PetscCall(VecRestoreArrayRead(source, &values));
+  PetscCall(WithNumbers({largest > 0 ? lambda_ : r_, active_}, [&](const PetscScalar *values, PetscScalar *active) {
+    for (PetscInt k = 0; k < size_; ++k) active[k] = values[k] > 0;
+  }));
   if (tractions_) PetscCall(StartFriction());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -161,22 +153,17 @@ PetscErrorCode ActiveSetSolver::FindSlack()
 /// A row stays in the set with lambda > 0 and enters it with A lambda - r < 0.
 PetscErrorCode ActiveSetSolver::UpdateSet(int *changed)
 {
-  PetscScalar *active;
-  const PetscScalar *lambda, *slack;
   PetscFunctionBeginUser;
   PetscCall(FindSlack());
-  PetscCall(VecGetArray(active_, &active));
-  PetscCall(VecGetArrayRead(lambda_, &lambda));
-  PetscCall(VecGetArrayRead(work_, &slack));
   *changed = 0;
-  for (PetscInt k = 0; k < size_; ++k) {
-    const PetscScalar now = active[k] != 0 ? lambda[k] > 0 : slack[k] < 0;
-    *changed = *changed || now != active[k];
-    active[k] = now;
-  }
-  PetscCall(VecRestoreArray(active_, &active));
-  PetscCall(VecRestoreArrayRead(lambda_, &lambda));
-  PetscCall(VecRestoreArrayRead(work_, &slack));
+  const auto update = [&](PetscScalar *active, const PetscScalar *lambda, const PetscScalar *slack) {
+    for (PetscInt k = 0; k < size_; ++k) {
+      const PetscScalar now = active[k] != 0 ? lambda[k] > 0 : slack[k] < 0;
+      *changed = *changed || now != active[k];
+      active[k] = now;
+    }
+  };
+  PetscCall(WithNumbers({active_, lambda_, work_}, update));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, changed, 1, MPI_INT, MPI_MAX, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -242,15 +229,14 @@ PetscErrorCode ActiveSetSolver::Solve(const ComplementarityProblem &problem, std
 /// Hands out what was found: pressures that are not negative, and tractions within what friction allows.
 PetscErrorCode ActiveSetSolver::Settle(std::vector<double> *lambda, ActiveSetReport *report)
 {
-  const PetscScalar *values;
   PetscFunctionBeginUser;
   if (tractions_) PetscCall(SettleFriction(report));
-  PetscCall(VecGetArrayRead(lambda_, &values));
-  for (PetscInt k = 0; k < size_; ++k) {
-    (*lambda)[k] = IsPressure(k) ? std::max(values[k], 0.0) : values[k];
-    report->active += IsPressure(k) && values[k] > 0;
-  }
-  PetscCall(VecRestoreArrayRead(lambda_, &values));
+  PetscCall(WithNumbers({lambda_}, [&](const PetscScalar *values) {
+    for (PetscInt k = 0; k < size_; ++k) {
+      (*lambda)[k] = IsPressure(k) ? std::max(values[k], 0.0) : values[k];
+      report->active += IsPressure(k) && values[k] > 0;
+    }
+  }));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->active, 1, MPI_INT, MPI_SUM, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -50,20 +50,16 @@ bool Differs(const SlipState &a, const SlipState &b, int tractions)
 PetscErrorCode ActiveSetSolver::StartFriction()
 {
   constexpr double kAtBound = 1 - 1e-6;
-  const PetscScalar *values;
-  PetscScalar *active;
   PetscFunctionBeginUser;
   slips_.assign(size_ / (1 + tractions_), {});
-  PetscCall(VecGetArrayRead(lambda_, &values));
-  PetscCall(VecGetArray(active_, &active));
-  for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
-    const double tau[2] = {values[k + 1], tractions_ > 1 ? values[k + 2] : 0}, bound = kAtBound * friction_ * values[k];
-    for (int a = 1; a <= tractions_; ++a) active[k + a] = active[k];
-    if (values[k] > 0) slips_[k / (1 + tractions_)] = StateOf(tau, tractions_, bound);
-    slips_[k / (1 + tractions_)].share = 0; // the direction is known, not how firm it is
-  }
-  PetscCall(VecRestoreArray(active_, &active));
-  PetscCall(VecRestoreArrayRead(lambda_, &values));
+  PetscCall(WithNumbers({lambda_, active_}, [&](const PetscScalar *values, PetscScalar *active) {
+    for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
+      const double tau[2] = {values[k + 1], tractions_ > 1 ? values[k + 2] : 0}, bound = kAtBound * friction_ * values[k];
+      for (int a = 1; a <= tractions_; ++a) active[k + a] = active[k];
+      if (values[k] > 0) slips_[k / (1 + tractions_)] = StateOf(tau, tractions_, bound);
+      slips_[k / (1 + tractions_)].share = 0; // the direction is known, not how firm it is
+    }
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,51 +118,40 @@ PetscErrorCode ActiveSetSolver::AddRow(PetscInt from, PetscInt to, double factor
 /// What the rows of columns that slip have of a right side: share T of it.
 PetscErrorCode ActiveSetSolver::ProjectSlips(Vec right_side, Vec projected)
 {
-  const PetscScalar *from;
-  PetscScalar *to;
   PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(right_side, &from));
-  PetscCall(VecGetArray(projected, &to));
-  for (PetscInt k = 0; k < size_; ++k) {
-    const SlipState &state = slips_[k / (1 + tractions_)];
-    const PetscInt pressure = k - k % (1 + tractions_);
-    if (IsPressure(k) || !state.slips || to[pressure] == 0) continue;
-    to[k] = 0;
-    for (int b = 0; b < tractions_; ++b)
-      to[k] += state.share * Across(state, static_cast<int>(k - pressure) - 1, b) * from[pressure + 1 + b];
-  }
-  PetscCall(VecRestoreArray(projected, &to));
-  PetscCall(VecRestoreArrayRead(right_side, &from));
+  PetscCall(WithNumbers({right_side, projected}, [&](const PetscScalar *from, PetscScalar *to) {
+    for (PetscInt k = 0; k < size_; ++k) {
+      const SlipState &state = slips_[k / (1 + tractions_)];
+      const PetscInt pressure = k - k % (1 + tractions_);
+      if (IsPressure(k) || !state.slips || to[pressure] == 0) continue;
+      to[k] = 0;
+      for (int b = 0; b < tractions_; ++b)
+        to[k] += state.share * Across(state, static_cast<int>(k - pressure) - 1, b) * from[pressure + 1 + b];
+    }
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Columns open and close as without friction; those that are closed stick or slip.
 PetscErrorCode ActiveSetSolver::UpdateFriction(int *changed)
 {
-  const PetscScalar *x, *slack, *diagonal;
-  PetscScalar *active;
   PetscFunctionBeginUser;
   PetscCall(FindSlack());
-  PetscCall(VecGetArray(active_, &active));
-  PetscCall(VecGetArrayRead(lambda_, &x));
-  PetscCall(VecGetArrayRead(work_, &slack));
-  PetscCall(VecGetArrayRead(diagonal_, &diagonal));
   *changed = 0;
-  for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
-    const PetscScalar now = active[k] != 0 ? x[k] > 0 : slack[k] < 0;
-    const double d = Stiffness(diagonal, k, tractions_),
-                 y[2] = {d * x[k + 1] - slack[k + 1], tractions_ > 1 ? d * x[k + 2] - slack[k + 2] : 0};
-    SlipState &state = slips_[k / (1 + tractions_)];
-    const double bound = std::isinf(friction_) ? friction_ : d * friction_ * std::max(x[k], 0.0);
-    const SlipState next = now != 0 ? StateOf(y, tractions_, bound) : SlipState();
-    *changed = *changed || now != active[k] || Differs(next, state, tractions_);
-    active[k] = now;
-    state = next;
-  }
-  PetscCall(VecRestoreArrayRead(diagonal_, &diagonal));
-  PetscCall(VecRestoreArrayRead(work_, &slack));
-  PetscCall(VecRestoreArrayRead(lambda_, &x));
-  PetscCall(VecRestoreArray(active_, &active));
+  const auto update = [&](PetscScalar *active, const PetscScalar *x, const PetscScalar *slack, const PetscScalar *diagonal) {
+    for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
+      const PetscScalar now = active[k] != 0 ? x[k] > 0 : slack[k] < 0;
+      const double d = Stiffness(diagonal, k, tractions_),
+                   y[2] = {d * x[k + 1] - slack[k + 1], tractions_ > 1 ? d * x[k + 2] - slack[k + 2] : 0};
+      SlipState &state = slips_[k / (1 + tractions_)];
+      const double bound = std::isinf(friction_) ? friction_ : d * friction_ * std::max(x[k], 0.0);
+      const SlipState next = now != 0 ? StateOf(y, tractions_, bound) : SlipState();
+      *changed = *changed || now != active[k] || Differs(next, state, tractions_);
+      active[k] = now;
+      state = next;
+    }
+  };
+  PetscCall(WithNumbers({active_, lambda_, work_, diagonal_}, update));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, changed, 1, MPI_INT, MPI_MAX, comm_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -175,30 +160,27 @@ PetscErrorCode ActiveSetSolver::UpdateFriction(int *changed)
 PetscErrorCode ActiveSetSolver::SettleFriction(ActiveSetReport *report)
 {
   constexpr double kAtBound = 1 - 1e-6;
-  const PetscScalar *slip;
-  PetscScalar *x, carried = 0;
+  PetscScalar carried = 0;
   PetscFunctionBeginUser;
-  PetscCall(VecGetArray(lambda_, &x));
-  for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
-    const double bound = x[k] > 0 ? friction_ * x[k] : 0,
-                 size = tractions_ == 1 ? std::abs(x[k + 1]) : std::hypot(x[k + 1], x[k + 2]);
-    for (int a = 1; a <= tractions_; ++a)
-      if (size > kAtBound * bound) x[k + a] *= bound / size;
-    x[k] = std::max(x[k], 0.0);
-  }
-  PetscCall(VecRestoreArray(lambda_, &x));
+  PetscCall(WithNumbers({lambda_}, [&](PetscScalar *x) {
+    for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
+      const double bound = x[k] > 0 ? friction_ * x[k] : 0,
+                   size = tractions_ == 1 ? std::abs(x[k + 1]) : std::hypot(x[k + 1], x[k + 2]);
+      for (int a = 1; a <= tractions_; ++a)
+        if (size > kAtBound * bound) x[k + a] *= bound / size;
+      x[k] = std::max(x[k], 0.0);
+    }
+  }));
   if (report->fallback && travels_) PetscCall(VecDot(c_, lambda_, &carried));
   if (carried > 0) PetscCall(VecScale(lambda_, load_ / carried));
   PetscCall(FindSlack());
-  PetscCall(VecGetArray(lambda_, &x));
-  PetscCall(VecGetArrayRead(work_, &slip));
-  for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
-    double squares = 0, work = 0;
-    for (int a = 1; a <= tractions_; ++a) squares += x[k + a] * x[k + a], work -= x[k + a] * slip[k + a] / scale_;
-    if (std::sqrt(squares) >= kAtBound * friction_ * x[k]) report->heat += std::max(work, 0.0); // else it sticks
-  }
-  PetscCall(VecRestoreArrayRead(work_, &slip));
-  PetscCall(VecRestoreArray(lambda_, &x));
+  PetscCall(WithNumbers({lambda_, work_}, [&](const PetscScalar *x, const PetscScalar *slip) {
+    for (PetscInt k = 0; k < size_; k += 1 + tractions_) {
+      double squares = 0, work = 0;
+      for (int a = 1; a <= tractions_; ++a) squares += x[k + a] * x[k + a], work -= x[k + a] * slip[k + a] / scale_;
+      if (std::sqrt(squares) >= kAtBound * friction_ * x[k]) report->heat += std::max(work, 0.0); // else it sticks
+    }
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -14,20 +14,17 @@ namespace mlgimp
 /// The load and what pressures carry of it; the set keeps rows that can carry some.
 PetscErrorCode ActiveSetSolver::SetLoad(const ComplementarityProblem &problem)
 {
-  PetscScalar *c, *active;
   PetscFunctionBeginUser;
   for (VecHandle *vector : {&c_, &r_at_rest_, &x1_, &x2_}) PetscCall(VecDuplicate(r_, vector->Out()));
   PetscCall(VecSet(x1_, 0)); // a restart has no other start
   PetscCall(VecSet(x2_, 0));
   PetscCall(VecCopy(r_, r_at_rest_));
-  PetscCall(VecGetArray(c_, &c));
-  PetscCall(VecGetArray(active_, &active));
-  for (PetscInt k = 0; k < size_; ++k) {
-    c[k] = problem.c[k];
-    if (IsPressure(k) && !(c[k] > 0)) active[k] = 0;
-  }
-  PetscCall(VecRestoreArray(active_, &active));
-  PetscCall(VecRestoreArray(c_, &c));
+  PetscCall(WithNumbers({c_, active_}, [&](PetscScalar *c, PetscScalar *active) {
+    for (PetscInt k = 0; k < size_; ++k) {
+      c[k] = problem.c[k];
+      if (IsPressure(k) && !(c[k] > 0)) active[k] = 0;
+    }
+  }));
   load_ = problem.load;
   travel_ = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -46,27 +43,20 @@ PetscErrorCode ActiveSetSolver::MoveTo(double travel)
 /// to infinity.
 PetscErrorCode ActiveSetSolver::FindTouch()
 {
-  const PetscScalar *c, *r;
-  PetscScalar *active;
   PetscInt row = -1;
   struct {
     double ratio;
     int rank;
-  } first = {-HUGE_VAL, 0};
-  PetscMPIInt rank;
+  } first = {-HUGE_VAL, RankIn(comm_)};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm_, &rank));
-  first.rank = rank;
-  PetscCall(VecGetArrayRead(c_, &c));
-  PetscCall(VecGetArrayRead(r_at_rest_, &r));
-  for (PetscInt k = 0; k < size_; ++k)
-    if (IsPressure(k) && c[k] > 0 && r[k] / c[k] > first.ratio) first.ratio = r[k] / c[k], row = k;
-  PetscCall(VecRestoreArrayRead(r_at_rest_, &r));
-  PetscCall(VecRestoreArrayRead(c_, &c));
+  PetscCall(WithNumbers({c_, r_at_rest_}, [&](const PetscScalar *c, const PetscScalar *r) {
+    for (PetscInt k = 0; k < size_; ++k)
+      if (IsPressure(k) && c[k] > 0 && r[k] / c[k] > first.ratio) first.ratio = r[k] / c[k], row = k;
+  }));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_));
-  PetscCall(VecGetArray(active_, &active));
-  if (first.rank == rank && row >= 0) active[row] = 1;
-  PetscCall(VecRestoreArray(active_, &active));
+  PetscCall(WithNumbers({active_}, [&](PetscScalar *active) {
+    if (first.rank == RankIn(comm_) && row >= 0) active[row] = 1;
+  }));
   travel_ = -first.ratio;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

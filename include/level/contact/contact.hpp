@@ -67,6 +67,8 @@ class Contact
 {
 public:
   virtual ~Contact() = default;
+  /// Reads the options of its solver under the prefix -contact_.
+  virtual PetscErrorCode Create(const ContactSettings &) { return PETSC_SUCCESS; }
   /// What a step leaves to the next, the same on every rank of the group.
   virtual ContactPressures Pressures() const { return {}; }
   virtual void SetPressures(const ContactPressures &) {}
@@ -81,7 +83,7 @@ public:
   }
 };
 
-/// Reads the options of the solver under the prefix -contact_.
+/// The method that the settings name.
 PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact);
 
 /// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.

@@ -13,12 +13,10 @@ std::vector<std::string> ContactMethods(GeometryKind geometry)
 PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
 {
   PetscFunctionBeginUser;
-  if (settings.method == "pressure")
-    PetscCall(CreatePressureContact(settings, contact));
-  else if (settings.method == "point_pressure")
-    PetscCall(CreatePointPressureContact(settings, contact));
-  else
-    PetscCall(CreateMultimeshContact(contact));
+  *contact = settings.method == "pressure"         ? MakePressureContact()
+             : settings.method == "point_pressure" ? MakePointPressureContact()
+                                                   : MakeMultimeshContact();
+  PetscCall((*contact)->Create(settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

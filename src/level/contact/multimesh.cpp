@@ -60,11 +60,6 @@ private:
 
 } // namespace
 
-PetscErrorCode CreateMultimeshContact(std::unique_ptr<Contact> *contact)
-{
-  PetscFunctionBeginUser;
-  *contact = std::make_unique<MultimeshContact>();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+std::unique_ptr<Contact> MakeMultimeshContact() { return std::make_unique<MultimeshContact>(); }
 
 } // namespace mlgimp

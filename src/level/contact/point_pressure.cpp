@@ -27,7 +27,7 @@ struct PressedPoint {
 class PointPressureContact : public Contact
 {
 public:
-  PetscErrorCode Create(const ContactSettings &settings) { return system_.Create(false, kDiagonalShift, settings); }
+  PetscErrorCode Create(const ContactSettings &settings) override { return system_.Create(false, kDiagonalShift, settings); }
 
   ContactPressures Pressures() const override { return system_.Pressures(); }
   void SetPressures(const ContactPressures &pressures) override { system_.SetPressures(pressures); }
@@ -117,13 +117,6 @@ private:
 
 } // namespace
 
-PetscErrorCode CreatePointPressureContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
-{
-  PetscFunctionBeginUser;
-  auto created = std::make_unique<PointPressureContact>();
-  PetscCall(created->Create(settings));
-  *contact = std::move(created);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+std::unique_ptr<Contact> MakePointPressureContact() { return std::make_unique<PointPressureContact>(); }
 
 } // namespace mlgimp

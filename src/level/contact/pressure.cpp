@@ -87,7 +87,7 @@ constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
 class PressureContact : public Contact
 {
 public:
-  PetscErrorCode Create(const ContactSettings &settings)
+  PetscErrorCode Create(const ContactSettings &settings) override
   {
     settings_ = settings;
     return system_.Create(true, 0, settings);
@@ -333,13 +333,6 @@ private:
 
 } // namespace
 
-PetscErrorCode CreatePressureContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
-{
-  PetscFunctionBeginUser;
-  auto created = std::make_unique<PressureContact>();
-  PetscCall(created->Create(settings));
-  *contact = std::move(created);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+std::unique_ptr<Contact> MakePressureContact() { return std::make_unique<PressureContact>(); }
 
 } // namespace mlgimp

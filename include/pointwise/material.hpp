@@ -96,6 +96,7 @@ struct HardeningConstant {
 struct HardeningLaw {
   const char *name;
   std::vector<HardeningConstant> constants;
+  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind); ///< j2 with it
 };
 /// What -NAME_hardening accepts, each with its constants; the table has its lists beside.
 const std::vector<HardeningLaw> &HardeningLaws();

@@ -203,59 +203,43 @@ constexpr HardeningConstant
     kExponent = {"hardening_exponent", "n (swift, ludwik, power, johnson_cook)", "", &C::hardening_exponent, 0, 1, true, true},
     kStrain = {"hardening_strain", "e0 of sy (1 + a/e0)^n (swift)", "", &C::hardening_strain, 0, HUGE_VAL, false, true};
 
-struct NamedLaw {
-  HardeningLaw law;
-  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind);
-};
+} // namespace
 
-const std::vector<NamedLaw> &NamedLaws()
+const std::vector<HardeningLaw> &HardeningLaws()
 {
-  static const std::vector<NamedLaw> laws = {
-      {{"linear", {kYield, kModulus}}, Create<LinearHardening>},
-      {{"swift", {kYield, kExponent, kStrain}}, Create<SwiftHardening>},
-      {{"voce",
-        {kYield,
-         {"saturation_stress", "ss of ss - (ss - sy) exp(-a/ec) (voce)", "Pa", &C::saturation_stress, 0, HUGE_VAL, false, true},
-         {"saturation_strain", "ec of it (voce)", "", &C::saturation_strain, 0, HUGE_VAL, false, true}}},
+  static const std::vector<HardeningLaw> laws = {
+      {"linear", {kYield, kModulus}, Create<LinearHardening>},
+      {"swift", {kYield, kExponent, kStrain}, Create<SwiftHardening>},
+      {"voce",
+       {kYield,
+        {"saturation_stress", "ss of ss - (ss - sy) exp(-a/ec) (voce)", "Pa", &C::saturation_stress, 0, HUGE_VAL, false, true},
+        {"saturation_strain", "ec of it (voce)", "", &C::saturation_strain, 0, HUGE_VAL, false, true}},
        Create<VoceHardening>},
-      {{"ludwik", {kYield, kModulus, kExponent}}, Create<LudwikHardening>},
-      {{"power", {kYield, kExponent}}, Create<SwiftHardening>},
-      {{"table", {}}, Create<TableHardening>},
-      {{"johnson_cook",
-        {kYield,
-         kModulus,
-         kExponent,
-         {"rate_sensitivity", "C of 1 + C ln(rate/r0) (johnson_cook)", "", &C::rate_sensitivity, 0, HUGE_VAL, true, true},
-         {"reference_rate", "r0 of it (johnson_cook)", "1/s", &C::reference_rate, 0, HUGE_VAL, false, true},
-         {"thermal_exponent", "m of 1 - ((T - T0)/(Tm - T0))^m (johnson_cook)", "", &C::thermal_exponent, 0, HUGE_VAL, false,
-          true},
-         {"melting_temperature", "Tm of it (johnson_cook)", "K", &C::melting_temperature, 0, HUGE_VAL, false, true},
-         {"reference_temperature", "T0 of it, where it is not -initial_temperature (johnson_cook)", "K",
-          &C::reference_temperature, 0, HUGE_VAL, false, false},
-         {"heat_capacity", "heat capacity, required with -NAME_adiabatic (johnson_cook)", "J/(kg K)", &C::heat_capacity, 0,
-          HUGE_VAL, false, false}}},
+      {"ludwik", {kYield, kModulus, kExponent}, Create<LudwikHardening>},
+      {"power", {kYield, kExponent}, Create<SwiftHardening>},
+      {"table", {}, Create<TableHardening>},
+      {"johnson_cook",
+       {kYield,
+        kModulus,
+        kExponent,
+        {"rate_sensitivity", "C of 1 + C ln(rate/r0) (johnson_cook)", "", &C::rate_sensitivity, 0, HUGE_VAL, true, true},
+        {"reference_rate", "r0 of it (johnson_cook)", "1/s", &C::reference_rate, 0, HUGE_VAL, false, true},
+        {"thermal_exponent", "m of 1 - ((T - T0)/(Tm - T0))^m (johnson_cook)", "", &C::thermal_exponent, 0, HUGE_VAL, false,
+         true},
+        {"melting_temperature", "Tm of it (johnson_cook)", "K", &C::melting_temperature, 0, HUGE_VAL, false, true},
+        {"reference_temperature", "T0 of it, where it is not -initial_temperature (johnson_cook)", "K", &C::reference_temperature,
+         0, HUGE_VAL, false, false},
+        {"heat_capacity", "heat capacity, required with -NAME_adiabatic (johnson_cook)", "J/(kg K)", &C::heat_capacity, 0,
+         HUGE_VAL, false, false}},
        Create<JohnsonCookHardening>},
   };
   return laws;
 }
 
-} // namespace
-
-const std::vector<HardeningLaw> &HardeningLaws()
-{
-  static const std::vector<HardeningLaw> laws = [] {
-    std::vector<HardeningLaw> all;
-    for (const NamedLaw &named : NamedLaws()) all.push_back(named.law);
-    return all;
-  }();
-  return laws;
-}
-
 std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry)
 {
-  const auto &laws = NamedLaws();
-  const auto found =
-      std::find_if(laws.begin(), laws.end(), [&](const NamedLaw &one) { return constants.hardening == one.law.name; });
+  const auto &laws = HardeningLaws();
+  const auto found = std::find_if(laws.begin(), laws.end(), [&](const auto &law) { return constants.hardening == law.name; });
   return found->create(constants, geometry);
 }
 

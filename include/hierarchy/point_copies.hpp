@@ -30,11 +30,6 @@ struct GhostWidths {
 class PointCopies
 {
 public:
-  PointCopies() = default;
-  PointCopies(const PointCopies &) = delete;
-  PointCopies &operator=(const PointCopies &) = delete;
-  ~PointCopies();
-
   /// `finer`: the points of the coarser level are copied to the finer one; else the other way. The levels are kept by
   /// reference.
   PetscErrorCode Create(MPI_Comm world, Level &coarse, Level &fine, bool finer, const GhostWidths &widths);
@@ -60,7 +55,7 @@ private:
   Migrants sources_;      ///< points of this rank that have copies, and where
   long version_ = -1, copy_version_ = -1;
   SFHandle exchange_;
-  MPI_Datatype unit_ = MPI_DATATYPE_NULL;
+  UnitHandle unit_;                    ///< what changes of a point
   std::vector<double> state_, copies_; ///< what changes, of sources and of copies
 };
 

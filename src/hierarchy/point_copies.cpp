@@ -20,14 +20,8 @@ PetscErrorCode PointCopies::Create(MPI_Comm world, Level &coarse, Level &fine, b
   const LevelGeometry &geometry = fine.Geometry();
   inner_ = finer ? WidenedBox(geometry, 0) : WidenedBox(geometry, -widths.inside * coarse.Geometry().grid.spacing);
   outer_ = finer ? WidenedBox(geometry, widths.outside * geometry.grid.spacing) : kEverywhere;
-  PetscCallMPI(MPI_Type_contiguous(StateSize(), MPI_DOUBLE, &unit_));
-  PetscCallMPI(MPI_Type_commit(&unit_));
+  PetscCall(unit_.Create(StateSize()));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PointCopies::~PointCopies()
-{
-  if (unit_ != MPI_DATATYPE_NULL) MPI_Type_free(&unit_);
 }
 
 /// Numbers of a point that change in a step.

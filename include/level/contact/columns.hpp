@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/exchange.hpp"
+#include "base/handle.hpp"
 #include "level/contact/body.hpp"
 
 #include <algorithm>
@@ -45,7 +46,7 @@ inline double CornerHat(Vec3 part, int c, int axes, double width = 1)
 Vec3 CornerHatSlope(Vec3 part, int c, int axes, double spacing, double width);
 
 /// Sums over segments s, with H_j the hat of column j, K_j its kernel of half width alpha h, n the indenter's normal, up
-/// component z.
+/// component z. Doubles throughout.
 struct ContactColumn {
   double kernel_area = 0; ///< k_j = sum_s K_j w_s, m2
   double flowing = 0;     ///< the part of k_j of segments that flow, m2
@@ -96,7 +97,7 @@ private:
 
   IndexBox box_;
   std::vector<ContactColumn> columns_;
-  MPI_Datatype column_type_ = MPI_DATATYPE_NULL;
+  UnitHandle column_unit_;
   MPI_Op add_ = MPI_OP_NULL;
 };
 

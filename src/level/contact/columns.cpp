@@ -80,7 +80,6 @@ static void AddColumns(void *other, void *sum, int *count, MPI_Datatype *)
 
 ContactColumns::~ContactColumns()
 {
-  if (column_type_ != MPI_DATATYPE_NULL) MPI_Type_free(&column_type_);
   if (add_ != MPI_OP_NULL) MPI_Op_free(&add_);
 }
 
@@ -168,8 +167,7 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   constexpr int kHalf = 32; // bits; a double holds so many without rounding, and no two ranks set the same
   PetscFunctionBeginUser;
   if (add_ == MPI_OP_NULL) {
-    PetscCallMPI(MPI_Type_contiguous(sizeof(ContactColumn), MPI_BYTE, &column_type_));
-    PetscCallMPI(MPI_Type_commit(&column_type_));
+    PetscCall(column_unit_.Create(sizeof(ContactColumn) / sizeof(double)));
     PetscCallMPI(MPI_Op_create(AddColumns, 1, &add_));
   }
   PetscCall(FindBox(view, segments));
@@ -180,7 +178,7 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, double width, const 
   other.area = static_cast<double>(*pattern >> kHalf),
   other.gap = static_cast<double>(*pattern & ((SendPattern(1) << kHalf) - 1));
   PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_type_, add_, view.group.Comm()));
+      MPI_Allreduce(MPI_IN_PLACE, columns_.data(), static_cast<int>(columns_.size()), column_unit_, add_, view.group.Comm()));
   *least_gap = columns_.back().left, *at_border = columns_.back().flowing > 0;
   *pattern = static_cast<SendPattern>(columns_.back().area) << kHalf | static_cast<SendPattern>(columns_.back().gap);
   columns_.pop_back();

@@ -134,7 +134,7 @@ private:
   PetscErrorCode FindTraffic(std::vector<BlockTraffic> *traffic) const;
   RankMap RanksInUse() const;
   PetscErrorCode RenewInterface(int b, bool keeps_state);
-  PetscErrorCode Reconnect();
+  PetscErrorCode Reconnect(bool keeps_state);
   bool CoupledByNodes() const { return Levels() > 1 && settings_.coupling == LevelCoupling::kNodes; }
   void CoupleNodes(int l);
   PetscErrorCode WatchContact(double time, double travel, double drift);

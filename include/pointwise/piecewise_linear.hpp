@@ -28,6 +28,8 @@ public:
 
 private:
   double Between(double from, double to) const; ///< the integral
+  /// Where the straight lines between 0 and `end` end.
+  std::vector<double> EndsOfPieces(double end) const;
 
   std::vector<double> times_, values_;
 };

@@ -125,7 +125,7 @@ PetscErrorCode Hierarchy::MapRanks()
     GridLayout layout = levels_[l]->Mesh().Layout();
     layout.ranks = better[l];
     PetscCall(levels_[l]->Repartition(layout));
-    PetscCall(Reconnect());
+    PetscCall(Reconnect(true));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -177,10 +177,10 @@ void Hierarchy::CoupleNodes(int l)
   levels_[l]->SetCoupledNodes(std::move(nodes), std::move(places));
 }
 
-PetscErrorCode Hierarchy::Reconnect()
+PetscErrorCode Hierarchy::Reconnect(bool keeps_state)
 {
   PetscFunctionBeginUser;
-  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, true));
+  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, keeps_state));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -375,7 +375,7 @@ PetscErrorCode Hierarchy::Rebalance(int l)
   if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
   const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Layout().Blocks();
   PetscCall(levels_[l]->Repartition(layout));
-  PetscCall(Reconnect());
+  PetscCall(Reconnect(true));
   if (other_ranks) PetscCall(MapRanks());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

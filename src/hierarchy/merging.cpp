@@ -70,7 +70,7 @@ PetscErrorCode FindMeetings(MPI_Comm world, std::vector<Sibling> siblings, const
       if (s.rank != family.front().rank) orders.push_back({s.rank, s.point, family.front().rank});
   PetscCall(ExchangeRecords(world, &orders, [](const Order &order) { return order.rank; }));
   std::sort(orders.begin(), orders.end(), [](const Order &a, const Order &b) { return a.point < b.point; });
-  for (const Order &order : orders) migrants->points.push_back(order.point), migrants->ranks.push_back(order.to);
+  for (const Order &order : orders) migrants->Add(order.point, order.to);
   *families = static_cast<int>(whole.size());
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, families, 1, MPI_INT, MPI_SUM, world));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -143,14 +143,8 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   a.id[first] = id;
   for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
   if (a.initial_radius) SetRadius(a, first, radius, volume_ratio);
-  const Material &material = *model.materials[model.bodies[a.body[first]].material];
+  const Material &material = model.MaterialOf(a.body[first]);
   if (material.IsMetal()) SetVolumeRatio(material, a, first, volume_ratio);
-}
-
-double SpeedOfSoundOf(Level &level, int point)
-{
-  const Model &model = level.Physics();
-  return model.materials[model.bodies[level.PointStore().Arrays().body[point]].material]->SpeedOfSound();
 }
 
 /// The part of a family's strain energy that its parent may lack: as much energy as that of a parent of the usual size may. So
@@ -219,7 +213,8 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);
     MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
     const Budgets after = level.SumPoints({points.front()});
-    const double speed = SpeedOfSoundOf(level, points.front()), least = 0.5 * before.mass * std::pow(kNoStrain * speed, 2);
+    const Material &material = level.Physics().MaterialOf(level.PointStore().Arrays().body[points.front()]);
+    const double least = 0.5 * before.mass * std::pow(kNoStrain * material.SpeedOfSound(), 2);
     if (std::abs(after.strain_energy - before.strain_energy) > allowed * std::max<double>(before.strain_energy, least)) {
       level.PointStore().Unpack(record.data(), points.front());
       continue;

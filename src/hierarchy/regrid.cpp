@@ -160,8 +160,7 @@ PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
   }
   PetscCall(MergeLeft());
   for (auto &transfer : transfers_) transfer->LookAnew();
-  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, false));
-  for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
+  PetscCall(Reconnect(false));
   PetscCall(MapRanks());
   if (settings_.follow.kind == FollowKind::kContact) tip_.SetLevel(next.active - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -213,8 +212,7 @@ PetscErrorCode Hierarchy::RestoreFollowing(const FollowState &state)
   follow_ = state;
   settings_.levels = GeometriesOf(state.plan.boxes);
   for (int l = 1; l < Levels(); ++l) PetscCall(PlaceLevel(l, settings_.levels[l]));
-  for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, false));
-  for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
+  PetscCall(Reconnect(false));
   if (settings_.follow.kind == FollowKind::kContact) tip_.SetLevel(state.plan.active - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

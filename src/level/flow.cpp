@@ -15,7 +15,7 @@ constexpr double kMostShear = 2; ///< shift of an edge over the height that it l
 
 bool Flows(const Model &model, const PointArrays &a, int p)
 {
-  const Material &material = *model.materials[model.bodies[a.body[p]].material];
+  const Material &material = model.MaterialOf(a.body[p]);
   return material.IsMetal() && material.SplitsStretched();
 }
 

@@ -143,14 +143,19 @@ IndexBox Grid::GhostedOf(int block) const
   return nodes;
 }
 
+/// The layer of blocks that a node lies in.
+static int LayerOf(const std::vector<int> &starts, int node)
+{
+  return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), node) - starts.begin()) - 1;
+}
+
 int Grid::BlockOfNode(Index node) const
 {
   int block = 0;
   for (int axis = 2; axis >= 0; --axis) {
     const std::vector<int> &starts = starts_[axis];
     if (node[axis] < starts.front() || node[axis] >= starts.back()) return -1;
-    const int layer = static_cast<int>(std::upper_bound(starts.begin(), starts.end(), node[axis]) - starts.begin()) - 1;
-    block = block * static_cast<int>(starts.size() - 1) + layer;
+    block = block * static_cast<int>(starts.size() - 1) + LayerOf(starts, node[axis]);
   }
   return block;
 }
@@ -158,20 +163,11 @@ int Grid::BlockOfNode(Index node) const
 std::vector<int> Grid::BlocksIn(const IndexBox &box) const
 {
   std::vector<int> blocks;
-  IndexBox corners; // the first and the last node of the box in the grid
-  for (int axis = 0; axis < 3; ++axis) {
-    const int first = starts_[axis].front(), last = starts_[axis].back() - 1;
-    corners.lower[axis] = std::clamp(box.lower[axis], first, last);
-    corners.upper[axis] = std::clamp(box.upper[axis] - 1, first, last);
-  }
   IndexBox layers;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<int> &starts = starts_[axis];
-    const auto layer = [&](int node) {
-      return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), node) - starts.begin()) - 1;
-    };
-    layers.lower[axis] = layer(corners.lower[axis]);
-    layers.upper[axis] = layer(corners.upper[axis]) + 1;
+    const int first = starts_[axis].front(), last = starts_[axis].back() - 1;
+    layers.lower[axis] = LayerOf(starts_[axis], std::clamp(box.lower[axis], first, last));
+    layers.upper[axis] = LayerOf(starts_[axis], std::clamp(box.upper[axis] - 1, first, last)) + 1;
   }
   const int rows = static_cast<int>(starts_[1].size()) - 1, columns = static_cast<int>(starts_[0].size()) - 1;
   ForEach(layers, [&](Index at) { blocks.push_back(at[0] + columns * (at[1] + rows * at[2])); });

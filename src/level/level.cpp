@@ -271,7 +271,6 @@ PetscErrorCode Level::Migrate(bool everywhere)
   const IndexBox allowed = geometry_.PointNodes();
   PetscMPIInt rank;
   Migrants migrants;
-  PointFailure failure;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
@@ -284,15 +283,12 @@ PetscErrorCode Level::Migrate(bool everywhere)
     for (int axis = 0; axis < points.dim; ++axis) {
       node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
       if (node[axis] == nearest[axis]) continue;
-      if (failure.kind == PointFailure::kNone) failure = {PointFailure::kLeftGrid, points.id[p], points.Position(p)};
+      NoteFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, time_);
       points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
     }
     const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);
-    if (owner == rank) continue;
-    migrants.points.push_back(p);
-    migrants.ranks.push_back(owner);
+    if (owner != rank) migrants.Add(p, owner);
   }
-  NoteFailure(failure, time_);
   PetscCall(MovePoints(comm, points_, points_, migrants));
   PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

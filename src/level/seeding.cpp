@@ -152,7 +152,7 @@ static double ShareOf(const Load &load, const Tile &tile, const Geometry &geomet
 void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
 {
   const Body &body = model_.bodies[seed.body];
-  const Material &material = *model_.materials[body.material];
+  const Material &material = model_.MaterialOf(seed.body);
   const int dim = geometry_.dim;
   double volume = 1;
   a.id[p] = seed.id;

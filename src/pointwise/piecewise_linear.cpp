@@ -50,14 +50,20 @@ std::vector<double> PiecewiseLinear::Turns() const
   return OnlyTurns(values);
 }
 
+std::vector<double> PiecewiseLinear::EndsOfPieces(double end) const
+{
+  std::vector<double> ends;
+  for (double time : times_)
+    if (time > 0 && time < end) ends.push_back(time);
+  ends.push_back(end);
+  return ends;
+}
+
 std::vector<double> PiecewiseLinear::TurnsOfIntegral(double end) const
 {
-  std::vector<double> knots, values = {0};
+  std::vector<double> values = {0};
   double from = 0;
-  for (double knot : times_)
-    if (knot > 0 && knot < end) knots.push_back(knot);
-  knots.push_back(end);
-  for (double to : knots) {
+  for (double to : EndsOfPieces(end)) {
     const double v0 = Value(from), v1 = Value(to);
     if (v0 * v1 < 0) values.push_back(Integral(from + (to - from) * v0 / (v0 - v1)));
     values.push_back(Integral(to));
@@ -76,12 +82,8 @@ double PiecewiseLinear::LargestMagnitude(double from, double to) const
 
 double PiecewiseLinear::TimeOfIntegral(double target, double end) const
 {
-  std::vector<double> knots;
-  for (double knot : times_)
-    if (knot > 0 && knot < end) knots.push_back(knot);
-  knots.push_back(end);
   double from = 0;
-  for (double to : knots) {
+  for (double to : EndsOfPieces(end)) {
     // Within a piece the integral is I + v0 s + (v1 - v0) s^2/(2 T).
     const double v0 = Value(from), v1 = Value(to), T = to - from, need = target - Integral(from);
     const double a = 0.5 * (v1 - v0) / T, root2 = v0 * v0 + 4 * a * need;

@@ -5,6 +5,8 @@
 #include "program/hdf5_file.hpp"
 
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 namespace mlgimp
@@ -25,32 +27,24 @@ inline constexpr const char *kWidthNames[3] = {"/columns", "/rows", "/layers"};
 
 inline std::string BorderName(int b) { return "/border_state_" + std::to_string(b); }
 
-inline std::vector<double> StateAsNumbers(const RunState &s)
+/// The members of a state that are numbers, in the order of the file.
+template <class State> auto NumbersOf(State &s)
 {
-  return {s.time,         s.time_step,          s.step_settings[0],   s.step_settings[1],  s.step_settings[2], s.wave_speed,
-          double(s.step), double(s.frames),     s.initial_mass,       s.initial_points,    s.initial_created,  s.impulse_at_row,
-          s.time_at_row,  s.friction_at_row[0], s.friction_at_row[1], s.friction_at_row[2]};
+  return std::tie(s.time, s.time_step, s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed, s.step, s.frames,
+                  s.initial_mass, s.initial_points, s.initial_created, s.impulse_at_row, s.time_at_row, s.friction_at_row[0],
+                  s.friction_at_row[1], s.friction_at_row[2]);
 }
-
-/// The numbers must have been found sensible.
-inline RunState StateFromNumbers(const std::vector<double> &n)
+inline std::vector<double> StateAsNumbers(const RunState &state)
 {
-  return {n[0],
-          n[1],
-          {n[2], n[3], n[4]},
-          n[5],
-          static_cast<long>(n[6]),
-          static_cast<int>(n[7]),
-          n[8],
-          n[9],
-          n[10],
-          n[11],
-          n[12],
-          {n[13], n[14], n[15]},
-          {},
-          {},
-          {},
-          {}};
+  return std::apply([](auto... x) { return std::vector<double>{static_cast<double>(x)...}; }, NumbersOf(state));
+}
+/// The numbers must have been found sensible.
+inline RunState StateFromNumbers(const std::vector<double> &numbers)
+{
+  RunState state;
+  const double *next = numbers.data();
+  std::apply([&](auto &...x) { ((x = static_cast<std::decay_t<decltype(x)>>(*next++)), ...); }, NumbersOf(state));
+  return state;
 }
 
 /// What follows, and what has moved: active levels, half width, reach, the boxes, and the moves.

@@ -55,6 +55,10 @@ struct BoxPlan {
   int active = 1;
 };
 
+/// A box on the nearest lines of cells of a size, as a grid beside the lines would have its points elsewhere; on the domain's
+/// sides as they were given.
+Box OnNearestLines(const LevelRules &rules, Box box, double cell);
+
 /// The least boxes that hold a contact: from the tip its reach and 1.6 half widths of the whole, or the margin, sideways and
 /// down; each at least so far inside the next coarser one as its border needs; on cell lines of the next coarser level, and at a
 /// side of the domain where they would come nearer to it than four coarser cells.

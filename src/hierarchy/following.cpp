@@ -29,18 +29,6 @@ Box OutToLines(const LevelRules &rules, Box box, double cell)
   return box;
 }
 
-/// A box on the nearest cell lines of a level; the domain's sides are as they were given.
-Box OnNearestLines(const LevelRules &rules, Box box, double cell)
-{
-  for (int axis = 0; axis < rules.dim; ++axis) {
-    const double first = rules.domain.lower[axis], last = rules.domain.upper[axis], cells = std::round((last - first) / cell);
-    const double from = std::round((box.lower[axis] - first) / cell), to = std::round((box.upper[axis] - first) / cell);
-    box.lower[axis] = first + from * cell;
-    box.upper[axis] = to == cells ? last : first + to * cell;
-  }
-  return box;
-}
-
 bool LiesIn(const Box &inner, const Box &outer, int dim, double tolerance)
 {
   for (int axis = 0; axis < dim; ++axis)
@@ -86,6 +74,17 @@ bool IsTooLarge(const LevelRules &rules, const BoxPlan &now, const std::vector<B
 double LevelRules::CellSize(int k) const { return cell_size / std::pow(ratio, k); }
 
 double LevelRules::Border(int k) const { return k == 0 ? 0 : blend_widths[k - 1] * CellSize(k - 1) + border_cells * CellSize(k); }
+
+Box OnNearestLines(const LevelRules &rules, Box box, double cell)
+{
+  for (int axis = 0; axis < rules.dim; ++axis) {
+    const double first = rules.domain.lower[axis], last = rules.domain.upper[axis], cells = std::round((last - first) / cell);
+    const double from = std::round((box.lower[axis] - first) / cell), to = std::round((box.upper[axis] - first) / cell);
+    box.lower[axis] = first + from * cell;
+    box.upper[axis] = to == cells ? last : first + to * cell;
+  }
+  return box;
+}
 
 std::vector<Box> BoxesAround(const LevelRules &rules, const FollowSettings &settings, const ContactPlace &place, int active)
 {

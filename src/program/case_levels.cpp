@@ -32,7 +32,7 @@ double NeededDepth(const Case &c, int k)
 {
   if (c.hierarchy.coupling == LevelCoupling::kPoints)
     return GhostWidths{}.inside * c.CellSize(k - 2) + (c.hierarchy.ghost_cells + 2) * c.CellSize(k);
-  return c.least_blend_width * c.CellSize(k - 2) + kBorderCells * c.CellSize(k - 1);
+  return c.BorderMargin(k - 1);
 }
 
 /// How far inside level k - 1 a side of level k lies.
@@ -55,18 +55,6 @@ void CheckNesting(OptionReader &reader, const Case &c, int k)
   }
 }
 
-/// The corner on the cell lines themselves, as a grid beside the lines would have its points elsewhere; on the domain's sides
-/// as they were given.
-Vec3 OnLines(const Case &c, Vec3 corner, double cell)
-{
-  for (int axis = 0; axis < c.Dim(); ++axis) {
-    const double lower = c.domain.lower[axis], upper = c.domain.upper[axis];
-    const double line = std::round((corner[axis] - lower) / cell), last = std::round((upper - lower) / cell);
-    corner[axis] = line == last ? upper : lower + line * cell;
-  }
-  return corner;
-}
-
 void ReadBox(OptionReader &reader, Case *c, int k)
 {
   const std::string name = "-level_" + std::to_string(k);
@@ -82,7 +70,7 @@ void ReadBox(OptionReader &reader, Case *c, int k)
       reader.Refuse(name + "_upper", reader.Text(box.upper),
                     "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
                         reader.Text(box.lower));
-  box = {OnLines(*c, box.lower, coarse), OnLines(*c, box.upper, coarse)};
+  box = OnNearestLines(c->hierarchy.rules, box, coarse);
   c->boxes.push_back(box);
   CheckNesting(reader, *c, k);
   if (const double r = box.lower[0]; c->model.geometry.HasHoop() && r > 0 && r < 4 * coarse)
@@ -166,6 +154,7 @@ void ReadLevels(OptionReader &reader, Case *c)
   reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest"}, Closed(1, 16), &c->levels);
   reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels"}, Closed(2, 16),
                  &c->hierarchy.ratio);
+  c->hierarchy.rules = {c->domain, c->cell_size, c->hierarchy.ratio, c->Dim(), c->levels, {}, kBorderCells};
   if (c->levels > 1 || reader.Help()) ReadFollowing(reader, c);
   if (c->levels > 1 || reader.Help()) ReadCoupling(reader, c);
   c->boxes = {c->domain};
@@ -179,10 +168,6 @@ void ReadLevels(OptionReader &reader, Case *c)
 void PlaceLevels(Case *c)
 {
   HierarchySettings &settings = c->hierarchy;
-  settings.rules.domain = c->domain;
-  settings.rules.cell_size = c->cell_size;
-  settings.rules.ratio = settings.ratio, settings.rules.dim = c->Dim(), settings.rules.levels = c->levels;
-  settings.rules.border_cells = kBorderCells;
   if (settings.follow.kind == FollowKind::kContact) {
     const Indenter &indenter = *c->model.indenter;
     BoxPlan now{c->boxes, c->levels}, first;

@@ -33,8 +33,8 @@ struct BoundaryConditions {
   /// True where the velocity component `axis` of a node is held.
   bool Constrains(Index at, int axis) const
   {
-    for (int s = 0; s < kSides; ++s)
-      if (Reaches(static_cast<Side>(s), at) && Constrains(static_cast<Side>(s), axis)) return true;
+    for (const Side side : kAllSides)
+      if (Reaches(side, at) && Constrains(side, axis)) return true;
     return false;
   }
   /// What a side holds a component at that it constrains, m/s. All that holds nodes asks here, so that a side that moves needs no
@@ -44,9 +44,8 @@ struct BoundaryConditions {
   double HeldVelocity(Index at, int axis) const
   {
     double held = 0;
-    for (int s = 0; s < kSides; ++s)
-      if (Reaches(static_cast<Side>(s), at) && Constrains(static_cast<Side>(s), axis))
-        held = HeldVelocity(static_cast<Side>(s), axis);
+    for (const Side side : kAllSides)
+      if (Reaches(side, at) && Constrains(side, axis)) held = HeldVelocity(side, axis);
     return held;
   }
 };

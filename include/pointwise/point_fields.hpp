@@ -85,6 +85,16 @@ enum Side : int { kXLower, kXUpper, kYLower, kYUpper, kZLower, kZUpper, kSides }
 /// As options name them.
 inline constexpr const char *kSideNames[kSides] = {"x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper"};
 
+/// All, and those in so many dimensions, which are the first ones.
+inline constexpr std::array<Side, kSides> kAllSides = {kXLower, kXUpper, kYLower, kYUpper, kZLower, kZUpper};
+struct SidesOf {
+  int dim;
+  const Side *begin() const { return kAllSides.data(); }
+  const Side *end() const { return kAllSides.data() + 2 * dim; }
+};
+/// The lower and the upper one across an axis.
+inline std::array<Side, 2> SidesAcross(int axis) { return {kAllSides[2 * axis], kAllSides[2 * axis + 1]}; }
+
 inline int AxisOf(Side side) { return side / 2; }
 inline int SignOf(Side side) { return side % 2 ? 1 : -1; }
 /// The k-th axis along a side, in their order.

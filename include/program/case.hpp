@@ -85,7 +85,7 @@ struct Case {
   /// The side of the domain across a horizontal axis that the indenter's tip is on.
   std::optional<Side> SideAtTip(int axis) const
   {
-    for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
+    for (const Side side : SidesAcross(axis))
       if (std::abs(model.indenter->tip[axis] - domain.At(side)) < kRounding * cell_size) return side;
     return {};
   }

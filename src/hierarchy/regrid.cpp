@@ -17,9 +17,8 @@ LevelGeometry GeometryOf(const LevelRules &rules, const Model &model, const Box 
   geometry.grid = {box.lower, h, {}, padding, rules.dim};
   for (int axis = 0; axis < rules.dim; ++axis)
     geometry.grid.cells[axis] = static_cast<int>(std::lround((box.upper[axis] - box.lower[axis]) / h));
-  for (int s = 0; s < 2 * rules.dim; ++s) {
-    const Side side = static_cast<Side>(s);
-    geometry.border[s] = std::abs(box.At(side) - rules.domain.At(side)) > 1e-6 * h;
+  for (const Side side : SidesOf{rules.dim}) {
+    geometry.border[side] = std::abs(box.At(side) - rules.domain.At(side)) > 1e-6 * h;
   }
   PlaceSides(model, &geometry);
   return geometry;

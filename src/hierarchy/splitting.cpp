@@ -101,8 +101,7 @@ static void MakeChild(const Model &model, const PointArrays &a, int target, int 
   }
   a.id[target] = split.numbers.Child(a.id[target], child);
   a.mass[target] /= split.Children();
-  for (int s = 0; s < 2 * dim; ++s) {
-    const Side side = static_cast<Side>(s);
+  for (const Side side : SidesOf{dim}) {
     if (place[AxisOf(side)] != (SignOf(side) < 0 ? 0 : split.parts[AxisOf(side)] - 1)) a.faces[target] &= ~OuterFaceBit(side);
   }
   for (int k = 0; k < a.loads; ++k)

@@ -118,12 +118,11 @@ void ExposePoints(const Model &model, const LevelGeometry &geometry, Points &poi
     if (gap.distance >= reach) continue;
     double outermost = gap.distance;
     int bit = 0;
-    for (int s = 0; s < 2 * a.dim; ++s) {
-      if (IsHeld(geometry, a, p, static_cast<Side>(s))) continue;
-      const Face face = PointFace(a, p, static_cast<Side>(s));
+    for (const Side side : SidesOf{a.dim}) {
+      if (IsHeld(geometry, a, p, side)) continue;
+      const Face face = PointFace(a, p, side);
       const double facing = -Dot(face.area_normal, gap.normal) / Norm(face.area_normal);
-      if (facing > most)
-        most = facing, outermost = model.indenter->Gap(face.center, tip).distance, bit = OuterFaceBit(static_cast<Side>(s));
+      if (facing > most) most = facing, outermost = model.indenter->Gap(face.center, tip).distance, bit = OuterFaceBit(side);
     }
     if (outermost >= 0) continue;
     a.faces[p] = bit;

@@ -9,10 +9,9 @@ namespace mlgimp
 
 void PlaceSides(const Model &model, LevelGeometry *level)
 {
-  for (int s = 0; s < 2 * level->grid.dim; ++s) {
-    const Side side = static_cast<Side>(s);
-    level->sides.kind[s] = level->border[s] ? BoundaryKind::kFree : model.sides[s];
-    level->sides.node[s] = SignOf(side) < 0 ? 0 : level->grid.cells[AxisOf(side)];
+  for (const Side side : SidesOf{level->grid.dim}) {
+    level->sides.kind[side] = level->border[side] ? BoundaryKind::kFree : model.sides[side];
+    level->sides.node[side] = SignOf(side) < 0 ? 0 : level->grid.cells[AxisOf(side)];
   }
 }
 
@@ -44,8 +43,8 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
   auto grid = std::make_unique<Grid>();
   PetscFunctionBeginUser;
   PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
-  for (int s = 0; s < kSides; ++s)
-    if (geometry_.sides.kind[s] == BoundaryKind::kSymmetry) grid->EndPointsAt(static_cast<Side>(s), geometry_.sides.node[s]);
+  for (const Side side : kAllSides)
+    if (geometry_.sides.kind[side] == BoundaryKind::kSymmetry) grid->EndPointsAt(side, geometry_.sides.node[side]);
   grid->WidenThinPoints(model_.LeastHalfSize());
   grid_ = std::move(grid);
   SetCoupledPlaces({});

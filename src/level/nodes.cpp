@@ -42,15 +42,14 @@ template <class Work> void ForEachLocal(const Grid &grid, Work work) { ForEachNo
 /// Calls work(place, side, owned) for every local node at or beyond each side that is not free.
 template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryConditions &sides, Work work)
 {
-  for (int s = 0; s < kSides; ++s) {
-    const Side side = static_cast<Side>(s);
-    if (sides.kind[s] == BoundaryKind::kFree) continue;
+  for (const Side side : kAllSides) {
+    if (sides.kind[side] == BoundaryKind::kFree) continue;
     IndexBox nodes = grid.Ghosted();
     const int axis = AxisOf(side);
     if (SignOf(side) < 0)
-      nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[s] + 1);
+      nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[side] + 1);
     else
-      nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[s]);
+      nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[side]);
     ForEach(nodes, [&](Index node) { work(grid.Place(node), side, grid.Owns(node)); });
   }
 }

@@ -125,8 +125,7 @@ bool Seeding::AtWall(const Seed &seed, Side side) const
 int Seeding::FaceBits(const Seed &seed) const
 {
   int bits = 0;
-  for (int s = 0; s < 2 * geometry_.dim; ++s) {
-    const Side side = static_cast<Side>(s);
+  for (const Side side : SidesOf{geometry_.dim}) {
     Vec3 beyond = seed.tile.center;
     beyond[AxisOf(side)] += SignOf(side) * seed.tile.half_size[AxisOf(side)] * (1 + 1e-3);
     if (!AtWall(seed, side) && !Occupied(beyond)) bits |= OuterFaceBit(side);

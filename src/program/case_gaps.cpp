@@ -120,13 +120,12 @@ void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
     WarnOfBond(
         reader, other, body,
         WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies", other.name + " and " + body.name));
-  for (int s = 0; s < 2 * c.Dim(); ++s) {
-    const Side side = static_cast<Side>(s);
-    if (c.model.sides[side] == BoundaryKind::kFree || (s == 0 && c.model.geometry.HasHoop())) continue;
+  for (const Side side : SidesOf{c.Dim()}) {
+    if (c.model.sides[side] == BoundaryKind::kFree || (side == kXLower && c.model.geometry.HasHoop())) continue;
     Box beyond = own.bounds;
     (SignOf(side) < 0 ? beyond.upper : beyond.lower)[AxisOf(side)] = c.domain.At(side);
     (SignOf(side) < 0 ? beyond.lower : beyond.upper)[AxisOf(side)] = SignOf(side) * HUGE_VAL;
-    const std::string option = std::string("-boundary_") + kSideNames[s];
+    const std::string option = std::string("-boundary_") + kSideNames[side];
     WarnOfGap(reader, c, own, {beyond, nullptr}, option, "this side and body " + body.name);
   }
 }

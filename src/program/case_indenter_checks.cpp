@@ -80,8 +80,7 @@ void CheckSupport(OptionReader &reader, const Case &c)
   constexpr double kGap = 1e-3; // cells
   const int up = c.model.indenter->up;
   if (c.model.contact.method == "none") return;
-  for (int s = 0; s < 2 * c.Dim(); ++s) {
-    const Side side = static_cast<Side>(s);
+  for (const Side side : SidesOf{c.Dim()}) {
     const BoundaryKind kind = c.model.sides[side];
     if (kind == BoundaryKind::kFree || (kind == BoundaryKind::kSymmetry && AxisOf(side) != up)) continue;
     for (const Body &body : c.model.bodies)
@@ -115,7 +114,7 @@ void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
   constexpr double kNear = 0.1; // cells
   const Vec3 tip = c.model.indenter->tip;
   const Box way = WayOfTip(*c.model.indenter, c.time.end_time);
-  for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)}) {
+  for (const Side side : SidesAcross(axis)) {
     if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
     const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
     if (off < kNear * c.CellSize(c.LevelAtTip()))

@@ -42,8 +42,7 @@ double DepthInside(const Case &c, int k, Side side) { return -SignOf(side) * (c.
 void CheckNesting(OptionReader &reader, const Case &c, int k)
 {
   const Box &box = c.boxes[k];
-  for (int s = 0; s < 2 * c.Dim(); ++s) {
-    const Side side = static_cast<Side>(s);
+  for (const Side side : SidesOf{c.Dim()}) {
     const bool upper = SignOf(side) > 0;
     const std::string option = "-level_" + std::to_string(k) + (upper ? "_upper" : "_lower");
     const Vec3 corner = upper ? box.upper : box.lower;
@@ -51,7 +50,7 @@ void CheckNesting(OptionReader &reader, const Case &c, int k)
     if (depth < needed - kOnLine * c.CellSize(k - 1))
       reader.Refuse(option, reader.Text(corner),
                     "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
-                        kSideNames[s] + "; it is " + FormatRounded(depth));
+                        kSideNames[side] + "; it is " + FormatRounded(depth));
   }
 }
 
@@ -140,8 +139,7 @@ void FitBlendWidths(Case *c)
 {
   std::vector<double> &widths = c->hierarchy.rules.blend_widths;
   for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
-    for (int s = 0; s < 2 * c->Dim(); ++s) {
-      const Side side = static_cast<Side>(s);
+    for (const Side side : SidesOf{c->Dim()}) {
       const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
       if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
     }

@@ -72,12 +72,11 @@ double LongestWay(const Case &c, bool held)
   const Indenter &indenter = *c.model.indenter;
   double longest = 0;
   for (const Body &body : c.model.bodies)
-    for (int s = 0; s < 2 * c.Dim(); ++s) {
-      const Side side = static_cast<Side>(s);
+    for (const Side side : SidesOf{c.Dim()}) {
       const int axis = AxisOf(side);
       const double from = axis == indenter.up ? indenter.initial_surface : indenter.tip[axis],
                    to = body.region->Bounds().At(side);
-      if (!held || c.model.sides[s] != BoundaryKind::kFree) longest = std::max(longest, std::abs(to - from));
+      if (!held || c.model.sides[side] != BoundaryKind::kFree) longest = std::max(longest, std::abs(to - from));
     }
   return longest;
 }

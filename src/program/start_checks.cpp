@@ -39,9 +39,9 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
       BodySums &body = (*bodies)[a.body[p]];
       ++body.points;
       body.mass += a.mass[p];
-      const auto area = [&](int s) { return SideArea(static_cast<Side>(s), 2 * a.HalfSize(p), a.dim); };
-      for (int s = 0; s < 2 * a.dim; ++s)
-        if (a.faces[p] & OuterFaceBit(static_cast<Side>(s))) body.faces[s] += area(s);
+      const auto area = [&](Side side) { return SideArea(side, 2 * a.HalfSize(p), a.dim); };
+      for (const Side side : SidesOf{a.dim})
+        if (a.faces[p] & OuterFaceBit(side)) body.faces[side] += area(side);
       for (int k = 0; k < a.loads; ++k) {
         const Side side = model.loads[k].side;
         const double x = a.Position(p)[0] + (AxisOf(side) == 0 ? SignOf(side) * a.HalfSize(p)[0] : 0);
@@ -87,7 +87,7 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
   if (body.region->IsBox() && Differ(sums.mass, mass))
     Refuse(start + "the mass of its box, " + FormatNumber(mass) + " kg; its points have " + FormatNumber(sums.mass) + " kg");
   for (int axis = 0; axis < c.Dim(); ++axis) {
-    const Side lower = static_cast<Side>(2 * axis), upper = static_cast<Side>(2 * axis + 1);
+    const auto [lower, upper] = SidesAcross(axis);
     for (const Side side : {lower, upper})
       if (const double area = SideArea(side, size, c.Dim());
           body.region->IsBox() && IsFree(c, b, side) && Differ(sums.faces[side], area))
@@ -120,8 +120,7 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
     const PointArrays a = hierarchy.At(l).PointStore().Arrays();
     const GridGeometry &grid = hierarchy.At(l).Mesh().Geometry();
     for (const int p : hierarchy.At(l).PointStore().SurfacePoints())
-      for (int s = 0; s < 2 * a.dim; ++s) {
-        const Side side = static_cast<Side>(s);
+      for (const Side side : SidesOf{a.dim}) {
         const int axis = AxisOf(side);
         const double half = a.HalfSize(p)[axis],
                      inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;

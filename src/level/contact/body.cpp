@@ -11,8 +11,7 @@ namespace mlgimp
 void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry, std::vector<SurfaceSegment> *segments)
 {
   const int dim = geometry.Dim();
-  for (int s = 0; s < 2 * dim; ++s) {
-    const Side side = static_cast<Side>(s);
+  for (const Side side : SidesOf{dim}) {
     if (!(points.faces[p] & OuterFaceBit(side))) continue;
     const Face face = PointFace(points, p, side);
     const double area = Norm(face.area_normal);

@@ -278,7 +278,7 @@ private:
   {
     const int axes = view.geometry.Dim() - 1;
     const Index column = Corner(segment.place.column, corner);
-    for (const Side side : {static_cast<Side>(2 * axis), static_cast<Side>(2 * axis + 1)})
+    for (const Side side : SidesAcross(axis))
       if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) return {};
     const double kernel = CornerHat(segment.place.part, corner, axes, settings_.width);
     return segment.area * kernel * SurfaceTangent((1 / Norm(segment.normal)) * segment.normal, axis, axes);

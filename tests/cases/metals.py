@@ -194,6 +194,8 @@ def test_slow_compression(expect, geometry):
     expect(f"{geometry}: load, mean, of the exact one", numpy.mean(part), near=1, tolerance=0.005)
     expect(f"{geometry}: load, smallest, of the exact one", numpy.min(part), at_least=0.96)
     expect(f"{geometry}: load, largest, of the exact one", numpy.max(part), at_most=1.02)
+    area = (history["contact_area"][late] / (section * stretch))[stretch < 1.5]  # before the sides of a bar of two cells lie down on the plate
+    expect(f"{geometry}: area of contact, largest error, of the section", numpy.max(numpy.abs(area - 1)), at_most=0.03)
 
 
 # Bars that a plate presses to a part of their height: their points are drawn out to more than a cell and halved.

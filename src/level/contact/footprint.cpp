@@ -8,37 +8,44 @@
 namespace mlgimp
 {
 
-/// Whether a column is in contact: it is loaded, or it touches between two that are. The column next to a punch's edge, where
-/// the pressure has no bound, is often the one that carries nothing; and on metal that flows every other column may, by gaps
-/// of hundredths of a cell, as the nodes hardly feel what neighbours take from each other.
+/// Whether the surface goes on under a column: at the end of a body it has less than its half.
+static bool GoesOn(const ContactView &view, const ContactColumns &columns, Index at)
+{
+  constexpr double kReached = 0.4; // of a column's area; a surface that ends at its place has a half
+  return columns.Box().Contains(at) && columns.At(at).area > kReached * FullKernelArea(view, 1, at);
+}
+
+/// Whether a column is in contact: it is loaded, or it touches between two that are, or between one and the body's end. The
+/// column next to a punch's edge, where the pressure has no bound, is often the one that carries nothing; and on metal that flows
+/// every other column may, by gaps of hundredths of a cell, as the nodes hardly feel what neighbours take from each other.
 static bool IsPressed(const ContactView &view, const ContactColumns &columns, Index at, const std::vector<double> &lambda)
 {
   const ContactColumn &column = columns.At(at);
   const double touches = column.flowing > 0 ? 0.1 : 0.01; // cells
   const auto loaded = [&](Index i) { return columns.Box().Contains(i) && lambda[columns.Place(i)] > 0; };
+  const auto closes = [&](Index i) { return loaded(i) || !GoesOn(view, columns, i); };
   if (loaded(at)) return true;
   bool between = false;
   for (int a = 0; a < view.geometry.Dim() - 1; ++a) {
     Index before = at, after = at;
     --before[a], ++after[a];
-    between = between || (loaded(before) && loaded(after));
+    between = between || (closes(before) && closes(after) && (loaded(before) || loaded(after)));
   }
   return between && column.gap < touches * view.grid.Geometry().spacing * column.kernel_area;
 }
 
 /// The projected area of a column in contact, m2: that of its faces. Metal that flows draws them out unevenly, so that they
-/// leave gaps and overlap: among columns in contact all of the column is taken to be covered.
+/// leave gaps and overlap: where the surface goes on under all columns beside it, and these are in contact, all of the column is
+/// taken to be covered.
 static double PressedArea(const ContactView &view, const ContactColumns &columns, Index at, const std::vector<bool> &pressed)
 {
-  const IndexBox &box = columns.Box();
   bool inside = columns.At(at).flowing > 0;
   for (int a = 0; a < view.geometry.Dim() - 1; ++a)
-    for (int step = -1; step < 2; step += 2) {
+    for (const Side side : SidesAcross(a)) {
       Index next = at;
-      next[a] += step;
-      const Side side = static_cast<Side>(2 * a + (step > 0));
+      next[a] += SignOf(side);
       if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, at)) continue;
-      inside = inside && box.Contains(next) && pressed[columns.Place(next)];
+      inside = inside && GoesOn(view, columns, next) && pressed[columns.Place(next)];
     }
   return inside ? FullKernelArea(view, 1, at) : columns.At(at).area;
 }

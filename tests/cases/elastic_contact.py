@@ -191,3 +191,20 @@ def test_pillar(expect):
         loads.append(history["load"][-1])
         expect(f"pillar at {middle}: area of contact, of that of 16 cells", history["contact_area"][-1] / 16, near=1, tolerance=0.06)
     expect("load half a cell beside, of that on the lines", loads[1] / loads[0], near=1, tolerance=0.03)
+
+
+HOLE = {"geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12,14", "boundary_y_lower": "symmetry", "boundary_x_upper": "symmetry",
+        "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "block", "block_lower": "3,0", "block_upper": "12,10",
+        "indenter": "sphere", "indenter_radius": 20, "indenter_tip": "0,9.8", "quasi_static": "true", "quasi_static_tolerance": 0.03, "frames": 0}
+
+
+def test_rim_of_a_hole(expect):
+    """A ball on the edge of a hole: the hole's wall, with its gaps, must not hold the column of the edge open. With it the load at 0.1 was less
+    than half on cells of 0.5."""
+    touch = 20 - (20**2 - 3**2)**0.5  # depth of the tip below the surface when the ball is on the rim
+    runs = [harness.run({**HOLE, "indenter_depths": touch + 0.2, "cell_size": cell}) for cell in (0.5, 0.25)]
+    for deep, limit in ((0.1, 0.08), (0.19, 0.05)):
+        coarse, fine = (numpy.interp(touch + deep, *(run.history[name][:numpy.argmax(run.history["depth"])] for name in ("depth", "load_quasi_static")))
+                        for run in runs)
+        expect(f"load {deep} below the touch over that on cells half as large", coarse / fine, near=1, tolerance=limit)
+    expect("penetration, cells", runs[0].history["penetration"].max(), at_most=0.05)

@@ -30,11 +30,13 @@ double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered)
 /// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
 /// indenter moves: elastic surface beside it, with its gap, would hold the column of an edge open, and let it go in blows. Metal
 /// is cut by an edge, and lies against the side. Nor does surface that faces the indenter less than half as much as a level one,
-/// as the side of a bar under a plate once it leans: with its whole area and its gaps it would let the rim go all at once. Such
-/// segments count as far as they have got in.
+/// as the side of a bar under a plate once it leans, or that is so much steeper than the indenter, as the wall of a hole with a
+/// ball on its rim: with its whole area and its gaps it would let the rim go all at once, or hold its column open. Such segments
+/// count as far as they have got in.
 double PressedShare(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap, bool metal)
 {
-  const double level = -gap.normal[view.geometry.Dim() - 1], facing = -Dot(segment.normal, gap.normal),
+  const int up = view.geometry.Dim() - 1;
+  const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal)),
                within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
   if (level <= kLeastFacing) return metal ? 1 : within;
   const double least = std::min(kLeastFacing, 0.25 * level);

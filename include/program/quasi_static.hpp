@@ -24,7 +24,7 @@ public:
 
   // Largest so far, from a fifth of the depth on and above a fifth of the largest load.
   double LoadShare() const { return numbers_[kLoadShare]; }       ///< |P/P_qs - 1|
-  double KineticShare() const { return numbers_[kKineticShare]; } ///< of strain energy and plastic work
+  double KineticShare() const { return numbers_[kKineticShare]; } ///< of the body's energy, under loads of the indenter's work
   double NoiseShare() const { return numbers_[kNoiseShare]; }     ///< of the indenter's work
   /// Largest change of the load, under load control of the depth, in the last transit of a hold, of itself.
   double HoldDrift() const { return numbers_[kHoldDrift]; }

@@ -67,6 +67,9 @@ def notes_on(options, parts, plane):
         yield "summary.json has no options: the load is taken for that of the whole tip"
     if parts > 1:
         yield f"the model is one of {parts} equal parts: loads and areas are those of all"
+    if options.get("-loads") or any(float(part) for part in str(options.get("-gravity", 0)).split(",")):
+        yield ("loads or gravity move the surface, and depths count from where it was without them: what follows from depths is off by that, "
+               "what follows from the true contact area is not")
     if plane:
         yield ("plane strain: depth and stiffness grow with the logarithm of the block's size, so that only the load over the true contact "
                "area is a property; loads are for the thickness of the run")

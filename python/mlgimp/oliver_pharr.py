@@ -56,6 +56,9 @@ def fit_unloading(curve, cycle, window=WINDOW):
     touches nothing above the surface that it first met: where hf came out below zero, it is zero, and S = m P1/h1.
     """
     top_depth, top_load = np.mean(curve.depth[cycle.hold]), np.mean(curve.load[cycle.hold])
+    if not top_depth > 0:
+        raise ResultError(curve.name, f"an unloading begins at a depth of {top_depth:.3g} um: depths count from the surface below the tip as it "
+                                      "was at the start of the run, and the contact is above that, as on the rim of a hole")
     rows = slice(cycle.start, cycle.end + 1)
     depth, share = curve.depth[rows] - top_depth, curve.load[rows] / top_load
     below, above = np.flatnonzero(share <= window[1]), np.flatnonzero(share >= window[0])

@@ -22,6 +22,24 @@ double LowestTip(const Indenter &indenter, double end_time)
   return lowest;
 }
 
+/// How deep the indenter is inside any body with its tip there, by points of their surfaces, m; below zero where it is in none.
+double DeepestInside(const Case &c, Vec3 tip)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const int up = indenter.up, places = up == 2 ? 31 : 101;
+  double deepest = -HUGE_VAL;
+  for (const Body &body : c.model.bodies) {
+    const Box bounds = body.region->Bounds();
+    ForEach({{0, 0, 0}, {places, up == 2 ? places : 1, 1}}, [&](Index place) {
+      Vec3 x{};
+      for (int axis = 0; axis < up; ++axis)
+        x[axis] = bounds.lower[axis] + (place[axis] + 0.5) / places * (bounds.upper[axis] - bounds.lower[axis]);
+      if (SurfaceAbove(*body.region, x, up, &x[up])) deepest = std::max(deepest, -indenter.Gap(x, tip).distance);
+    });
+  }
+  return deepest;
+}
+
 /// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
 void CheckReach(OptionReader &reader, const Case &c)
 {
@@ -43,7 +61,9 @@ void CheckReach(OptionReader &reader, const Case &c)
   bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
   for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
   for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};
-  if (c.model.contact.method != "none" && nearest > 0 && !moves)
+  Vec3 lowest = indenter.tip;
+  lowest[indenter.up] = indenter.initial_surface + nearest;
+  if (c.model.contact.method != "none" && nearest > 0 && !moves && DeepestInside(c, lowest) < 0) // also none beside the tip
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
                      FormatRounded(nearest) + " m to the body until the end: there will be no contact");
 }
@@ -54,20 +74,10 @@ void CheckOtherParts(OptionReader &reader, const Case &c)
 {
   constexpr double kDeep = 0.5; // cells
   const Indenter &indenter = *c.model.indenter;
-  const int up = indenter.up, places = up == 2 ? 31 : 101;
   Vec3 tip = indenter.tip;
-  double deepest = 0;
-  tip[up] = indenter.initial_surface;
-  if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[up])) return;
-  for (const Body &body : c.model.bodies) {
-    const Box bounds = body.region->Bounds();
-    ForEach({{0, 0, 0}, {places, up == 2 ? places : 1, 1}}, [&](Index place) {
-      Vec3 x{};
-      for (int axis = 0; axis < up; ++axis)
-        x[axis] = bounds.lower[axis] + (place[axis] + 0.5) / places * (bounds.upper[axis] - bounds.lower[axis]);
-      if (SurfaceAbove(*body.region, x, up, &x[up])) deepest = std::max(deepest, -indenter.Gap(x, tip).distance);
-    });
-  }
+  tip[indenter.up] = indenter.initial_surface;
+  if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[indenter.up])) return;
+  const double deepest = DeepestInside(c, tip);
   if (deepest > kDeep * c.CellSize(c.LevelAtTip()))
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) +
                      ": depths count from the body below the tip, where the indenter is " + FormatRounded(deepest) +

@@ -204,7 +204,7 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
                         in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + OfRates(c, *plan));
   if (plan->rise > 0)
     plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
-                          in(plan->pace.start) + " s");
+                          in(plan->pace.start) + " s, and depths count from the surface without them");
   if (std::isfinite(end_time) && end_time < plan->end_time)
     plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
 }

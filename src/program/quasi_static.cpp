@@ -55,7 +55,7 @@ void QuasiStaticWatch::Look(Budgets &row)
   const auto raise = [this](Kept which, double share) { numbers_[which] = std::max(numbers_[which], share); };
   raise(kFastest, speed_);
   raise(kLoadShare, std::abs(row.load / row.load_quasi_static - 1));
-  raise(kKineticShare, kinetic / (row.strain_energy + row.plastic_work));
+  raise(kKineticShare, kinetic / (plan_.rise > 0 ? row.indenter_work : row.strain_energy + row.plastic_work));
   raise(kNoiseShare, row.noise_energy / row.indenter_work);
 }
 

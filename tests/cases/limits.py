@@ -161,12 +161,12 @@ def test_contact_across_a_border_of_levels_is_told(ranks, upper, told):
 
 
 def test_elastic_contact_that_gives_more_than_the_indenter_is_told():
-    """A wedge on the free edge of a body lets the column there go and meets it again in blows."""
-    edge = {**PRESS, "domain_upper": "16,20", "block_upper": "16,16", "boundary_x_lower": "symmetry", "indenter": "wedge", "indenter_half_angle": 70,
-            "indenter_velocities": 5, "indenter_max_depth": 0.3}
+    """A sharp wedge beside the free edge of a body lets the column there go and meets it again in blows."""
+    edge = {**PRESS, "domain_upper": "20,20", "block_upper": "16,16", "boundary_x_lower": "symmetry", "indenter": "wedge", "indenter_half_angle": 45,
+            "indenter_velocities": 5}
     told = WARNING + "-indenter: contact has given the bodies"
-    assert [line.startswith(told) for line in warnings({**edge, "indenter_tip": "16,16"})] == [False, True]  # the first of the tip's place
-    assert warnings({**edge, "indenter_tip": "0,16"}) == []
+    assert any(line.startswith(told) for line in warnings({**edge, "indenter_tip": "15.5,16"}))
+    assert warnings({**edge, "indenter_tip": "0,16", "indenter_half_angle": 70, "indenter_max_depth": 0.3}) == []
 
 
 def test_materials_of_no_body_have_no_effect():

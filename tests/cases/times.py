@@ -57,13 +57,16 @@ def test_reference_rate_in_another_unit(rate, told):
     assert [line for line in said if "rate " in line] == [WARNING + "-al_reference_rate 1e-06: is slower than tests are; is it in 1/s?"] * told
 
 
-@pytest.mark.parametrize("share, law, told", [(0.8, "j2", True), (-0.8, "j2", True), (0.45, "j2", False), (1.1, "j2", False), (0.8, "neo_hookean", False)])
-def test_pressures_that_strike_a_metal_are_told(share, law, told):
-    """At once, 0.8 of the yield stress left a strain of 0.005 for good."""
+@pytest.mark.parametrize("times, shares, law, told", [
+    ((0,), (0.8,), "j2", True), ((0,), (-0.8,), "j2", True), ((0,), (0.45,), "j2", False), ((0,), (1.1,), "j2", False),
+    ((0,), (0.8,), "neo_hookean", False), ((0, 1e-3), (0, 0.8), "j2", True), ((0, 1), (0, 0.8), "j2", True), ((0, 10), (0, 0.8), "j2", False),
+    ((0, 10, 10.1), (0, 0.4, 0.8), "j2", True), ((0, 10, 10.1), (0, 0.8, 0.75), "j2", False)])
+def test_pressures_that_strike_a_metal_are_told(times, shares, law, told):
+    """At once, or within a transit, 0.8 of the yield stress left a strain of 0.005 for good; times in transits."""
     metal = {"al_model": law, "al_yield_stress": 1e7, "al_hardening_modulus": 1e7} if law == "j2" else {}
-    said = warnings({**BLOCK, **metal, "boundary_y_lower": "symmetry", "loads": "p", "p_side": "y_upper", "p_times": 0, "p_pressures": share * 1e7,
-                     "end_time": 1e-3, "max_steps": 1})
-    assert any("-p_pressures: begin with" in line and "a blow" in line for line in said) == told, said
+    said = warnings({**BLOCK, **metal, "boundary_y_lower": "symmetry", "loads": "p", "p_side": "y_upper", "p_times": [time * TRANSIT for time in times],
+                     "p_pressures": [share * 1e7 for share in shares], "end_time": 1, "max_steps": 1})
+    assert any("-p_pressures: change within" in line and "their blow" in line for line in said) == told, said
 
 
 def test_slow_schedules_tell_the_time_of_their_test():

@@ -11,6 +11,7 @@ import pytest
 import harness
 import mlgimp
 from mlgimp import load_depth, oliver_pharr, tips
+from mlgimp.errors import ResultError
 from mlgimp.load_depth import Curve
 from mlgimp.oliver_pharr import Constants
 from mlgimp.pictures import plt
@@ -262,6 +263,19 @@ def test_parts_of_a_tip(tmp_path, options, parts, tip):
     assert abs(read.load.max() / parts - 10) < 0.01 and abs(read.area[-1] - 3 * parts) < 1e-12
     assert (read.tip and read.tip.name) == tip and read.plane == (options is not None and options["-geometry"] == "plane_strain")
     assert any("equal parts" in note for note in read.notes) == (parts > 1)
+
+
+@pytest.mark.parametrize("more, told", [({}, False), ({"-gravity": "0,0"}, False), ({"-gravity": "0,-9.81"}, True), ({"-loads": "p"}, True)])
+def test_loads_that_move_the_surface_are_noted(tmp_path, more, told):
+    read = load_depth.read_run(write_run(tmp_path / "run", {**CONE_OPTIONS, **more}))
+    assert any("move the surface" in note for note in read.notes) == told
+
+
+def test_contact_above_the_surface_under_the_tip():
+    """As on the rim of a hole, where hardness and modulus came out as NaN."""
+    depth, load = metal()
+    with pytest.raises(ResultError, match="the contact is above that"):
+        oliver_pharr.analyse(curve(np.asarray(depth) - 2 * np.max(depth), load))
 
 
 def test_run_to_files(tmp_path, capsys, expect):

@@ -16,12 +16,13 @@ static bool GoesOn(const ContactView &view, const ContactColumns &columns, Index
 }
 
 /// Whether a column is in contact: it is loaded, or it touches between two that are, or between one and the body's end. The
-/// column next to a punch's edge, where the pressure has no bound, is often the one that carries nothing; and on metal that flows
-/// every other column may, by gaps of hundredths of a cell, as the nodes hardly feel what neighbours take from each other.
+/// column next to a punch's edge, where the pressure has no bound, is often the one that carries nothing, with a gap that grows
+/// as the surface leans over the edge; and on metal that flows every other column may, as the nodes hardly feel what neighbours
+/// take from each other.
 static bool IsPressed(const ContactView &view, const ContactColumns &columns, Index at, const std::vector<double> &lambda)
 {
   const ContactColumn &column = columns.At(at);
-  const double touches = column.flowing > 0 ? 0.1 : 0.01; // cells
+  const double touches = column.flowing > 0 ? 0.3 : 0.1; // cells
   const auto loaded = [&](Index i) { return columns.Box().Contains(i) && lambda[columns.Place(i)] > 0; };
   const auto closes = [&](Index i) { return loaded(i) || !GoesOn(view, columns, i); };
   if (loaded(at)) return true;

@@ -327,7 +327,7 @@ def full_disks():
     yield LONG, rows * page  # all but the summary
     vtkhdf, xdmf = pages["points.vtkhdf"], pages["points.xdmf"]  # which are replaced in this order
     assert reserved < vtkhdf < xdmf
-    for room in (vtkhdf - 4, (vtkhdf + xdmf) // 2):  # the last frame, but not its place in one of the lists
+    for room in (vtkhdf - 16, vtkhdf - 2, (vtkhdf + xdmf) // 2):  # one of the last frames, but not its place in one of the lists
         yield LIGHT, (1 + frames + vtkhdf + xdmf + room) * page
     for size in (30, 60, 120):
         yield {**LIGHT, "frames": 4, "checkpoint_interval": 5}, size * page

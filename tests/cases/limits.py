@@ -250,6 +250,15 @@ def test_indenter_that_meets_nothing_is_told(change, told):
     assert any("has touched nothing" in line for line in said) == told, said
 
 
+@pytest.mark.parametrize("height, told", [(7.95, False), (8.5, True)])
+def test_indenter_between_two_walls(height, told):
+    """Its tip comes nowhere near what is below it, but its flanks may meet the walls' edges."""
+    walls = {"bodies": "block,left,right", "block_upper": "8,4", "left_lower": "0,4", "left_upper": "3,8", "right_lower": "5,4", "right_upper": "8,8"}
+    press = {name: value for name, value in PRESS.items() if name != "indenter_max_depth"}
+    said = warnings({**press, **walls, "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": f"4,{height}", "end_time": 4e-3})
+    assert any("there will be no contact" in line for line in said) == told, said
+
+
 @pytest.mark.parametrize("change, told", [
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4.4", "top_upper": "8,8"}, "-bodies: 0.4 m are left between block and top, less than a cell"),
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4", "top_upper": "8,8"}, ""),

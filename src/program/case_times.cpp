@@ -1,4 +1,4 @@
-// Checks of times: how long a run is, and how fast its indenter and its loads are beside waves.
+// Checks of times and loads: how long a run is, how fast its indenter and its loads are beside waves, and whether a load is one.
 #include "program/case_groups.hpp"
 
 #include <algorithm>
@@ -62,10 +62,10 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
         "or more (-quasi_static)");
 }
 
-/// Loads that come after the end of the run, as by a wrong unit.
-void CheckLoadTimes(OptionReader &reader, const Case &c)
+/// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
+void CheckLoadUnits(OptionReader &reader, const Case &c)
 {
-  constexpr double kLeast = 0.1; // of the largest pressure
+  constexpr double kLeast = 0.1, kLeastStrain = 1e-7; // of the largest pressure; of the shear modulus
   for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
     const PiecewiseLinear &pressure = c.model.loads[k].pressure;
     const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
@@ -74,6 +74,10 @@ void CheckLoadTimes(OptionReader &reader, const Case &c)
       reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
                        " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
                        FormatRounded(met) + " Pa; are the times in s?");
+    const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
+    if (largest > 0 && largest < kLeastStrain * mu)
+      reader.WarnLater("-" + c.load_names[k] + "_pressures: of at most " + FormatRounded(largest) +
+                       " Pa are nothing to a body with a shear modulus of " + FormatRounded(mu) + " Pa; are they in Pa?");
   }
 }
 
@@ -125,7 +129,7 @@ void CheckSteps(OptionReader &reader, const Case &c)
 
 void CheckTimes(OptionReader &reader, const Case &c)
 {
-  CheckLoadTimes(reader, c);
+  CheckLoadUnits(reader, c);
   CheckBlows(reader, c);
   CheckSteps(reader, c);
   if (!c.model.indenter || c.model.contact.method == "none") return;

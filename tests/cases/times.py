@@ -69,6 +69,14 @@ def test_pressures_that_strike_a_metal_are_told(times, shares, law, told):
     assert any("-p_pressures: change within" in line and "their blow" in line for line in said) == told, said
 
 
+@pytest.mark.parametrize("pressure, told", [(10, True), (1e4, False), (0, False)])
+def test_pressures_in_another_unit_are_told(pressure, told):
+    """10 for 10 MPa on a body of 1 GPa is none."""
+    said = warnings({**BLOCK, "boundary_y_lower": "symmetry", "loads": "p", "p_side": "y_upper", "p_times": 0, "p_pressures": pressure,
+                     "end_time": 1, "max_steps": 1})
+    assert any("-p_pressures: of at most 10 Pa" in line and "are they in Pa?" in line for line in said) == told, said
+
+
 def test_slow_schedules_tell_the_time_of_their_test():
     """The tolerance chooses the length of the run, and -rate_scale with it the rate of a test."""
     slow = {name: value for name, value in CYLINDER.items() if name not in ("indenter_times", "indenter_velocities", "indenter_max_depth")}

@@ -26,7 +26,20 @@ struct IndexBox {
       if (at[axis] < lower[axis] || at[axis] >= upper[axis]) return false;
     return true;
   }
+  /// Where an index stands among all, the first axis fastest.
+  std::int64_t Place(Index at) const
+  {
+    return (std::int64_t(at[2] - lower[2]) * Size(1) + at[1] - lower[1]) * Size(0) + at[0] - lower[0];
+  }
+  /// Grows to contain an index.
+  void Include(Index at)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+      lower[axis] = std::min(lower[axis], at[axis]), upper[axis] = std::max(upper[axis], at[axis] + 1);
+  }
 };
+/// A box without indices that grows from nothing.
+inline constexpr IndexBox kNowhere = {{1 << 30, 1 << 30, 1 << 30}, {-(1 << 30), -(1 << 30), -(1 << 30)}};
 
 inline IndexBox Intersection(const IndexBox &a, const IndexBox &b)
 {

@@ -10,8 +10,14 @@ namespace mlgimp
 namespace
 {
 
-/// A surface of revolution, or one that is the same on both sides of the axis: a function of the distance rho from it.
-class Profile : public IndenterSurface
+/// The distance of a place from a profile, and the parts of its gradient.
+struct ProfileGap {
+  double distance, outward, up;
+};
+
+/// A surface of revolution, or one that is the same on both sides of the axis: a function At(rho, height) of the distance rho
+/// from it.
+template <class Shape> class Profile : public IndenterSurface
 {
 public:
   explicit Profile(GeometryKind geometry) : up_(UpAxis(geometry)) {}
@@ -20,27 +26,19 @@ public:
     Vec3 outward = x;
     outward[up_] = 0;
     const double rho = Norm(outward);
-    const ProfileGap gap = At(rho, x[up_]);
-    Vec3 normal = {rho > 0 ? 0 : gap.outward, 0, 0};
-    for (int axis = 0; axis < up_ && rho > 0; ++axis) normal[axis] = gap.outward * (outward[axis] / rho);
+    const ProfileGap gap = static_cast<const Shape *>(this)->At(rho, x[up_]);
+    Vec3 normal = rho > 0 ? (gap.outward / rho) * outward : Vec3{gap.outward, 0, 0};
     normal[up_] = gap.up;
     return {gap.distance, normal};
   }
-  double Width(double height) const final { return 2 * Radius(height); }
+  double Width(double height) const final { return 2 * static_cast<const Shape *>(this)->Radius(height); }
   bool MayBeMirrored(int) const final { return true; }
-
-protected:
-  struct ProfileGap {
-    double distance, outward, up; ///< the distance and the parts of its gradient
-  };
-  virtual ProfileGap At(double rho, double height) const = 0;
-  virtual double Radius(double height) const = 0;
 
 private:
   int up_;
 };
 
-class Cone : public Profile
+class Cone : public Profile<Cone>
 {
 public:
   Cone(GeometryKind geometry, double half_angle, double tip_radius)
@@ -48,15 +46,14 @@ public:
   {
   }
 
-protected:
-  ProfileGap At(double rho, double height) const override
+  ProfileGap At(double rho, double height) const
   {
     const double root = std::sqrt(rho * rho + rounding_ * rounding_);
     const double slope = rounding_ > 0 ? slope_ * rho / root : slope_;
     const double scale = 1 / std::sqrt(slope * slope + 1);
     return {scale * (slope_ * (root - rounding_) - height), scale * slope, -scale};
   }
-  double Radius(double height) const override
+  double Radius(double height) const
   {
     const double root = height / slope_ + rounding_;
     return std::sqrt((root - rounding_) * (root + rounding_));
@@ -66,36 +63,34 @@ private:
   double slope_, rounding_;
 };
 
-class Ball : public Profile
+class Ball : public Profile<Ball>
 {
 public:
   Ball(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
 
-protected:
-  ProfileGap At(double rho, double height) const override
+  ProfileGap At(double rho, double height) const
   {
     const double up = height - radius_, distance = std::sqrt(rho * rho + up * up);
     if (distance == 0) return {-radius_, 0, -1};
     return {distance - radius_, (1 / distance) * rho, (1 / distance) * up};
   }
-  double Radius(double height) const override { return height < radius_ ? std::sqrt(height * (2 * radius_ - height)) : radius_; }
+  double Radius(double height) const { return height < radius_ ? std::sqrt(height * (2 * radius_ - height)) : radius_; }
 
 private:
   double radius_;
 };
 
-class FlatPunch : public Profile
+class FlatPunch : public Profile<FlatPunch>
 {
 public:
   FlatPunch(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
 
-protected:
-  ProfileGap At(double rho, double height) const override
+  ProfileGap At(double rho, double height) const
   {
     if (rho - radius_ > -height) return {rho - radius_, 1, 0};
     return {-height, 0, -1};
   }
-  double Radius(double) const override { return radius_; }
+  double Radius(double) const { return radius_; }
 
 private:
   double radius_;

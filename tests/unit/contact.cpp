@@ -55,13 +55,23 @@ std::vector<PressedSegment> LevelSurface(const PressedBody &body, double start, 
   return segments;
 }
 
+PressedSurface SumCells(PressedBody &body, double width, const std::vector<PressedSegment> &segments)
+{
+  ContactSettings settings;
+  PressedSurface surface;
+  settings.width = width;
+  surface.Clear(body.View(), settings);
+  for (const PressedSegment &segment : segments) surface.Add(body.View(), 0, segment);
+  return surface;
+}
+
 /// Sums up the columns under segments of this rank alone.
 PetscErrorCode SumColumns(PressedBody &body, double width, const std::vector<PressedSegment> &segments, ContactColumns *columns)
 {
   SendPattern pattern = 0;
   bool at_border = false;
   double least_gap = HUGE_VAL;
-  return columns->Sum(body.View(), width, segments, &least_gap, &pattern, &at_border);
+  return columns->Sum(body.View(), SumCells(body, width, segments), &least_gap, &pattern, &at_border);
 }
 
 } // namespace
@@ -95,7 +105,7 @@ TEST(ContactSurface, SegmentsAreTheFaces)
       const int dim = geometry.Dim(), each = dim == 3 ? 16 : 4;
       OnePoint point(dim);
       std::vector<SurfaceSegment> segments;
-      AddPointSegments(point.arrays, 0, geometry, &segments);
+      ForEachSegment(point.arrays, 0, geometry, [&](const SurfaceSegment &segment) { segments.push_back(segment); });
       ASSERT_EQ(segments.size(), 2U * dim * each);
       for (int s = 0; s < 2 * dim; ++s) {
         const Face face = PointFace(point.arrays, 0, static_cast<Side>(s));
@@ -267,18 +277,18 @@ TEST(ContactColumns, GapsFollowAFlowingSurface)
       ASSERT_EQ(body.Create(PETSC_COMM_SELF), PETSC_SUCCESS);
       const int dim = body.geometry.Dim();
       std::map<Index, double> gaps, rates;
-      for (double time : {-kTime, kTime})
-        for (const PressedSegment &s : FlowingSurface(body, time))
-          for (int c = 0; c < 1 << (dim - 1); ++c)
-            gaps[Corner(s.place.column, c)] +=
-                s.area * s.gap * CornerHat(s.place.part, c, dim - 1, width) * time / (2 * kTime * kTime);
-      for (const PressedSegment &s : FlowingSurface(body, 0))
+      for (double time : {-kTime, kTime}) {
+        ContactColumns columns;
+        ASSERT_EQ(SumColumns(body, width, FlowingSurface(body, time), &columns), PETSC_SUCCESS);
+        ForEach(columns.Box(), [&](Index at) { gaps[at] += columns.At(at).gap * time / (2 * kTime * kTime); });
+      }
+      const PressedSurface surface = SumCells(body, width, FlowingSurface(body, 0));
+      for (std::size_t cell = 0; cell < surface.Cells().size(); ++cell)
         for (int c = 0; c < 1 << (dim - 1); ++c)
           for (int k = 0; k < 1 << dim; ++k) {
-            const Index node = Corner(s.place.cell, k);
-            rates[Corner(s.place.column, c)] +=
-                CornerHat(s.place.part, k, dim) * Dot(GapGradient(body.View(), s, c, width),
-                                                      Flow(kH * Vec3{double(node[0]), double(node[1]), double(node[2])}, dim));
+            const Index node = Corner(surface.Cells()[cell].cell, k);
+            rates[Corner(surface.Cells()[cell].column, c)] +=
+                Dot(surface.Coupling(cell, c, 0, k), Flow(kH * Vec3{double(node[0]), double(node[1]), double(node[2])}, dim));
           }
       EXPECT_GE(rates.size(), 3U);
       for (const auto &[column, rate] : rates)

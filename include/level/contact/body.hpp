@@ -3,8 +3,7 @@
 
 #include "base/index.hpp"
 #include "level/contact/contact.hpp"
-
-#include <vector>
+#include "level/face.hpp"
 
 namespace mlgimp
 {
@@ -17,8 +16,25 @@ struct SurfaceSegment {
 };
 
 inline constexpr int kSegmentsPerEdge = 4;
-/// Appends the segments of all outer faces of a point: midpoints of kSegmentsPerEdge parts along each half edge.
-void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry, std::vector<SurfaceSegment> *segments);
+/// Calls work(segment) for those of all outer faces of a point: midpoints of kSegmentsPerEdge parts along each half edge.
+template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, Work work)
+{
+  const int dim = geometry.Dim(), rows = dim == 3 ? kSegmentsPerEdge : 1;
+  const auto along = [](int k) { return (2 * k + 1.0) / kSegmentsPerEdge - 1; }; // the half edge
+  for (const Side side : SidesOf{dim}) {
+    if (!(points.faces[p] & OuterFaceBit(side))) continue;
+    const Face face = PointFace(points, p, side);
+    const double area = Norm(face.area_normal);
+    const Vec3 normal = (1 / area) * face.area_normal;
+    const double part = area * geometry.OutOfPlane(face.center[0]) / (rows * kSegmentsPerEdge),
+                 half_width = Norm(face.half_edge[0]) / kSegmentsPerEdge;
+    for (int j = 0; j < rows; ++j) {
+      const Vec3 row = dim == 3 ? face.center + along(j) * face.half_edge[1] : face.center;
+      for (int i = 0; i < kSegmentsPerEdge; ++i)
+        work(SurfaceSegment{row + along(i) * face.half_edge[0], normal, part, half_width});
+    }
+  }
+}
 
 /// True where a segment faces the indenter, so that it can be pressed by it.
 inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)

@@ -46,7 +46,7 @@ public:
   /// part, to any nodes; pattern: whose couplings may be with whose nodes. Adds to the report what it did. Collective on the
   /// group.
   PetscErrorCode Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                       std::vector<ContactCoupling> couplings, SendPattern pattern, ContactReport *report);
+                       const std::vector<ContactCoupling> &couplings, SendPattern pattern, ContactReport *report);
   /// The rank of the group that owns the node of a coupling; negative for none.
   static PetscMPIInt OwnerOf(const ContactView &view, const ContactCoupling &coupling);
   /// Adds the couplings with the coarser nodes that nodes near a border hang on.
@@ -78,9 +78,9 @@ private:
     int Owner(int row) const { return static_cast<int>(((row / per_column + std::int64_t(1)) * ranks - 1) / columns); }
   };
 
-  void AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings, int per_column);
-  PetscErrorCode MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                               const std::vector<ContactCoupling> &couplings, const Layout &layout, SendPattern pattern);
+  void AddProducts(const ContactView &view, int per_column);
+  PetscErrorCode MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns, const Layout &layout,
+                               SendPattern pattern);
   PetscErrorCode FindPressures(const ContactView &view, const Layout &layout, SendPattern pattern, ContactReport *report);
 
   bool symmetric_ = true;
@@ -88,6 +88,8 @@ private:
   ContactSettings settings_;
   ActiveSetSolver serial_;                    ///< on this rank alone
   std::unique_ptr<ActiveSetSolver> parallel_; ///< on all ranks of the group, until it changes
+  std::vector<ContactCoupling> couplings_;    ///< as they come from all ranks
+  std::vector<ContactCoupling> at_nodes_;     ///< their sums, see GatherAtNodes
   std::vector<std::vector<Term>> rows_;
   ComplementarityProblem problem_;
   std::vector<double> lambda_;

@@ -1,36 +1,17 @@
-// Pieces of faces, and impulses on nodes.
+// What is near the indenter, and impulses on nodes.
 #include "level/contact/body.hpp"
-
-#include "level/face.hpp"
 
 #include <algorithm>
 
 namespace mlgimp
 {
 
-void AddPointSegments(const PointArrays &points, int p, const Geometry &geometry, std::vector<SurfaceSegment> *segments)
-{
-  const int dim = geometry.Dim();
-  for (const Side side : SidesOf{dim}) {
-    if (!(points.faces[p] & OuterFaceBit(side))) continue;
-    const Face face = PointFace(points, p, side);
-    const double area = Norm(face.area_normal);
-    int count = 1;
-    for (int e = 1; e < dim; ++e) count *= kSegmentsPerEdge;
-    for (int k = 0; k < count; ++k) {
-      Vec3 x = face.center;
-      for (int e = 0, place = k; e < dim - 1; ++e, place /= kSegmentsPerEdge)
-        x = x + ((2 * (place % kSegmentsPerEdge) + 1.0) / kSegmentsPerEdge - 1) * face.half_edge[e];
-      segments->push_back({x, (1 / area) * face.area_normal, area * geometry.OutOfPlane(face.center[0]) / count,
-                           Norm(face.half_edge[0]) / kSegmentsPerEdge});
-    }
-  }
-}
-
 bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
 {
-  const double h = view.grid.Geometry().spacing;
-  return view.indenter.Gap(points.Position(p), view.tip.end).distance > kPointRange * h;
+  const double range = kPointRange * view.grid.Geometry().spacing;
+  const Vec3 x = points.Position(p);
+  const int up = view.geometry.Dim() - 1;
+  return view.tip.end[up] - x[up] > range || view.indenter.Gap(x, view.tip.end).distance > range; // no surface is below the tip
 }
 
 double MassOf(const ContactView &view, Index node)

@@ -75,11 +75,10 @@ private:
   {
     const Vec3 x = points.Position(p);
     const SurfaceGap gap = view.indenter.Gap(x, view.tip.end);
-    std::vector<SurfaceSegment> segments;
-    AddPointSegments(points, p, view.geometry, &segments);
     double length = 0, area = 0;
-    for (const SurfaceSegment &segment : segments)
+    ForEachSegment(points, p, view.geometry, [&](const SurfaceSegment &segment) {
       if (Faces(segment, gap.normal)) length += 2 * segment.half_width, area += segment.area;
+    });
     if (length == 0) return;
     report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.tip.start).distance);
     const int unknown = static_cast<int>(pressed->size());

@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <cfloat>
-#include <climits>
-#include <map>
 
 namespace mlgimp
 {
@@ -36,21 +34,23 @@ double SpareGap(double covered) { return kSpare * std::max(0.0, 1 - 2 * covered)
 double PressedShare(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap, bool metal)
 {
   const int up = view.geometry.Dim() - 1;
-  const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal)),
-               within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+  const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal));
+  if (level > kLeastFacing && facing >= 0.5 * level) return 1;
+  const double within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
   if (level <= kLeastFacing) return metal ? 1 : within;
   const double least = std::min(kLeastFacing, 0.25 * level);
-  return std::max(within, std::min(1.0, (facing - least) / (0.5 * level - least)));
+  return std::max(within, (facing - least) / (0.5 * level - least));
 }
 
-/// The largest gap with which a segment counts, m: that of the last column that may be in contact, and what the surface leans
-/// away from the indenter across its kernel. What is farther is another surface, as the foot of a step or what lies below a
+/// Whether a segment within reach counts: its gap is at most that of the last column that may be in contact, and what the surface
+/// leans away from the indenter across its kernel. What is farther is another surface, as the foot of a step or what lies below a
 /// bridge, whose gap would let go of the column.
-double LargestGap(const ContactView &view, const SurfaceSegment &segment, Vec3 normal)
+bool MayTouch(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap)
 {
-  const double facing = Dot(segment.normal, normal) / (Norm(segment.normal) * Norm(normal)),
-               slope = std::sqrt(std::max(0.0, 1 - facing * facing)), across = 2 * std::sqrt(view.geometry.Dim() - 1.0);
-  return std::min(kContactRange, kCandidateGap + across * slope) * view.grid.Geometry().spacing;
+  const double h = view.grid.Geometry().spacing, beyond = gap.distance - kCandidateGap * h,
+               facing = Dot(segment.normal, gap.normal), square = Dot(gap.normal, gap.normal),
+               across_square = 4 * (view.geometry.Dim() - 1) * h * h;
+  return beyond <= 0 || beyond * beyond * square <= across_square * (square - facing * facing);
 }
 
 /// The weighted gap that a column is to have closed by the end of a step, m3. Flow tilts the surface across the last column of a
@@ -75,17 +75,6 @@ bool IsAtTip(const ContactView &view, Index column)
   return near;
 }
 
-/// False for cells that this rank has not all corners of, or that are not in the group's zone: a segment there is of a point that
-/// has failed, which ends the run soon.
-bool IsHere(const ContactView &view, Index cell)
-{
-  const Index last = Corner(cell, view.grid.Geometry().dim == 3 ? 7 : 3);
-  const IndexBox here = Intersection(view.grid.Ghosted(), view.group.Zone());
-  return here.Contains(cell) && here.Contains(last);
-}
-
-constexpr Index kNoCell = {INT_MIN, INT_MIN, INT_MIN};
-
 class PressureContact : public Contact
 {
 public:
@@ -104,13 +93,13 @@ public:
     *report = {};
     CollectSegments(view, report);
     SendPattern pattern = OwnersOfNodes(view, &report->at_border);
-    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &pattern, &report->at_border));
+    PetscCall(columns_.Sum(view, surface_, &least_gap_, &pattern, &report->at_border));
     NumberUnknowns(view);
     MakeCouplings(view);
-    PetscCall(system_.Solve(view, unknowns_, std::move(couplings_), pattern, report));
+    PetscCall(system_.Solve(view, unknowns_, couplings_, pattern, report));
     const std::vector<double> lambda = LambdaOfColumns();
     MeasureFootprint(view, columns_, lambda, report);
-    report->local_points = CountLoadedPoints(view.geometry.Dim(), lambda);
+    report->local_points = CountLoadedPoints(view, lambda);
     if (unknowns_.empty()) report->room = least_gap_ - kCandidateGap * view.grid.Geometry().spacing;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -119,65 +108,76 @@ public:
   {
     ContactReport discarded;
     SendPattern nobody = 0;
-    std::size_t s = 0;
     std::vector<double> of_columns;
     PetscFunctionBeginUser;
     CollectSegments(view, &discarded);
-    PetscCall(columns_.Sum(view, settings_.width, segments_, &least_gap_, &nobody, &discarded.at_border));
+    PetscCall(columns_.Sum(view, surface_, &least_gap_, &nobody, &discarded.at_border));
     PetscCall(PressuresOfColumns(view, &of_columns));
     pressures->assign(view.points.Count(), 0.0);
-    for (const PointSegments &of : points_) {
+    ForEachPoint([&](auto first, auto end) {
       double load = 0, area = 0;
-      for (; s < of.end; ++s)
-        load += segments_[s].area * PressureAt(view, segments_[s].place, of_columns), area += segments_[s].area;
-      if (area > 0) (*pressures)[of.point] = load / area;
-    }
+      for (auto part = first; part != end; ++part)
+        for (int c = 0; c < ColumnsOfCell(view); ++c) {
+          load += part->area[c] * of_columns[columns_.Place(ColumnOf(part->cell, c))];
+          area += part->area[c];
+        }
+      (*pressures)[first->point] = load / area;
+    });
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
 private:
-  /// A point near the indenter, and where its segments end among all; they begin where those of the point before it end.
-  struct PointSegments {
-    int point;
-    std::size_t end;
-  };
+  static int ColumnsOfCell(const ContactView &view) { return 1 << (view.geometry.Dim() - 1); }
+  static int NodesOfCell(const ContactView &view) { return 1 << view.geometry.Dim(); }
+  /// Column c of a cell of the surface.
+  Index ColumnOf(std::size_t cell, int c) const { return Corner(surface_.Cells()[cell].column, c); }
 
-  /// The couplings of the columns of a cell with its corners, [columns][corners].
-  struct CellCouplings {
-    CellPlace place;
-    Vec3 B[3][4][8] = {}; ///< of the pressure and of tractions along the horizontal axes
+  /// Calls work(first, end) for the parts of each point.
+  template <class Work> void ForEachPoint(Work work) const
+  {
+    const std::vector<PressedSurface::PointPart> &parts = surface_.PointParts();
+    for (auto first = parts.begin(), end = first; first != parts.end(); first = end) {
+      while (end != parts.end() && end->point == first->point) ++end;
+      work(first, end);
+    }
+  }
+
+  /// What segments have of a point's material.
+  struct SegmentMaterial {
+    double sound;
+    bool flows, metal;
   };
 
   void CollectSegments(const ContactView &view, ContactReport *report)
   {
-    const double range = kContactRange * view.grid.Geometry().spacing;
-    std::vector<SurfaceSegment> all;
-    segments_.clear();
-    points_.clear();
-    least_gap_ = range;
+    surface_.Clear(view, settings_);
+    least_gap_ = kContactRange * view.grid.Geometry().spacing;
+    most_deeper_ = MovesSideways(view) ? HUGE_VAL : Norm(view.tip.end - view.tip.start);
     const PointArrays points = view.points.Arrays();
-    const std::vector<int> &surface = view.points.SurfacePoints();
-    for (int p : surface) {
+    for (const int p : view.points.SurfacePoints()) {
       if (FarFromIndenter(view, points, p)) continue;
       const Material &material = view.bodies.Of(points, p);
-      const bool flows = material.AveragesVolume();
-      const double sound = material.SpeedOfSound();
-      const bool metal = material.IsMetal();
-      all.clear();
-      AddPointSegments(points, p, view.geometry, &all);
-      for (const SurfaceSegment &s : all) {
-        const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
-        if (gap.distance > range) continue;
-        least_gap_ = std::min(least_gap_, gap.distance);
-        report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
-        const CellPlace place = Locate(view.grid, s.x, view.geometry.Dim());
-        const double area = Faces(s, gap.normal) ? s.area * PressedShare(view, s, gap, metal) : 0;
-        if (area > 0 && gap.distance <= LargestGap(view, s, gap.normal) && IsHere(view, place.cell))
-          segments_.push_back(
-              {place, gap.normal, area, gap.distance, s.x[0] - s.half_width, s.x[0] + s.half_width, sound, flows});
-      }
-      points_.push_back({p, segments_.size()});
+      const SegmentMaterial traits = {material.SpeedOfSound(), material.AveragesVolume(), material.IsMetal()};
+      ForEachSegment(points, p, view.geometry,
+                     [&](const SurfaceSegment &segment) { CollectSegment(view, p, traits, segment, report); });
     }
+  }
+
+  void CollectSegment(const ContactView &view, int point, const SegmentMaterial &material, const SurfaceSegment &s,
+                      ContactReport *report)
+  {
+    const double h = view.grid.Geometry().spacing;
+    const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
+    if (gap.distance > kContactRange * h) return;
+    least_gap_ = std::min(least_gap_, gap.distance);
+    if (most_deeper_ - gap.distance > report->penetration)
+      report->penetration = std::max(report->penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
+    if (!Faces(s, gap.normal) || !MayTouch(view, s, gap)) return;
+    const double area = s.area * PressedShare(view, s, gap, material.metal);
+    if (area > 0)
+      surface_.Add(view, point,
+                   {Locate(view.grid, s.x, view.geometry.Dim()), gap.normal, area, gap.distance, s.x[0] - s.half_width,
+                    s.x[0] + s.half_width, material.sound, material.flows});
   }
 
   /// To which ranks this one may send couplings: the owners of all nodes around its segments. at_border: nodes of the coarser
@@ -187,14 +187,10 @@ private:
     const PetscMPIInt rank = RankIn(view.group.Comm());
     SendPattern pattern = 0;
     std::vector<ContactCoupling> corners;
-    Index last = kNoCell;
     *at_border = false;
     if (!view.border && RanksOf(view.group.Comm()) == 1) return pattern;
-    for (const PressedSegment &segment : segments_) {
-      const Index cell = segment.place.cell;
-      for (int k = 0; cell != last && k < 1 << view.geometry.Dim(); ++k) corners.push_back({Corner(cell, k), 0, {}, {}});
-      last = cell;
-    }
+    for (const PressedSurface::Cell &one : surface_.Cells())
+      for (int k = 0; k < NodesOfCell(view); ++k) corners.push_back({Corner(one.cell, k), 0, {}, {}});
     if (view.border) ContactSystem::AddBeyondBorder(*view.border, &corners);
     *at_border = !corners.empty() && corners.back().coarser;
     if (RanksOf(view.group.Comm()) > kFewRanks) return pattern;
@@ -240,62 +236,19 @@ private:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  /// sum_i H_i p_i, Pa.
-  double PressureAt(const ContactView &view, const CellPlace &place, const std::vector<double> &of_columns) const
-  {
-    const int axes = view.geometry.Dim() - 1;
-    double pressure = 0;
-    for (int c = 0; c < 1 << axes; ++c)
-      pressure += CornerHat(place.part, c, axes) * of_columns[columns_.Place(Corner(place.column, c))];
-    return pressure;
-  }
-
-  /// Adds up the couplings cell by cell: most segments lie in the cell of the one before.
   void MakeCouplings(const ContactView &view)
   {
-    const int dim = view.geometry.Dim(), columns = 1 << (dim - 1), corners = 1 << dim;
     const int per_column = UnknownsPerColumn(settings_, view.geometry);
-    std::map<Index, CellCouplings> cells;
-    auto cell = cells.end();
-    for (const PressedSegment &segment : segments_) {
-      const CellPlace &place = segment.place;
-      if (cell == cells.end() || place.cell != cell->first) cell = cells.try_emplace(place.cell, CellCouplings{place, {}}).first;
-      double hat[8];
-      for (int k = 0; k < corners; ++k) hat[k] = CornerHat(place.part, k, dim);
-      for (int c = 0; c < columns; ++c) {
-        if (NumberOf(place, c) < 0) continue;
-        for (int u = 0; u < per_column; ++u) {
-          const Vec3 change = u == 0 ? GapGradient(view, segment, c, settings_.width) : SlipGradient(view, segment, c, u - 1);
-          for (int k = 0; k < corners; ++k) cell->second.B[u][c][k] = cell->second.B[u][c][k] + hat[k] * change;
-        }
-      }
-    }
     couplings_.clear();
-    for (const auto &one : cells) Keep(dim, per_column, one.second);
-  }
-
-  /// How the weighted slip of a column along an axis grows as a segment moves, m2. At a side that is held across that axis there
-  /// is none: tractions of both its sides are opposite.
-  Vec3 SlipGradient(const ContactView &view, const PressedSegment &segment, int corner, int axis) const
-  {
-    const int axes = view.geometry.Dim() - 1;
-    const Index column = Corner(segment.place.column, corner);
-    for (const Side side : SidesAcross(axis))
-      if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, column)) return {};
-    const double kernel = CornerHat(segment.place.part, corner, axes, settings_.width);
-    return segment.area * kernel * SurfaceTangent((1 / Norm(segment.normal)) * segment.normal, axis, axes);
-  }
-
-  int NumberOf(const CellPlace &place, int c) const { return number_[columns_.Place(Corner(place.column, c))]; }
-
-  void Keep(int dim, int per_column, const CellCouplings &cell)
-  {
-    for (int c = 0; c < 1 << (dim - 1); ++c) {
-      const int number = NumberOf(cell.place, c);
-      for (int k = 0; number >= 0 && k < 1 << dim; ++k)
-        for (int u = 0; u < per_column; ++u)
-          couplings_.push_back({Corner(cell.place.cell, k), number + u, cell.B[u][c][k], cell.B[u][c][k]});
-    }
+    for (std::size_t cell = 0; cell < surface_.Cells().size(); ++cell)
+      for (int c = 0; c < ColumnsOfCell(view); ++c) {
+        const int number = number_[columns_.Place(ColumnOf(cell, c))];
+        for (int k = 0; number >= 0 && k < NodesOfCell(view); ++k)
+          for (int u = 0; u < per_column; ++u) {
+            const Vec3 B = surface_.Coupling(cell, c, u, k);
+            couplings_.push_back({Corner(surface_.Cells()[cell].cell, k), number + u, B, B});
+          }
+      }
   }
 
   /// The pressures of the last solve by columns, 0 of those that it left out.
@@ -307,25 +260,24 @@ private:
   }
 
   /// Points with a segment under the kernel of a loaded column.
-  int CountLoadedPoints(int dim, const std::vector<double> &lambda) const
+  int CountLoadedPoints(const ContactView &view, const std::vector<double> &lambda) const
   {
     int count = 0;
-    std::size_t s = 0;
-    for (const PointSegments &of : points_) {
-      bool loaded = false;
-      for (; s < of.end; ++s)
-        for (int c = 0; c < 1 << (dim - 1); ++c)
-          loaded = loaded || (lambda[columns_.Place(Corner(segments_[s].place.column, c))] > 0 &&
-                              CornerHat(segments_[s].place.part, c, dim - 1, settings_.width) > 0);
-      count += loaded;
-    }
+    ForEachPoint([&](auto first, auto end) {
+      count += std::any_of(first, end, [&](const PressedSurface::PointPart &part) {
+        bool loaded = false;
+        for (int c = 0; c < ColumnsOfCell(view); ++c)
+          loaded = loaded || (part.under_kernel[c] && lambda[columns_.Place(ColumnOf(part.cell, c))] > 0);
+        return loaded;
+      });
+    });
     return count;
   }
 
   ContactSettings settings_;
-  std::vector<PressedSegment> segments_;
-  double least_gap_ = 0; ///< of segments within reach, m
-  std::vector<PointSegments> points_;
+  PressedSurface surface_;
+  double least_gap_ = 0;   ///< of segments within reach, m
+  double most_deeper_ = 0; ///< by which a segment may lie deeper at the start of the step than at its end, m
   ContactColumns columns_;
   std::vector<int> number_; ///< of each column's pressure among the unknowns, or -1
   std::vector<ContactUnknown> unknowns_;

@@ -4,7 +4,7 @@
 #include "base/exchange.hpp"
 
 #include <algorithm>
-#include <array>
+#include <numeric>
 
 namespace mlgimp
 {
@@ -22,40 +22,53 @@ double MovedMassOf(const ContactView &view, const ContactCoupling &at)
   return at.coarser ? view.border->MovedMassOf(at.node) : MovedMassOf(view, at.node);
 }
 
+bool AreAtOneNode(const ContactCoupling &a, const ContactCoupling &b) { return a.node == b.node && a.coarser == b.coarser; }
+
 /// Calls work(first, end) for the couplings of each node, which stand together.
 template <class Work> void ForEachNode(const std::vector<ContactCoupling> &couplings, Work work)
 {
   for (auto first = couplings.begin(), end = first; first != couplings.end(); first = end) {
-    while (end != couplings.end() && end->node == first->node && end->coarser == first->coarser) ++end;
+    while (end != couplings.end() && AreAtOneNode(*end, *first)) ++end;
     work(first, end);
   }
 }
 
-/// Brings all couplings to the owners of their nodes and adds up those of the same unknown; nodes without mass are left out. On
-/// return they are ordered by nodes, the last axis slowest, and unknowns.
-PetscErrorCode GatherAtNodes(const ContactView &view, std::vector<ContactCoupling> *couplings, SendPattern pattern)
+/// Orders numbers by a key from 0 to `count`; those of equal keys stay as they stand.
+template <class Key> void OrderBy(std::int64_t count, Key key, std::vector<int> *numbers)
 {
-  const auto order = [](const ContactCoupling &c) {
-    return std::array<int, 5>{c.coarser, c.node[2], c.node[1], c.node[0], c.unknown};
-  };
+  std::vector<int> starts(count + 1), ordered(numbers->size());
+  for (const int n : *numbers) ++starts[key(n) + 1];
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  for (const int n : *numbers) ordered[starts[key(n)]++] = n;
+  numbers->swap(ordered);
+}
+
+/// Brings all couplings to the owners of their nodes and adds up those of the same unknown; nodes without mass are left out.
+/// at_nodes: those of this rank, ordered by nodes, the last axis slowest, and unknowns.
+PetscErrorCode GatherAtNodes(const ContactView &view, int unknowns, std::vector<ContactCoupling> *couplings, SendPattern pattern,
+                             std::vector<ContactCoupling> *at_nodes)
+{
   const auto owner = [&](const ContactCoupling &c) { return ContactSystem::OwnerOf(view, c); };
   PetscFunctionBeginUser;
   if (view.border) ContactSystem::AddBeyondBorder(*view.border, couplings);
   PetscCall(ExchangeRecords(view.group.Comm(), couplings, owner, pattern));
-  const std::vector<ContactCoupling> all = std::move(*couplings);
-  std::vector<std::pair<std::array<int, 5>, std::size_t>> places; // their order is sorted in their stead: they are large
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (MassOf(view, all[k]) > view.mass_cutoff) places.emplace_back(order(all[k]), k);
-  std::sort(places.begin(), places.end());
-  couplings->clear();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const ContactCoupling &next = all[places[k].second];
-    if (k > 0 && places[k].first == places[k - 1].first) {
-      ContactCoupling &sum = couplings->back();
-      sum.constraint = sum.constraint + next.constraint;
-      sum.traction = sum.traction + next.traction;
-    } else {
-      couplings->push_back(next);
+  const std::vector<ContactCoupling> &all = *couplings;
+  IndexBox boxes[2] = {kNowhere, kNowhere}; // of this level's nodes and of the coarser one's
+  for (const ContactCoupling &c : all) boxes[c.coarser].Include(c.node);
+  std::vector<int> order(all.size()); // of the couplings, which are large
+  std::iota(order.begin(), order.end(), 0);
+  const auto unknown = [&](int k) { return all[k].unknown; };
+  const auto node = [&](int k) { return (all[k].coarser ? boxes[0].Count() : 0) + boxes[all[k].coarser].Place(all[k].node); };
+  OrderBy(unknowns, unknown, &order);
+  OrderBy(boxes[0].Count() + boxes[1].Count(), node, &order);
+  at_nodes->clear();
+  for (const int k : order) {
+    const ContactCoupling &next = all[k];
+    if (!at_nodes->empty() && at_nodes->back().unknown == next.unknown && AreAtOneNode(at_nodes->back(), next)) {
+      at_nodes->back().constraint = at_nodes->back().constraint + next.constraint;
+      at_nodes->back().traction = at_nodes->back().traction + next.traction;
+    } else if (MassOf(view, next) > view.mass_cutoff) {
+      at_nodes->push_back(next);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -156,7 +169,7 @@ PetscErrorCode ContactSystem::Create(bool symmetric, double diagonal_shift, cons
 }
 
 /// The part of A, r and c that comes from the nodes of this rank, [unknowns][terms] in `rows_`.
-void ContactSystem::AddProducts(const ContactView &view, const std::vector<ContactCoupling> &couplings, int per_column)
+void ContactSystem::AddProducts(const ContactView &view, int per_column)
 {
   const Vec3 way = view.tip.end - view.tip.start;
   const auto add = [&](int row, int column, double value) {
@@ -167,7 +180,7 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
     else
       terms.push_back({row, column, value});
   };
-  ForEachNode(couplings, [&](auto first, auto end) {
+  ForEachNode(at_nodes_, [&](auto first, auto end) {
     const double mobility = view.dt * view.dt * first->share / MovedMassOf(view, *first);
     for (auto a = first; a != end; ++a) {
       const Vec3 mobile =
@@ -177,29 +190,32 @@ void ContactSystem::AddProducts(const ContactView &view, const std::vector<Conta
         if (a->unknown % per_column) add(a->unknown, kRightSide, Dot(a->constraint, way)); // of pressures the gap has it
         if (view.tip.IsFree()) add(a->unknown, kLoad, -a->traction[view.indenter.up]);
       }
-      for (auto b = first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
+      for (auto b = symmetric_ ? a : first; b != end; ++b) add(a->unknown, b->unknown, Dot(mobile, b->traction));
     }
   });
+  for (std::size_t row = 0; row < rows_.size() && symmetric_; ++row)
+    for (const Term &term : rows_[row])
+      if (term.column > term.row) rows_[term.column].push_back({term.column, term.row, term.value});
 }
 
 /// This rank's equations from the products at the nodes of all ranks. An unknown that moves no mass stays without pressure.
 PetscErrorCode ContactSystem::MakeEquations(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                                            const std::vector<ContactCoupling> &couplings, const Layout &layout,
-                                            SendPattern pattern)
+                                            const Layout &layout, SendPattern pattern)
 {
   const PetscMPIInt rank = RankIn(view.group.Comm());
   std::vector<Term> terms;
   PetscFunctionBeginUser;
   rows_.resize(unknowns.size());
   for (std::vector<Term> &row : rows_) row.clear();
-  AddProducts(view, couplings, layout.per_column);
+  AddProducts(view, layout.per_column);
   for (const std::vector<Term> &row : rows_) terms.insert(terms.end(), row.begin(), row.end());
   PetscCall(ExchangeRecords(
       view.group.Comm(), &terms, [&](const Term &term) { return layout.Owner(term.row); }, pattern));
 
   const int first = layout.First(rank), count = layout.First(rank + 1) - first;
   std::vector<double> diagonal(count);
-  problem_ = {};
+  for (std::vector<PetscInt> *places : {&problem_.rows, &problem_.columns}) places->clear();
+  for (std::vector<double> *values : {&problem_.values, &problem_.r, &problem_.c}) values->clear();
   problem_.by_load = view.tip.IsFree();
   problem_.load = view.tip.load;
   problem_.most_travel = view.tip.most_travel;
@@ -276,7 +292,7 @@ PetscErrorCode ContactSystem::FindPressures(const ContactView &view, const Layou
 }
 
 PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<ContactUnknown> &unknowns,
-                                    std::vector<ContactCoupling> couplings, SendPattern pattern, ContactReport *report)
+                                    const std::vector<ContactCoupling> &couplings, SendPattern pattern, ContactReport *report)
 {
   const int count = static_cast<int>(unknowns.size()), per_column = UnknownsPerColumn(settings_, view.geometry);
   PetscFunctionBeginUser;
@@ -289,13 +305,14 @@ PetscErrorCode ContactSystem::Solve(const ContactView &view, const std::vector<C
   if (view.tip.IsFree() && count == 0) report->travel = view.tip.FreeTravel();
   if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
   const Layout layout = {count / per_column, per_column, count < settings_.serial_unknowns ? 1 : RanksOf(view.group.Comm())};
-  PetscCall(GatherAtNodes(view, &couplings, pattern));
-  PetscCall(MakeEquations(view, unknowns, couplings, layout, PatternOfTerms(pattern, layout.ranks)));
+  couplings_ = couplings;
+  PetscCall(GatherAtNodes(view, count, &couplings_, pattern, &at_nodes_));
+  PetscCall(MakeEquations(view, unknowns, layout, PatternOfTerms(pattern, layout.ranks)));
   PetscCall(FindPressures(view, layout, PatternOfPressures(pattern, view.tip.IsFree()), report));
   for (int j = 0; j < count; ++j)
     if (lambda_[j] != 0) pressures_.emplace_hint(pressures_.end(), unknowns[j].key, lambda_[j]);
-  Push(view, couplings, lambda_, per_column, report);
-  report->friction_impulse = FrictionImpulse(view, couplings, lambda_, per_column);
+  Push(view, at_nodes_, lambda_, per_column, report);
+  report->friction_impulse = FrictionImpulse(view, at_nodes_, lambda_, per_column);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,6 +5,9 @@
 #include "level/contact/contact.hpp"
 #include "level/face.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace mlgimp
 {
 
@@ -15,23 +18,25 @@ struct SurfaceSegment {
   double half_width; ///< half the piece's length in the plane, m
 };
 
-inline constexpr int kSegmentsPerEdge = 4;
-/// Calls work(segment) for those of all outer faces of a point: midpoints of kSegmentsPerEdge parts along each half edge.
-template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, Work work)
+inline constexpr int kMostParts = 4; ///< of an edge of a face
+/// Calls work(segment) for those of all outer faces of a point: midpoints of parts along each edge, of which there are so many
+/// that none is longer than `longest`, m, but at most kMostParts; with 0 as many.
+template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, double longest, Work work)
 {
-  const int dim = geometry.Dim(), rows = dim == 3 ? kSegmentsPerEdge : 1;
-  const auto along = [](int k) { return (2 * k + 1.0) / kSegmentsPerEdge - 1; }; // the half edge
-  for (const Side side : SidesOf{dim}) {
+  const auto parts = [longest](Vec3 half_edge) {
+    return static_cast<int>(std::min<double>(kMostParts, std::ceil(2 * Norm(half_edge) / longest)));
+  };
+  const auto along = [](int k, int count) { return (2 * k + 1.0) / count - 1; }; // the half edge
+  for (const Side side : SidesOf{geometry.Dim()}) {
     if (!(points.faces[p] & OuterFaceBit(side))) continue;
     const Face face = PointFace(points, p, side);
-    const double area = Norm(face.area_normal);
+    const int columns = parts(face.half_edge[0]), rows = geometry.Dim() == 3 ? parts(face.half_edge[1]) : 1;
+    const double area = Norm(face.area_normal), part = area * geometry.OutOfPlane(face.center[0]) / (rows * columns);
     const Vec3 normal = (1 / area) * face.area_normal;
-    const double part = area * geometry.OutOfPlane(face.center[0]) / (rows * kSegmentsPerEdge),
-                 half_width = Norm(face.half_edge[0]) / kSegmentsPerEdge;
     for (int j = 0; j < rows; ++j) {
-      const Vec3 row = dim == 3 ? face.center + along(j) * face.half_edge[1] : face.center;
-      for (int i = 0; i < kSegmentsPerEdge; ++i)
-        work(SurfaceSegment{row + along(i) * face.half_edge[0], normal, part, half_width});
+      const Vec3 row = face.center + along(j, rows) * face.half_edge[1];
+      for (int i = 0; i < columns; ++i)
+        work(SurfaceSegment{row + along(i, columns) * face.half_edge[0], normal, part, Norm(face.half_edge[0]) / columns});
     }
   }
 }

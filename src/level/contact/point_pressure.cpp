@@ -76,7 +76,7 @@ private:
     const Vec3 x = points.Position(p);
     const SurfaceGap gap = view.indenter.Gap(x, view.tip.end);
     double length = 0, area = 0;
-    ForEachSegment(points, p, view.geometry, [&](const SurfaceSegment &segment) {
+    ForEachSegment(points, p, view.geometry, 0, [&](const SurfaceSegment &segment) {
       if (Faces(segment, gap.normal)) length += 2 * segment.half_width, area += segment.area;
     });
     if (length == 0) return;

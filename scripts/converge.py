@@ -98,11 +98,14 @@ def history_value(folder, own):
         return values.max()
     if own.depth is None:
         return values[-1]
+    first, deepest = history["depth"][0], history["depth"].max()
+    if not first <= own.depth <= deepest * (1 + ROUNDING):
+        raise Error(f"-depth {own.depth:g}: must be in [{first:g}, {deepest:g}], as the run went")
     way_in = slice(0, np.argmax(history["depth"]) + 1)
-    depths = history["depth"][way_in]
-    if not depths[0] <= own.depth <= depths[-1] * (1 + ROUNDING):
-        raise Error(f"-depth {own.depth:g}: must be in [{depths[0]:g}, {depths[-1]:g}], as the run went")
-    return np.interp(own.depth, depths, values[way_in])
+    depths, values = history.beside(own.quantity, "depth")[way_in], values[way_in]
+    if own.depth > depths[-1] and len(depths) > 1:  # a mean lies half an interval before its row
+        return values[-1] + (values[-1] - values[-2]) / (depths[-1] - depths[-2]) * (own.depth - depths[-1])
+    return np.interp(own.depth, depths, values)
 
 
 def column(history, quantity):

@@ -51,7 +51,7 @@ def run_curve(directory, label):
     history = results.read_history(directory)
     if not results.has_indenter(history):
         raise ResultError(directory, "this run has no indenter")
-    return label, history["depth"], history["load"], {}
+    return label, history.beside("load", "depth"), history["load"], {}
 
 
 @styled
@@ -73,13 +73,19 @@ def side_by_side(options):
     save(fields.fields(panels, options.component, options.window), options.picture)
 
 
+def under_tip(history):
+    """Returns where the surface is under the tip at first, [x, height] m: pictures in space are of planes across y."""
+    upward = "tip_z" if "tip_z" in history else "tip_y"
+    return np.array([history["tip_x"][0], history[upward][0] + history["depth"][0]])
+
+
 def depths(options):
     """Draws a stress or a scalar of several frames of one run side by side, each in lengths of the depth it has: what is similar
     to itself looks the same."""
     history = results.read_history(options.directory)
     if not results.has_indenter(history):
         raise ResultError(options.directory, "this run has no indenter")
-    surface = np.array([history["tip_x"][0], history["tip_y"][0] + history["depth"][0]])
+    surface = under_tip(history)
     panels = []
     for number in options.frames:
         time = results.read_frame(results.find_frame(options.directory, number)).time
@@ -99,7 +105,7 @@ def moves(options):
     history, summary = results.read_history(options.directory), results.read_summary(options.directory)
     if not results.has_indenter(history) or not summary.get("regrids"):
         raise ResultError(options.directory, "this run has no boxes that follow an indenter")
-    depth = np.convolve(history["depth"], (0.5, 0.5))[:-1]  # the load of a row is the mean since the one before
+    depth = history.beside("load", "depth")
     seen = (depth > 0) & (history["contact_half_width"] >= 8 * min(level["cell_size"] for level in summary["levels"]))
     if not seen.any():
         raise ResultError(options.directory, "the contact stays narrower than 16 of the finest cells")

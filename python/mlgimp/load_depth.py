@@ -215,6 +215,11 @@ def unit_of(word):
     return re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", re.split(r"[(\[]", word.rstrip(")] "))[-1].strip())
 
 
+def before_unit(word):
+    """Returns what stands in a word before a unit in brackets."""
+    return re.split(r"[(\[]", word)[0].strip()
+
+
 def check_unit(path, column, words):
     """Refuses a column whose words above the numbers name another unit, by themselves or in brackets at their end."""
     for word in words:
@@ -281,11 +286,12 @@ def place_of(path, names, name, count):
     """Returns the place of a column by its name, to upper and lower case, or by its number."""
     for words in reversed(names):
         matches = [k for k, word in enumerate(words[:count]) if word.lower() == name.lower()]
-        if matches:
+        matches = matches or [k for k, word in enumerate(words[:count]) if before_unit(word).lower() == name.lower()]
+        if len(matches) == 1 or matches and words[matches[0]].lower() == name.lower():
             return matches[0]
     if re.fullmatch(r"\d+", name) and 1 <= int(name) <= count:
         return int(name) - 1
-    heads = [words for words in names if len(words) > 1 and not all(unit_of(word) in UNITS for word in words)]
+    heads = [words for words in names if len(words) > 1 and not all(unit_of(before_unit(word) or word) in UNITS for word in words)]
     known = f"; there are {', '.join(heads[-1])}" if heads else f"; columns have no names, only numbers 1 to {count}"
     raise ResultError(path, f"there is no column {name}{known}")
 

@@ -20,6 +20,7 @@ EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have
 Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
 Constants.__doc__ = "What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default."
 
+TOUCH, LATE = 0.005, 0.2  # of the load of a cycle, from which on a tip touches, a cone at 0.07 of the depth; of the depth, which is too late
 UNSEEN = 0.002  # of the work: what may lie before the first row; the first interval of a run of twenty rows has less
 STIFFEST = 2000  # GPa, above which no solid is; diamond has 1141
 POISSON = Rule(lambda nu: -1 < nu <= 0.5, "in (-1, 0.5]")
@@ -193,6 +194,13 @@ def doubts(curve, cycle, fit, row):
     if before > UNSEEN * abs(row["total_work_nJ"]):
         yield (f"the curve begins at {curve.depth[0]:.3g} um and {curve.load[0]:.3g} mN: up to "
                f"{100 * before / (before + row['total_work_nJ']):.2g} % of the work was done before, which no figure of work has")
+    touch = int(np.argmax(loading > TOUCH * fit.load))
+    if cycle.begin == 0 and touch > 0 and curve.depth[touch] > LATE * fit.depth:
+        yield (f"there is no load up to {curve.depth[touch]:.3g} um, {100 * curve.depth[touch] / fit.depth:.0f} % of the depth: "
+               "is the zero of depths where the tip touches?")
+    if row["plastic_share"] < -0.05:
+        yield (f"the unloading gives back {row['elastic_work_nJ'] / row['total_work_nJ']:.2g} times the work put in before: are the rows in order, "
+               "and is the loading whole?")
     if row["area_um2"] <= 0:
         yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
                f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")

@@ -86,7 +86,7 @@ def draw_load_depth(axes, curves, load_unit, depth_unit):
 @styled
 def load_depth(history, title):
     """Returns the picture of load against depth of one run."""
-    load, depth = history["load"], history["depth"]
+    load, depth = history["load"], history.beside("load", "depth")
     figure, axes = plt.subplots(figsize=(6.4, 4.6))
     draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"))
     axes.set_title(title)

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from . import checks
-from .errors import ResultError
+from .errors import Error, ResultError
 
 Frame = namedtuple("Frame", "time step levels")
 Frame.__doc__ = """One frame of points: time (s), step of level 0, and levels, a list with one dict per grid
@@ -21,8 +21,22 @@ POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4},  # components
                   3: {"position": 3, "half_size": 3, "stress": 6}}
 
 
+MEANS = ("load", "load_quasi_static", "friction_force")  # since the row before
+
+
 class History(dict):
     """The columns of history.csv by name, arrays [rows] in SI units, in the order of the file."""
+
+    def __missing__(self, name):
+        raise Error(f"history.csv has no column {name}; there are {', '.join(self)}")
+
+    def beside(self, name, column):
+        """Returns the numbers of a column, as depths, to which those of the column `name` belong, [rows].
+
+        A force is the mean since the row before, so that it belongs to the middle between both.
+        """
+        values = self[column]
+        return np.append(values[:1], (values[1:] + values[:-1]) / 2) if name in MEANS else values
 
     def table(self):
         """Returns the columns as a pandas.DataFrame, or where there is no pandas as a record array of numpy."""

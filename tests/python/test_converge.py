@@ -44,6 +44,17 @@ BAR = """# a comment
 """
 
 
+def test_loads_belong_between_rows(tmp_path, expect):
+    """A load is the mean since the row before: P = h^2 at any depth, also the last, from rows far apart."""
+    edges = np.linspace(0, 1, 11)
+    columns = {name: np.zeros(11) for name in results.HISTORY_COLUMNS} | {"depth": edges, "load": np.append(0, np.diff(edges**3) / np.diff(edges) / 3)}
+    (tmp_path / "history.csv").write_text("\n".join([",".join(columns), *(",".join(map(repr, map(float, row))) for row in zip(*columns.values()))]) + "\n")
+    for depth in (0.35, 0.5, 0.97, 1.0):
+        own = converge.Study("case", 2, "load", depth, False, None, 1)
+        expect(f"load at depth {depth}", converge.history_value(tmp_path, own), near=depth**2, tolerance=0.008)
+    assert converge.history_value(tmp_path, converge.Study("case", 2, "depth", 0.5, False, None, 1)) == 0.5
+
+
 class Richardson(unittest.TestCase):
     def test_exact_sequences(self):
         for order in (1, 2, 1.5):

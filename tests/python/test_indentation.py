@@ -161,6 +161,19 @@ def test_work_before_the_curve(expect):
     assert oliver_pharr.analyse(curve(depth[rows], load[rows]))[0]["warnings"] == ""
 
 
+def test_curves_that_cannot_be(expect):
+    """Rows in reverse order, and a zero of depths long before the tip touches."""
+    depth, load = metal(lowest=0.01)
+    [row] = oliver_pharr.analyse(curve(depth[::-1], load[::-1]))
+    assert row["plastic_share"] < -0.05 and "are the rows in order" in row["warnings"]
+    before = np.linspace(0, 0.2, 100)[:-1]
+    [row] = oliver_pharr.analyse(curve(np.append(before, 0.2 + depth), np.append(0 * before, load)))
+    told = re.search(r"there is no load up to (\S+) um, (\d+) % of the depth", row["warnings"])
+    expect("where the tip touches, um", float(told[1]), near=0.2 + 0.5 * math.sqrt(0.005), tolerance=0.002)
+    [row] = oliver_pharr.analyse(curve(np.append(before - 0.2, depth), np.append(0 * before, load)))
+    assert "there is no load" not in row["warnings"]
+
+
 # ---- cycles and holds ----
 
 def cycles_of(loads):

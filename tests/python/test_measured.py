@@ -96,6 +96,18 @@ def test_rows_of_the_approach(tmp_path, expect):
     expect("total work", row["total_work_nJ"] / (10 * 0.5 / 3), near=1, tolerance=1e-3)
 
 
+def test_names_with_units(tmp_path):
+    """A column is found by its name without the unit behind it, and told with it where there is none of a name."""
+    file = tmp_path / "curve.csv"
+    file.write_text(text_of(*metal(), head="Depth (um),Load (mN)\n"))
+    named = load_depth.read_measured(file, "Depth:um", "load:mN")
+    np.testing.assert_allclose(named.depth, metal()[0], rtol=1e-8)
+    with pytest.raises(mlgimp.Error, match=r"there are Depth \(um\), Load \(mN\)$"):
+        load_depth.read_measured(file, "h:um", "Load:mN")
+    with pytest.raises(mlgimp.Error, match="in um"):
+        load_depth.read_measured(file, "Depth:nm", "Load:mN")
+
+
 def test_a_wrong_name_is_told_the_right_ones():
     with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")

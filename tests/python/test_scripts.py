@@ -330,6 +330,11 @@ class Scripts(unittest.TestCase):
         self.assertIn("no load_depth.png", printed)
         self.assertEqual(len(list(self.one.glob("*.png"))), 4)
 
+    def test_surface_under_a_tip(self):
+        history = {"tip_x": np.array([1.0, 1.0]), "tip_y": np.array([2.0, 2.0]), "depth": np.array([-0.5, 0.1])}
+        np.testing.assert_array_equal(figures.under_tip(history), [1, 1.5])
+        np.testing.assert_array_equal(figures.under_tip(history | {"tip_z": np.array([3.0, 2.4])}), [1, 2.5])
+
     def test_figures_compare_runs(self):
         fem = self.root / "fem.csv"
         fem.write_text("# from elsewhere\ndepth,load\n0,0\n4.5e-7,7e-3\n")

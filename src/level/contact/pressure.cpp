@@ -43,13 +43,16 @@ double PressedShare(const ContactView &view, const SurfaceSegment &segment, cons
 }
 
 /// How long the segments of a point's faces may be, m; 0: as short as can be. In space, where the parts of both edges multiply,
-/// loads of a ball are within 0.2 % of those with the shortest from 1.3 cells of contact on; a sharp tip needs these at first.
-double LongestSegment(const ContactView &view, Vec3 x)
+/// loads of a ball are within 0.1 % of those with the shortest. A sharp tip needs these at first, and the edge of a body, where
+/// they tell how far it reaches under the last column.
+double LongestSegment(const ContactView &view, const PointArrays &points, int p)
 {
   constexpr double kLongest = 0.3, kAtTip = 2; // cells
   const double h = view.grid.Geometry().spacing;
-  const Vec3 from_tip = x - view.tip.start;
-  if (view.geometry.Dim() < 3 || std::max(std::abs(from_tip[0]), std::abs(from_tip[1])) < kAtTip * h) return 0;
+  const Vec3 from_tip = points.Position(p) - view.tip.start;
+  const int faces = points.faces[p];
+  const bool at_edge = faces & (faces - 1); // more than one bit
+  if (view.geometry.Dim() < 3 || at_edge || std::max(std::abs(from_tip[0]), std::abs(from_tip[1])) < kAtTip * h) return 0;
   return kLongest * h;
 }
 
@@ -169,7 +172,7 @@ private:
       if (FarFromIndenter(view, points, p)) continue;
       const Material &material = view.bodies.Of(points, p);
       const SegmentMaterial traits = {material.SpeedOfSound(), material.AveragesVolume(), material.IsMetal()};
-      ForEachSegment(points, p, view.geometry, LongestSegment(view, points.Position(p)),
+      ForEachSegment(points, p, view.geometry, LongestSegment(view, points, p),
                      [&](const SurfaceSegment &segment) { CollectSegment(view, p, traits, segment, report); });
     }
   }

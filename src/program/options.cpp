@@ -289,7 +289,8 @@ void OptionReader::RefuseUnused() const
 void OptionReader::WarnUnused() const
 {
   // Read by PETSc only when it finishes.
-  const std::set<std::string> late = {"-options_left", "-objects_dump", "-malloc_dump", "-memory_view", "-log_view_memory"};
+  const std::set<std::string> late = {"-options_left", "-options_view", "-objects_dump",
+                                      "-malloc_dump",  "-memory_view",  "-log_view_memory"};
   for (const std::string &unused : FindUnused())
     if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": nothing has read this option");
 }

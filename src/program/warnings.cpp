@@ -65,6 +65,24 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
               : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
 }
 
+/// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
+/// and catches it again, it takes much.
+std::string OfContactLoss(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMost = 0.15; // of the largest work, or what the bodies brought; runs that touch well are seen to take 0.1
+  constexpr int kSteps = 100;    // of contact, before which it is all first touch
+  if (!c.model.indenter || budgets.contact_steps < kSteps) return "";
+  const double taken = budgets.indenter_work - budgets.contact_work - budgets.friction_work;
+  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  if (taken <= kMost * work) return "";
+  return "-indenter: contact has taken " + FormatRounded(taken) + " J, " + FormatRounded(100 * taken / work) +
+         " % of what the bodies were to get or brought," + When(budgets) +
+         ": the surface has met the tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a "
+         "slower "
+         "indenter" +
+         (std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
+}
+
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
 std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watched)
 {
@@ -266,10 +284,10 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true},      {OfNoise, true},
-              {OfSpeed, true},        {OfWidest, false},    {OfNarrowest, true},    {OfEnergy, true},
-              {OfDamping, true},      {OfLoad, true},       {OfLoss, true},         {OfTouch, true},
-              {OfBorder, false},      {OfMotion, true},     {OfElasticNoise, true}, {OfMirrorImage, false}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
+              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
+              {OfLoss, true},         {OfTouch, true},      {OfBorder, false}, {OfMotion, true},  {OfElasticNoise, true},
+              {OfMirrorImage, false}, {OfContactLoss, true}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =

@@ -330,3 +330,17 @@ def test_refused(tmp_path):
         for name, case, expected in some:
             problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, ranks, expected)
             assert not problem, f"{name} on {ranks} ranks: {problem}"
+
+
+@pytest.mark.parametrize("friction, told", [("inf", True), (0.6, False)])
+def test_contact_that_takes_energy_is_told(friction, told):
+    """A punch that pulls a film sideways without slip lets go of it and catches it again, with 5000 N for 14000."""
+    case = {"domain_lower": "-8e-6,0", "domain_upper": "8e-6,9e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry",
+            "boundary_x_upper": "symmetry", "boundary_y_lower": "symmetry", "materials": "film,base", "film_youngs_modulus": 70e9,
+            "film_poissons_ratio": 0.33, "film_density": 2700, "base_youngs_modulus": 20e9, "base_poissons_ratio": 0.2, "base_density": 3000,
+            "bodies": "below,above", "below_lower": "-8e-6,0", "below_upper": "8e-6,6e-6", "below_material": "base",
+            "above_lower": "-8e-6,6e-6", "above_upper": "8e-6,8e-6", "above_material": "film", "indenter": "flat_punch",
+            "indenter_width": 4e-6, "indenter_tip": "0.1e-6,8e-6", "indenter_friction": friction, "damping": 2e8, "end_time": 30e-9, "frames": 0,
+            "indenter_times": "0,10e-9,11e-9,30e-9", "indenter_velocities": "40,40,0,0", "indenter_velocities_x": "0,0,60,60"}
+    lines = [line for line in harness.run(case).summary["warnings"] if "contact has taken" in line]
+    assert len(lines) == told and all("25." in line and "a finite -indenter_friction" in line for line in lines)

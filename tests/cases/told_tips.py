@@ -50,3 +50,10 @@ def test_contact_of_few_cells_is_told(change, told):
     shape = change if "indenter" in change else {"indenter": "cylinder", "indenter_radius": 4, **change}
     said = warnings({**PRESS, **tip, **shape}, but=())
     assert [FEW_CELLS in line for line in said].count(True) == told, said
+
+
+@pytest.mark.parametrize("ratio, average, told", [(0.499, "false", True), (0.49, "false", True), (0.48, "false", False), (0.499, "true", False)])
+def test_cells_that_lock_are_told(ratio, average, told):
+    """At a ratio of 0.499 the load of a cylinder on one cell of contact is 1.6 times that of a fine grid."""
+    said = warnings({**TIP, "indenter_tip": "0,8", "al_poissons_ratio": ratio, "al_volume_average": average, "max_steps": 2}, but=())
+    assert ["hardly changes its volume" in line for line in said].count(True) == told, said

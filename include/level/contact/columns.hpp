@@ -47,7 +47,7 @@ public:
 
 private:
   PetscErrorCode FindBox(const ContactView &view, const PressedSurface &surface);
-  void Add(const PressedSurface::Cell &cell, int c);
+  void Add(const ContactView &view, const PressedSurface::Cell &cell, int c);
   void Crop();
 
   IndexBox box_;

@@ -37,7 +37,7 @@ inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c
 /// Hats of half width `width` cells about the columns at the corners of a cell, in the plane the first two.
 inline std::array<double, 4> ColumnHats(Vec3 part, int dim, double width = 1)
 {
-  const auto hat = [width](double from) { return width == 1 ? 1 - from : std::max(0.0, 1 - from / width); };
+  const auto hat = [width](double from) { return std::max(0.0, 1 - from / width); };
   const double lower = dim == 3 ? hat(part[1]) : 1, upper = dim == 3 ? hat(1 - part[1]) : 0;
   return {hat(part[0]) * lower, hat(1 - part[0]) * lower, hat(part[0]) * upper, hat(1 - part[0]) * upper};
 }
@@ -57,8 +57,8 @@ public:
   struct Cell {
     Index cell, column;
     double kernel_area[4] = {}, flowing[4] = {}, sound[4] = {}, gap[4] = {}, area[4] = {};
-    double share[4][4] = {}; ///< of the load by each of the columns on each
-    double left[4] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}, right[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double share[4][4] = {};                   ///< of the load by each of the columns on each
+    double left = HUGE_VAL, right = -HUGE_VAL; ///< ends of the segments along the first axis, m
   };
   /// The segments of a point in a cell.
   struct PointPart {

@@ -46,10 +46,19 @@ PetscErrorCode ContactColumns::FindBox(const ContactView &view, const PressedSur
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds what a cell has of the column at one of its corners.
-void ContactColumns::Add(const PressedSurface::Cell &cell, int c)
+/// Where held sides end the surface along the first axis, m. Faces of points that are drawn out beside one reach beyond it.
+static double EndOfSurface(const ContactView &view, Side side)
 {
-  ContactColumn &column = columns_[Place(Corner(cell.column, c))];
+  if (view.sides.kind[side] == BoundaryKind::kFree) return SignOf(side) * HUGE_VAL;
+  return view.grid.Coordinate(0, view.sides.node[side]);
+}
+
+/// Adds what a cell has of the column at one of its corners.
+void ContactColumns::Add(const ContactView &view, const PressedSurface::Cell &cell, int c)
+{
+  const Index at = Corner(cell.column, c);
+  const double x = view.grid.Coordinate(0, at[0]), h = view.grid.Geometry().spacing;
+  ContactColumn &column = columns_[Place(at)];
   column.kernel_area += cell.kernel_area[c];
   column.flowing += cell.flowing[c];
   column.sound += cell.sound[c];
@@ -58,8 +67,8 @@ void ContactColumns::Add(const PressedSurface::Cell &cell, int c)
   double *const share = column.share + 4 - (c & 1) - 3 * (c >> 1); // on the column at the first corner
   for (int i = 0; i < 4; ++i)
     if (cell.share[c][i] != 0) share[(i & 1) + 3 * (i >> 1)] += cell.share[c][i]; // in the plane there are two
-  column.left = std::min(column.left, cell.left[c]);
-  column.right = std::max(column.right, cell.right[c]);
+  column.left = std::min(column.left, std::max({cell.left, x - h, EndOfSurface(view, kXLower)}));
+  column.right = std::max(column.right, std::min({cell.right, x + h, EndOfSurface(view, kXUpper)}));
 }
 
 /// Leaves the columns that have some surface.
@@ -87,7 +96,7 @@ PetscErrorCode ContactColumns::Sum(const ContactView &view, const PressedSurface
   PetscCall(FindBox(view, surface));
   columns_.assign(box_.Count(), {});
   for (const PressedSurface::Cell &cell : surface.Cells())
-    for (int c = 0; c < 1 << (view.geometry.Dim() - 1); ++c) Add(cell, c);
+    for (int c = 0; c < 1 << (view.geometry.Dim() - 1); ++c) Add(view, cell, c);
   ContactColumn &other = columns_.emplace_back(); // what goes along, as it is added up, and its least found, in the same way
   other.left = *least_gap, other.flowing = *at_border;
   other.area = static_cast<double>(*pattern >> kHalf),

@@ -72,34 +72,24 @@ static Vec3 SlipGradient(const ContactView &view, const PressedSegment &segment,
   return segment.area * kernel * SurfaceTangent((1 / Norm(segment.normal)) * segment.normal, axis, view.geometry.Dim() - 1);
 }
 
-/// Where held sides end the surface along the first axis, m. Faces of points that are drawn out beside one reach beyond it.
-static double EndOfSurface(const ContactView &view, Side side)
-{
-  if (view.sides.kind[side] == BoundaryKind::kFree) return SignOf(side) * HUGE_VAL;
-  return view.grid.Coordinate(0, view.sides.node[side]);
-}
-
-/// Adds a segment to the columns at the corners of its cell.
-static void AddToColumns(const ContactView &view, const PressedSegment &segment, const std::array<double, 4> &hats,
+/// Adds a segment to the columns at the corners of its cell. up: its place among the components.
+static void AddToColumns(const PressedSegment &segment, int up, const std::array<double, 4> &hats,
                          const std::array<double, 4> &kernels, PressedSurface::Cell *cell)
 {
-  const double h = view.grid.Geometry().spacing, first = view.grid.Coordinate(0, segment.place.column[0]),
-               left = std::max(segment.left, EndOfSurface(view, kXLower)),
-               right = std::min(segment.right, EndOfSurface(view, kXUpper));
   const double area = segment.area, gap = segment.gap, sound = segment.sound, flows = segment.flows ? 1 : 0,
-               up = segment.normal[view.geometry.Dim() - 1];
+               upward = segment.normal[up];
   for (int c = 0; c < 4; ++c) {
-    const double kernel = area * kernels[c], x = first + (c & 1) * h;
+    const double kernel = area * kernels[c];
     cell->kernel_area[c] += kernel;
     cell->flowing[c] += flows * kernel;
     cell->sound[c] += sound * kernel;
     cell->gap[c] += gap * kernel;
-    cell->area[c] -= up * area * hats[c];
-    cell->left[c] = std::min(cell->left[c], std::max(left, x - h));
-    cell->right[c] = std::max(cell->right[c], std::min(right, x + h));
+    cell->area[c] -= upward * area * hats[c];
   }
   for (int c = 0; c < 4; ++c)
-    for (int i = 0; i < 4; ++i) cell->share[c][i] -= up * area * kernels[c] * hats[i];
+    for (int i = 0; i < 4; ++i) cell->share[c][i] -= upward * area * kernels[c] * hats[i];
+  cell->left = std::min(cell->left, segment.left);
+  cell->right = std::max(cell->right, segment.right);
 }
 
 void PressedSurface::Clear(const ContactView &view, const ContactSettings &settings)
@@ -134,7 +124,7 @@ void PressedSurface::Add(const ContactView &view, int point, const PressedSegmen
   const std::array<double, 4> hats = ColumnHats(segment.place.part, dim), kernels = ColumnHats(segment.place.part, dim, width_);
   double at_nodes[8] = {};
   for (int k = 0; k < 2 * columns; ++k) at_nodes[k] = hats[k % columns] * (k < columns ? 1 - up : up);
-  AddToColumns(view, segment, hats, kernels, &cells_[cell]);
+  AddToColumns(segment, dim - 1, hats, kernels, &cells_[cell]);
   if (parts_.empty() || parts_.back().point != point || parts_.back().cell != cell) parts_.push_back({point, cell, {}, {}});
   PointPart &part = parts_.back();
   NodeCouplings *with = &couplings_[4 * cell * per_column_];

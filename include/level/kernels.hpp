@@ -63,6 +63,7 @@ struct GridToPointsPlan {
   bool scatter;     ///< add momentum, and strain rate where kept, to `rates`, growths of volume to the cells
   bool project;     ///< and momentum with the grid's velocity, for XPIC
   bool move;        ///< move the points: nothing of the step comes after
+  double damped;    ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
 };
 
 /// Settings of the sweep that reads `rates`.
@@ -78,7 +79,6 @@ struct RatesPlan {
 struct SweepView {
   const Grid &grid;
   PointArrays points;
-  double *grid_velocity; ///< [count][dim] velocity of the grid at the points, from GridToPoints to the move, m/s, by blocks
   const BodyTable &bodies;
   bool owned = true; ///< false for copies of another level's points: they act, but do not count
 };

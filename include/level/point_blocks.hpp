@@ -54,12 +54,6 @@ template <class Geometry> [[gnu::always_inline]] inline void PrefetchNext(const 
   if (parts & kInternal && b.average >= 0) Prefetch<1>(b.faces, p);
 }
 
-/// Asks for the grid's velocity at the next block, also where it is about to be written: it is read before.
-template <int dim> void PrefetchMotion(const SweepView &view, const Block &b)
-{
-  for (int p = kBlock; p < 2 * kBlock; p += kLanes) Prefetch<dim>(view.grid_velocity + PointArrays::At(b.start, dim), p);
-}
-
 template <int dim> Extents<dim> ExtentsOf(const PointArrays &b) { return {b.count, b.position, b.half_size, b.F}; }
 
 /// Current volumes J m / rho0 with a sign, m3 (of the thickness that the masses were made with).

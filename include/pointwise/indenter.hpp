@@ -37,8 +37,9 @@ public:
 
 // Profiles over the distance rho from the axis: prismatic in plane strain, of revolution otherwise.
 
-/// y = tan(b) (sqrt(rho^2 + r^2) - r), b = 90 degrees - half_angle, r = tip_radius tan(b), half_angle in degrees from
-/// the axis: a cone or wedge whose tip has the radius of curvature tip_radius.
+/// A cone or wedge with half_angle, in degrees from the axis. With a tip radius R it ends in a ball (a cylinder) that the flanks
+/// are tangent to, the conosphere of catalogues: they meet at the height R (1 - sin a), and a sharp cone with the same flanks
+/// reaches R (1/sin a - 1) deeper.
 std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius);
 std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius);
 /// radius: half its width in plane strain.

@@ -51,15 +51,13 @@ public:
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
       GatherVelocities(view.grid, w, b, plan.strain_rate, motion, change);
+      if (plan.damped > 0) DampNoise(b, plan.damped, motion.u, change.u, budgets);
       AddVelocity(b, change.u);
       if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
       if (plan.scatter) (plan.project ? ScatterRates<true> : ScatterRates<false>)(view.grid, w, b, motion.u);
       if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
-      if (plan.move)
-        Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
-      else
-        KeepMotion(view, b, motion);
+      if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });
   }
 
@@ -123,7 +121,6 @@ public:
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
-      if (plan.move) TakeMotion(view, b, motion);
       GatherRates(view.grid, w, b, plan, motion, projected, smooth);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
@@ -173,6 +170,25 @@ private:
     for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
   }
 
+  /// Mass-proportional damping of what the points move otherwise than the nodes, v_p <- v_p - share (v_p - sum S (v - dv)_i): the
+  /// nodal forces have that of the nodes. Adds up what it takes with the change of velocity that follows.
+  static void DampNoise(const PointArrays &b, double share, const Row *u, const Row *change, Budgets &budgets)
+  {
+    double work = 0;
+    for (int d = 0; d < dim; ++d) {
+      double impulse = 0;
+      for (int p = 0; p < b.count; ++p) {
+        double &v = b.velocity[dim * p + d];
+        const double taken = share * (v - (u[d][p] - change[d][p])), given = b.mass[p] * taken;
+        impulse -= given;
+        work += given * (v + 0.5 * (change[d][p] - taken));
+        v -= taken;
+      }
+      budgets.damping_impulse[d] += impulse;
+    }
+    budgets.damping_work += work;
+  }
+
   static void AddVelocity(const PointArrays &b, const Row *change)
   {
     for (int p = 0; p < b.count; ++p)
@@ -180,22 +196,8 @@ private:
       for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
   }
 
-  /// What a block moves with, from GridToPoints to the sweep that moves it.
-  static void KeepMotion(const SweepView &view, const Block &b, const Motion<dim> &motion)
-  {
-    PrefetchMotion<dim>(view, b);
-    for (int d = 0; d < dim; ++d)
-      std::copy_n(motion.u[d], b.count, view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count);
-  }
-  static void TakeMotion(const SweepView &view, const Block &b, Motion<dim> &motion)
-  {
-    PrefetchMotion<dim>(view, b);
-    for (int d = 0; d < dim; ++d)
-      std::copy_n(view.grid_velocity + PointArrays::At(b.start, dim) + d * b.count, b.count, motion.u[d]);
-  }
-
-  /// Gradient of the second velocity; projected velocity; strain rate of the nodes. Before the points' own velocity is known
-  /// the second one is what they move with; points that average their volume follow the gradient of the new one, as before.
+  /// The second velocity, with its gradient where strain follows; of points that average their volume the new one; projected
+  /// velocity; strain rate of the nodes.
   static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
                           Row *projected, Row *smooth)
   {
@@ -207,12 +209,10 @@ private:
       PrefetchNext<Geometry>(b, p, parts);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        if (plan.strain) {
-          const Gathered<dim> sum = b.average < 0 ? Gather<dim>(at, d) : Gather<dim>(new_velocity, d);
-#pragma GCC unroll 3
-          for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
-        }
-        if (!plan.move) StoreVector(motion.u[d] + p, value(d));
+        if (plan.strain)
+          KeepGathered(b.average < 0 ? Gather<dim>(at, d) : Gather<dim>(new_velocity, d), d, p, motion);
+        else
+          StoreVector(motion.u[d] + p, value(d));
         if (plan.xpic_fraction > 0) StoreVector(projected[d] + p, value(NodeLayout::Projected(dim) + d));
       }
       if (!plan.short_wave.On()) return;

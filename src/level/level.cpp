@@ -82,8 +82,7 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     Budgets discarded;
     if (!owned && stores[k]->Count() == 0) continue;
     const PointArrays points = stores[k]->Arrays();
-    grid_velocity_[k].resize(static_cast<std::size_t>(points.count) * points.dim);
-    sweep(SweepView{*grid_, points, grid_velocity_[k].data(), bodies_, owned}, owned ? budgets_ : discarded, failure);
+    sweep(SweepView{*grid_, points, bodies_, owned}, owned ? budgets_ : discarded, failure);
     if (owned) NoteFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
@@ -194,7 +193,8 @@ PetscErrorCode Level::AdvancePoints(double dt)
   // The weights must not change within a step, so F advances in its last sweep.
   const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
   const double xpic = xpic_.InStep(clock_.steps);
-  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates};
+  const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
+  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
   const RatesPlan second = {dt, strain, model_.short_wave, xpic, true};
   const double first_flops = flops_.grid_to_points + rates * flops_.scatter_rates + first.strain * flops_.stress;
   const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
@@ -346,7 +346,6 @@ PetscErrorCode Level::Sort()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  std::vector<double>().swap(grid_velocity_[0]); // its memory serves the sort: no sweep has begun
   points_.Reorder(SortedByNode(*grid_, points_.Arrays()));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -372,8 +371,7 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
     for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
   }
   const PointArrays arrays = points_.Arrays();
-  for (std::size_t k = 0; k < points.size(); ++k)
-    kernels_->TensorsAt({*grid_, arrays, nullptr, bodies_}, points[k], &(*tensors)[8 * k]);
+  for (std::size_t k = 0; k < points.size(); ++k) kernels_->TensorsAt({*grid_, arrays, bodies_}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,7 +13,7 @@ std::vector<VelocitySample> Level::SampleVelocity(const std::vector<int> &points
   std::vector<VelocitySample> samples(points.size());
   if (!grid_->Participates()) return samples;
   const PointArrays arrays = points_.Arrays();
-  const SweepView view = {*grid_, arrays, nullptr, bodies_};
+  const SweepView view = {*grid_, arrays, bodies_};
   for (std::size_t k = 0; k < points.size(); ++k) samples[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
   return samples;
 }
@@ -24,7 +24,7 @@ PetscErrorCode Level::FindVelocities()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   grid_->ClearSums();
-  kernels_->PointsToGrid({*grid_, points_.Arrays(), nullptr, bodies_}, {}, time_, discarded);
+  kernels_->PointsToGrid({*grid_, points_.Arrays(), bodies_}, {}, time_, discarded);
   PetscCall(grid_->ShareSums());
   UpdateVelocities(*grid_, nodal_, 0);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, discarded);
@@ -42,7 +42,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
-    kernels_->PointsToGrid({*grid_, one, nullptr, bodies_}, {}, time_, discarded);
+    kernels_->PointsToGrid({*grid_, one, bodies_}, {}, time_, discarded);
   }
   PetscCall(grid_->ShareSums());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,7 +97,7 @@ static void AddPoints(const PointArrays &points, const Material &material, Budge
 
 void Level::SumPoints(Budgets *sums)
 {
-  ForEachBlock({*grid_, points_.Arrays(), nullptr, bodies_}, [&](const Block &b) { AddPoints(b, b.material, sums); });
+  ForEachBlock({*grid_, points_.Arrays(), bodies_}, [&](const Block &b) { AddPoints(b, b.material, sums); });
 }
 
 Budgets Level::SumPoints(const std::vector<int> &list)
@@ -126,7 +126,7 @@ void Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 void Level::LargestSpeeds(double *wave, double *point)
 {
   *wave = *point = 0;
-  ForEachBlock({*grid_, points_.Arrays(), nullptr, bodies_}, [&](const Block &b) {
+  ForEachBlock({*grid_, points_.Arrays(), bodies_}, [&](const Block &b) {
     double speed2[kBlock], hoop[kBlock], speeds[kBlock];
     double fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
     b.material.WaveSpeedSquared(b.count, b.F, HoopStretch(b, hoop), speed2);

@@ -38,29 +38,38 @@ private:
   int up_;
 };
 
+/// Distance from the axis, at a height above its end, of a flank at an angle from the axis that is tangent to a ball of some
+/// radius at the end: below the height radius (1 - sine) of the ball.
+double RoundedRadius(double height, double half_angle, double radius)
+{
+  const double sine = std::sin(half_angle);
+  if (height < radius * (1 - sine)) return std::sqrt(height * (2 * radius - height));
+  return std::tan(half_angle) * (height + (radius > 0 ? radius / sine - radius : 0));
+}
+
 class Cone : public Profile<Cone>
 {
 public:
   Cone(GeometryKind geometry, double half_angle, double tip_radius)
-      : Profile(geometry), slope_(1 / std::tan(half_angle * M_PI / 180)), rounding_(tip_radius * slope_)
+      : Profile(geometry), half_angle_(half_angle), sine_(std::sin(half_angle)), cosine_(std::cos(half_angle)),
+        radius_(tip_radius)
   {
   }
 
+  /// From the centre of the ball, all that lies before the normal of the flank through it is nearest to the ball.
   ProfileGap At(double rho, double height) const
   {
-    const double root = std::sqrt(rho * rho + rounding_ * rounding_);
-    const double slope = rounding_ > 0 ? slope_ * rho / root : slope_;
-    const double scale = 1 / std::sqrt(slope * slope + 1);
-    return {scale * (slope_ * (root - rounding_) - height), scale * slope, -scale};
+    const double up = height - radius_;
+    if (radius_ > 0 && rho * sine_ + up * cosine_ < 0) {
+      const double distance = std::sqrt(rho * rho + up * up);
+      return {distance - radius_, rho / distance, up / distance};
+    }
+    return {rho * cosine_ - up * sine_ - radius_, cosine_, -sine_};
   }
-  double Radius(double height) const
-  {
-    const double root = height / slope_ + rounding_;
-    return std::sqrt((root - rounding_) * (root + rounding_));
-  }
+  double Radius(double height) const { return RoundedRadius(height, half_angle_, radius_); }
 
 private:
-  double slope_, rounding_;
+  double half_angle_, sine_, cosine_, radius_;
 };
 
 class Ball : public Profile<Ball>
@@ -167,12 +176,12 @@ public:
 class Pyramid : public HalfSpaces
 {
 public:
-  Pyramid(double half_angle, int faces, double turn, double radius) : tangent_(std::tan(half_angle)), radius_(radius)
+  Pyramid(double half_angle, int faces, double turn, double radius) : half_angle_(half_angle), radius_(radius)
   {
     for (int k = 0; k < faces; ++k) {
       const double angle = turn + 2 * M_PI * k / faces, horizontal = std::cos(half_angle);
       planes_.push_back({{0, 0, radius}, {horizontal * std::cos(angle), horizontal * std::sin(angle), -std::sin(half_angle)}});
-      const double corner = angle + M_PI / faces, reach = tangent_ / std::cos(M_PI / faces);
+      const double corner = angle + M_PI / faces, reach = std::tan(half_angle) / std::cos(M_PI / faces);
       const Vec3 edge = {reach * std::cos(corner), reach * std::sin(corner), 1};
       edges_.push_back((1 / Norm(edge)) * edge);
     }
@@ -185,12 +194,7 @@ public:
     const double distance = Norm(from);
     return {distance - radius_, (1 / distance) * from};
   }
-  double Width(double height) const override
-  {
-    const double sine = std::sin(std::atan(tangent_)), touch = radius_ * (1 - sine); // height where the ball meets the faces
-    if (height < touch) return 2 * std::sqrt(height * (2 * radius_ - height));
-    return 2 * tangent_ * (height - radius_ + (radius_ > 0 ? radius_ / sine : 0));
-  }
+  double Width(double height) const override { return 2 * RoundedRadius(height, half_angle_, radius_); }
 
 private:
   /// The vector to x, outside, from the nearest place of the pyramid: its apex, or on an edge or a face. x from the apex.
@@ -210,7 +214,7 @@ private:
     return nearest;
   }
 
-  double tangent_, radius_;
+  double half_angle_, radius_;
   std::vector<Vec3> edges_; ///< directions, from the apex
 };
 
@@ -228,7 +232,7 @@ double TwiceArea(const std::vector<Vec3> &v)
 
 std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius)
 {
-  return std::make_unique<Cone>(geometry, half_angle, tip_radius);
+  return std::make_unique<Cone>(geometry, half_angle * M_PI / 180, tip_radius);
 }
 
 std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius)

@@ -94,19 +94,6 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
-/// The same of elastic bodies, at the end: the surface that a tip slides along with friction feeds it, the more the smaller steps
-/// are.
-std::string OfElasticNoise(const Case &c, const Budgets &budgets, const Watched &)
-{
-  constexpr double kMost = 0.01, kLeastShare = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
-  if (c.model.HasMetal() || budgets.contact_points == 0 || budgets.noise_energy <= kMost * budgets.strain_energy) return "";
-  if (budgets.noise_energy <= kLeastShare * budgets.kinetic_energy) return "";
-  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
-         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
-         ", or a slower indenter; smaller steps alone make it worse";
-}
-
 /// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
 /// see. Not where energy is made or lost, which has another cause.
 std::string OfMotion(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -117,6 +104,19 @@ std::string OfMotion(const Case &c, const Budgets &budgets, const Watched &watch
   return "-bodies: noise of the points' velocities holds " + FormatRounded(budgets.noise_energy) + " J" + When(budgets) +
          ", where the bodies had or got " + FormatRounded(watched.given) +
          " J: bodies that turn, or collide, have too few cells for it, and lose their motion; try smaller cells";
+}
+
+/// The same of elastic bodies, at the end: a surface that a tip slides along with friction feeds it, the more the smaller steps
+/// are, and bodies that are bent far have it at their surfaces.
+std::string OfElasticNoise(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMost = 0.01, kLeastShare = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
+  if (c.model.HasMetal() || budgets.noise_energy <= kMost * budgets.strain_energy) return "";
+  if (budgets.noise_energy <= kLeastShare * budgets.kinetic_energy || !OfMotion(c, budgets, watched).empty()) return "";
+  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
+         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
+         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
+         (c.model.indenter ? ", or a slower indenter" : "") + "; smaller steps alone make it worse";
 }
 
 /// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where

@@ -1,6 +1,7 @@
 """Coulomb friction under the indenter: sliding and sticking punches, scratches, heat and energy, on levels and ranks."""
 import functools
 import math
+import re
 
 import numpy
 import pytest
@@ -92,7 +93,7 @@ def test_noise_of_an_elastic_surface_is_told():
              "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700, "bodies": "b",
              "b_lower": "0,0", "b_upper": "36e-6,16e-6", "indenter": "cylinder", "indenter_radius": 20e-6, "indenter_tip": "11e-6,16e-6",
              "indenter_times": "0,20e-9,25e-9,35e-9,185e-9", "indenter_velocities": "20,20,0,0,0", "indenter_velocities_x": "0,0,0,80,80",
-             "indenter_friction": 0.3, "damping": 1e8, "end_time": 100e-9, "cfl": 0.1, "frames": 0}
+             "indenter_friction": 0.3, "damping": 1e7, "end_time": 100e-9, "cfl": 0.1, "frames": 0}
     said = harness.run(slide).summary["warnings"]
     assert [line.startswith("-xpic_fraction 0: noise of the points' velocities holds") for line in said] == [True], said
 
@@ -343,4 +344,5 @@ def test_contact_that_takes_energy_is_told(friction, told):
             "indenter_width": 4e-6, "indenter_tip": "0.1e-6,8e-6", "indenter_friction": friction, "damping": 2e8, "end_time": 30e-9, "frames": 0,
             "indenter_times": "0,10e-9,11e-9,30e-9", "indenter_velocities": "40,40,0,0", "indenter_velocities_x": "0,0,60,60"}
     lines = [line for line in harness.run(case).summary["warnings"] if "contact has taken" in line]
-    assert len(lines) == told and all("25." in line and "a finite -indenter_friction" in line for line in lines)
+    taken = [float(re.search(r"([\d.]+) % of what the bodies were to get", line)[1]) for line in lines]
+    assert len(lines) == told and all(part > 15 for part in taken) and all("a finite -indenter_friction" in line for line in lines)

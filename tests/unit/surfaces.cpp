@@ -103,11 +103,6 @@ TEST(Surfaces, Indenters)
     CheckSurface("flat punch" + where, *CreateFlatPunch(geometry, 1), 0.7, 1, up);
   }
   CheckSurface("polygon", *CreatePolygonIndenter({{3, 7}, {5, 7.6}, {5, 10}, {1, 10}, {1, 7.5}}), 1.9, 1);
-  const auto rounded = CreateCone(kPlane, kHalfAngle, kTipRadius);
-  const double x = 1e-3 * kTipRadius, height = Height(*rounded, x, 1);
-  EXPECT_LE(std::abs(x * x / (2 * height) / kTipRadius - 1), 1e-5) << "rounded wedge: radius of curvature at the tip";
-  EXPECT_LE(std::abs((Height(*rounded, 1001, 1000) - Height(*rounded, 1000, 1000)) / slope - 1), 1e-6)
-      << "rounded wedge: slope far from the tip";
   EXPECT_LE(std::abs(Height(*CreateCone(kPlane, kHalfAngle, 0), 1, 1) / slope - 1), 1e-12) << "wedge: slope";
   EXPECT_LE(std::abs(Height(*CreateSphere(kPlane, 2), 1, 2) - (2 - std::sqrt(3))), 1e-12) << "cylinder: height";
   EXPECT_LE(std::abs(CreateSphere(kPlane, 2)->Gap({3, -2}).distance - 3), 1e-14) << "cylinder: gap at a distance";
@@ -116,6 +111,53 @@ TEST(Surfaces, Indenters)
   EXPECT_TRUE(IsConvex({{0, 0}, {1, 0}, {0, 1}}));
   EXPECT_TRUE(IsConvex({{0, 1}, {1, 0}, {0, 0}}));
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));
+}
+
+/// Distance in the plane of the axis from a ball with a tangent flank, to the nearer of both where each is the outline: the arc
+/// below the tangent point, and the half line above it.
+double DistanceFromConosphere(double angle, double radius, double rho, double height)
+{
+  const Vec3 normal = {std::cos(angle), -std::sin(angle), 0}, along = {std::sin(angle), std::cos(angle), 0};
+  const Vec3 centre = {0, radius, 0}, x = {rho, height, 0}, meet = centre + radius * normal;
+  const Vec3 from_centre = x - centre, from_meet = x - meet, foot = meet + std::max(0.0, Dot(from_meet, along)) * along;
+  const double arc = std::atan2(from_centre[0], -from_centre[1]); // from straight down
+  const double to_flank = Norm(x - foot),
+               to_ball = arc <= M_PI / 2 - angle ? std::abs(Norm(from_centre) - radius) : Norm(from_meet);
+  const bool inside = Dot(from_meet, along) < 0 ? Norm(from_centre) < radius : Dot(from_meet, normal) < 0;
+  return (inside ? -1 : 1) * std::min(to_flank, to_ball);
+}
+
+/// The conosphere of catalogues: what its distance, width, flank and the height where ball and flank meet are.
+TEST(Surfaces, ConesWithABall)
+{
+  constexpr double kRadius = 3;
+  for (const double degrees : {8.0, 30.0, 60.0, 70.3, 89.0}) {
+    const double angle = degrees * M_PI / 180, sine = std::sin(angle), meet = kRadius * (1 - sine);
+    for (const GeometryKind geometry : {kPlane, GeometryKind::kAxisymmetric, kSpace}) {
+      const int up = UpAxis(geometry);
+      const auto tip = CreateCone(geometry, degrees, kRadius);
+      double error = 0, turn = 0;
+      for (int n = 0; n < 1000; ++n) {
+        Vec3 x = {Random(-3 * kRadius, 3 * kRadius), up == 2 ? Random(-3 * kRadius, 3 * kRadius) : 0, 0};
+        x[up] = Random(-kRadius, 3 * kRadius);
+        const double rho = std::hypot(x[0], up == 2 ? x[1] : 0);
+        if (x[up] > kRadius && rho < (x[up] - kRadius) / std::tan(angle))
+          continue; // deep inside the flank's far side may be nearer
+        error = Largest({error, std::abs(tip->Gap(x).distance - DistanceFromConosphere(angle, kRadius, rho, x[up]))});
+      }
+      for (const double off : {-1e-9, 1e-9}) { // of the normal, across the circle where both meet
+        Vec3 below = {kRadius * std::cos(angle), 0, 0};
+        below[up] = meet + off;
+        const Vec3 normal = tip->Gap(below).normal;
+        turn = Largest({turn, std::abs(normal[0] - std::cos(angle)), std::abs(normal[up] + sine)});
+      }
+      EXPECT_LE(error, 1e-12 * kRadius) << degrees << " degrees: distance";
+      EXPECT_LE(turn, 2e-9) << degrees << " degrees: normal where ball and flank meet";
+      EXPECT_NEAR(tip->Width(0.5 * meet), 2 * std::sqrt(0.5 * meet * (2 * kRadius - 0.5 * meet)), 1e-12 * kRadius);
+      EXPECT_NEAR(tip->Width(7 + meet) / (2 * std::tan(angle) * (7 + meet + kRadius * (1 / sine - 1))), 1, 1e-12);
+      EXPECT_NEAR(tip->Width(meet * (1 + 1e-12)), tip->Width(meet * (1 - 1e-12)), 1e-9 * kRadius) << degrees << " degrees: width";
+    }
+  }
 }
 
 /// Vertices of a profile may lie on an edge, to rounding; spikes and vertices that are given twice stay, and are not convex.

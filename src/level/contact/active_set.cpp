@@ -192,6 +192,7 @@ PetscErrorCode ActiveSetSolver::FindSet(ActiveSetReport *report)
       PetscCall(travels_ ? SolveByRowSumsAndLoad() : SolveByRowSums());
       break;
     }
+    if (tractions_ && updates == most / 2) slips_.assign(slips_.size(), {}); // a cycle: once more, from all that sticks
     PetscCall(VecSum(active_, &active));
     if (active > 0) PetscCall(SetActivePart());
     if (travels_)

@@ -46,6 +46,8 @@ std::unique_ptr<Region> CreateBoxRegion(const Box &box);
 std::unique_ptr<Region> CreateBallRegion(GeometryKind geometry, Vec3 center, double radius);
 /// Of space, with its axis along z.
 std::unique_ptr<Region> CreateCylinderRegion(Vec3 bottom_center, double radius, double height);
+/// The part of a region in a box.
+std::unique_ptr<Region> CreatePartOf(std::unique_ptr<Region> whole, const Box &box);
 /// Of the plane. Vertices in order, either way round; may be concave.
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices);
 

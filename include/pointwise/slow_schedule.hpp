@@ -10,7 +10,7 @@
 namespace mlgimp
 {
 
-/// How slowly a test goes, in transits: times that a wave takes from the contact to the farthest held side.
+/// How slowly a test goes, in transits: times that a wave takes from the contact to the farthest end of the bodies.
 struct SlowPace {
   double transit = 0;           ///< s
   double transits = 0;          ///< of a loading from nothing, and of the first part of an unloading

@@ -32,7 +32,7 @@ struct QuasiStaticPlan {
   std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
   bool own_damping = true;                      ///< none was given
   bool own_xpic = true;                         ///< no fraction of XPIC was given
-  double distance = 0;                          ///< from the contact to the farthest held side, m
+  double distance = 0;                          ///< from the contact to the farthest end of the bodies along an axis, m
   SlowPace pace;                                ///< of depths, or of roots of the load
   double rise = 0;                              ///< time in which loads and gravity rise before the tip starts, s
   double damping_ratio = 0;                     ///< of the body's lowest mode
@@ -112,6 +112,10 @@ struct Case {
   bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }
   int Cells(int axis) const { return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size)); }
 };
+
+/// Difference of height between the highest and the lowest place of bodies that are no boxes, along the horizontal axes through
+/// the indenter's tip and no farther from it than half_width, m. Points make steps of such an outline.
+double RiseOfOutline(const Case &c, double half_width);
 
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
 void ReadCase(OptionReader &reader, Case *settings);

@@ -39,6 +39,9 @@ inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed o
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind);
 /// A level that the tip meets must hold it with the band of its border for the whole run, also where its box follows a path.
 void CheckLevelsHoldTip(OptionReader &reader, const Case &c);
+/// Warns of bodies with fewer than two cells in their thickness where a load or the indenter presses them, and of a finest level
+/// whose box does not hold the surface under the tip.
+void WarnOfCells(OptionReader &reader, const Case &c);
 /// What goes with a method of contact that has been chosen.
 void ReadContact(OptionReader &reader, ContactSettings *contact);
 /// -quasi_static and what goes with it; has_indenter: there is one that it could move.

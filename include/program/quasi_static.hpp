@@ -26,7 +26,7 @@ public:
   double LoadShare() const { return numbers_[kLoadShare]; }       ///< |P/P_qs - 1|
   double KineticShare() const { return numbers_[kKineticShare]; } ///< of the body's energy, under loads of the indenter's work
   double NoiseShare() const { return numbers_[kNoiseShare]; }     ///< of the indenter's work
-  /// Largest change of the load, under load control of the depth, in the last transit of a hold, of itself.
+  /// Largest range of the load, under load control of the depth, in the last transit of a hold, of its largest.
   double HoldDrift() const { return numbers_[kHoldDrift]; }
   double FastestSpeed() const { return numbers_[kFastest]; } ///< of the tip, mean over a transit, m/s
 
@@ -37,7 +37,18 @@ public:
   bool IsState(const std::vector<double> &state) const;
 
 private:
-  enum Kept { kFastest, kLargestLoad, kLoadShare, kKineticShare, kNoiseShare, kHoldDrift, kHoldTime, kHoldStart, kNumbers };
+  enum Kept {
+    kFastest,
+    kLargestLoad,
+    kLoadShare,
+    kKineticShare,
+    kNoiseShare,
+    kHoldDrift,
+    kHoldTime,
+    kHoldLeast,
+    kHoldMost,
+    kNumbers
+  };
   /// A row that was.
   struct Sample {
     double time, depth, spent; ///< s, m, E_k + W, J

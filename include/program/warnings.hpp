@@ -3,6 +3,7 @@
 
 #include "level/budgets.hpp"
 #include "program/case.hpp"
+#include "program/motion_watch.hpp"
 #include "program/quasi_static.hpp"
 
 #include <string>
@@ -39,6 +40,7 @@ private:
   /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
   enum Kept { kLooked, kHadAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
   std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  MotionWatch motion_;
   std::vector<Told> told_;
 };
 

@@ -64,6 +64,27 @@ private:
   double radius_;
 };
 
+class PartOfRegion : public Region
+{
+public:
+  PartOfRegion(std::unique_ptr<Region> whole, const Box &box) : whole_(std::move(whole)), bounds_(whole_->Bounds())
+  {
+    for (int axis = 0; axis < 3; ++axis)
+      bounds_.lower[axis] = std::max(bounds_.lower[axis], box.lower[axis]),
+      bounds_.upper[axis] = std::min(bounds_.upper[axis], box.upper[axis]);
+  }
+  bool Contains(Vec3 x, double tolerance) const override
+  {
+    const Vec3 margin = {tolerance, tolerance, bounds_.upper[2] > bounds_.lower[2] ? tolerance : 0};
+    return Box{bounds_.lower - margin, bounds_.upper + margin}.Contains(x) && whole_->Contains(x, tolerance);
+  }
+  Box Bounds() const override { return bounds_; }
+
+private:
+  std::unique_ptr<Region> whole_;
+  Box bounds_;
+};
+
 class PolygonRegion : public Region
 {
 public:
@@ -112,6 +133,10 @@ std::unique_ptr<Region> CreateBallRegion(GeometryKind geometry, Vec3 center, dou
 std::unique_ptr<Region> CreateCylinderRegion(Vec3 bottom_center, double radius, double height)
 {
   return std::make_unique<CylinderRegion>(bottom_center, radius, height);
+}
+std::unique_ptr<Region> CreatePartOf(std::unique_ptr<Region> whole, const Box &box)
+{
+  return std::make_unique<PartOfRegion>(std::move(whole), box);
 }
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
 {

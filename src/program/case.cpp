@@ -211,6 +211,7 @@ void ReadCase(OptionReader &reader, Case *c)
   CheckPaths(reader, *c);
   CheckTimes(reader, *c);
   if (c->model.indenter) CheckLevelsHoldTip(reader, *c);
+  WarnOfCells(reader, *c);
 }
 
 } // namespace mlgimp

@@ -71,6 +71,22 @@ void ReadRegion(OptionReader &reader, GeometryKind geometry, const std::string &
   if (*shape == "polygon" || reader.Help()) ReadPolygon(reader, prefix, region);
 }
 
+/// Cuts a round body at sides of the domain that hold it, as its image or what it stands on goes on beyond; not at the axis.
+void CutAtHeldSides(const Case &c, std::unique_ptr<Region> *region)
+{
+  const Box bounds = (*region)->Bounds();
+  Box part = kEverywhere;
+  bool cuts = false;
+  for (const Side side : SidesOf{c.Dim()}) {
+    const double place = c.domain.At(side);
+    const bool beyond = SignOf(side) * (bounds.At(side) - place) > 1e-9 * c.cell_size;
+    if (!beyond || c.model.sides[side] == BoundaryKind::kFree || (c.model.geometry.HasHoop() && side == kXLower)) continue;
+    (SignOf(side) < 0 ? part.lower : part.upper)[AxisOf(side)] = place;
+    cuts = true;
+  }
+  if (cuts) *region = CreatePartOf(std::move(*region), part);
+}
+
 /// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
 /// with places a tenth of a cell apart where that is not too many.
 bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
@@ -170,6 +186,7 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
     Body body{name, nullptr, 0, {}, 2};
     std::string shape, material = materials.size() == 1 ? materials[0] : "";
     ReadRegion(reader, c->model.geometry.kind, name, &shape, &body.region);
+    if (!reader.Help() && shape != "box" && shape != "polygon") CutAtHeldSides(*c, &body.region);
     reader.Text({prefix + "material", "name of its material (default: the only one, else required)"}, materials.size() > 1,
                 &material);
     body.material = FindName(reader, prefix + "material", materials, "-materials", material);

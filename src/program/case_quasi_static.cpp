@@ -254,7 +254,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true",
                     "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
-  plan.distance = WayOfWave(*c), plan.pace.transit = TransitOf(*c);
+  plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
+  plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kLeastTransits, std::ceil(kShare / plan.tolerance - 1e-9));
   if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;

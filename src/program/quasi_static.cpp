@@ -34,8 +34,10 @@ void QuasiStaticWatch::LookAtHold(double time, double value)
   };
   const auto hold = std::find_if(plan_.holds.begin(), plan_.holds.end(), in_last_transit);
   if (hold == plan_.holds.end() || value == 0) return;
-  if (numbers_[kHoldTime] != hold->second) numbers_[kHoldTime] = hold->second, numbers_[kHoldStart] = value;
-  numbers_[kHoldDrift] = std::max(numbers_[kHoldDrift], std::abs(value / numbers_[kHoldStart] - 1));
+  double &least = numbers_[kHoldLeast], &most = numbers_[kHoldMost];
+  if (numbers_[kHoldTime] != hold->second) numbers_[kHoldTime] = hold->second, least = most = value;
+  least = std::min(least, value), most = std::max(most, value);
+  numbers_[kHoldDrift] = std::max(numbers_[kHoldDrift], (most - least) / std::max(std::abs(most), std::abs(least)));
 }
 
 bool QuasiStaticWatch::IsLoaded(const Budgets &row) const

@@ -71,6 +71,17 @@ bool IsFree(const Case &c, std::size_t body, Side side)
   return true;
 }
 
+/// Why points cannot fill a box that is a small part of a cell thin, and what cells it needs; empty for others.
+std::string DescribeThin(const Case &c, const Box &bounds)
+{
+  const double cell = c.CellSize(c.LevelAt(0.5 * (bounds.lower + bounds.upper)));
+  double thinnest = HUGE_VAL;
+  for (int axis = 0; axis < c.Dim(); ++axis) thinnest = std::min(thinnest, bounds.upper[axis] - bounds.lower[axis]);
+  if (thinnest >= kSliver * cell) return "";
+  return ", as it is " + FormatRounded(thinnest) + " m thin, " + FormatRounded(thinnest / cell) + " of a cell of " +
+         FormatRounded(cell) + " m; take cells of at most " + FormatRounded(0.5 * thinnest) + " m there (-cell_size, -levels)";
+}
+
 /// A box has its mass and its sides' lengths; any closed outline shows as much to one side as to the other.
 void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
 {
@@ -80,12 +91,13 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
   const std::string start = "-bodies " + body.name + ": must have ", unit = c.Dim() == 3 ? " m2" : " m";
   if (sums.points == 0)
     Refuse("-bodies " + body.name + ": must hold at least one material point; it is too small for -cell_size " +
-           FormatNumber(c.cell_size));
+           FormatNumber(c.cell_size) + DescribeThin(c, bounds));
   double volume = c.model.geometry.OutOfPlane(0.5 * (bounds.lower[0] + bounds.upper[0]));
   for (int axis = 0; axis < c.Dim(); ++axis) volume *= size[axis];
   const double mass = volume * c.model.materials[body.material]->Density();
   if (body.region->IsBox() && Differ(sums.mass, mass))
-    Refuse(start + "the mass of its box, " + FormatNumber(mass) + " kg; its points have " + FormatNumber(sums.mass) + " kg");
+    Refuse(start + "the mass of its box, " + FormatNumber(mass) + " kg; its points have " + FormatNumber(sums.mass) + " kg" +
+           DescribeThin(c, bounds));
   for (int axis = 0; axis < c.Dim(); ++axis) {
     const auto [lower, upper] = SidesAcross(axis);
     for (const Side side : {lower, upper})
@@ -209,6 +221,8 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
       for (int corner = 0; corner < 1 << a.dim; ++corner) {
         Vec3 x = a.Position(p);
         for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * a.HalfSize(p)[d];
+        const Region &region = *c.model.bodies[a.body[p]].region;
+        if (!region.IsBox() && !region.Contains(x)) continue; // a corner of a step
         deepest = std::max(deepest, -c.model.indenter->Gap(x, c.model.indenter->tip).distance);
       }
   }

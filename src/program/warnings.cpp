@@ -1,5 +1,6 @@
 // The warnings of a run, one function each: a line where there is something to tell, else empty.
 #include "program/warnings.hpp"
+#include "program/warning_lines.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,30 +12,11 @@ namespace mlgimp
 namespace
 {
 
-/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, what
-/// they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding begins.
-struct Watched {
-  const QuasiStaticWatch &slow;
-  double made, given, had, indenter_work, noise, floor;
-  double asked, carried; ///< largest loads, N
-};
+/// Share of the energy that bodies were given from which on a loss that no work explains is a fault.
+constexpr double kUnexplained = 0.15;
 
 /// Energies below so many times the rounding of bodies at rest are none.
 constexpr double kFloors = 1e6;
-
-std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
-
-/// The surface lies deeper inside the indenter than a sharp tip between two columns explains.
-std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &)
-{
-  if (!c.model.indenter || c.model.contact.method == "none") return "";
-  const int level = c.LevelAtTip();
-  const bool follows = c.hierarchy.follow.kind == FollowKind::kContact;
-  if (budgets.penetration_cells <= 1) return "";
-  return "-cell_size " + FormatNumber(c.cell_size) + ": the surface lies " + FormatRounded(budgets.penetration) +
-         " m inside the indenter" + When(budgets) + ", more than a cell" + (follows ? "" : " of level " + std::to_string(level)) +
-         ": the indenter is too slender or too fast for the cells, and the load too small";
-}
 
 /// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
 std::string OfViscosity(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -94,6 +76,18 @@ std::string OfNoise(const Case &c, const Budgets &budgets, const Watched &watche
          ", which softens plastic flow: try a larger fraction or a slower indenter";
 }
 
+/// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
+/// seen, and more in the first steps of a touch, as velocities are half a step behind stresses.
+std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMost = 0.25; // of what they were given
+  if (watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
+  const std::string option =
+      c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
+  return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
+         FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
+}
+
 /// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
 /// see. Not where energy is made or lost, which has another cause.
 std::string OfMotion(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -113,77 +107,12 @@ std::string OfElasticNoise(const Case &c, const Budgets &budgets, const Watched 
   constexpr double kMost = 0.01, kLeastShare = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
   if (c.model.HasMetal() || budgets.noise_energy <= kMost * budgets.strain_energy) return "";
   if (budgets.noise_energy <= kLeastShare * budgets.kinetic_energy || !OfMotion(c, budgets, watched).empty()) return "";
+  if (!OfEnergy(c, budgets, watched).empty()) return "";
+  if (budgets.contact_points == 0 && std::abs(watched.made) > kUnexplained * watched.given) return ""; // see OfLoss
   return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
          FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
          ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
          (c.model.indenter ? ", or a slower indenter" : "") + "; smaller steps alone make it worse";
-}
-
-/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where
-/// the surface there comes to a line of nodes, points may still split, and make energy.
-std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
-{
-  const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
-  if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
-  const std::string level = "-level_" + std::to_string(finest);
-  return level + "_lower, " + level + "_upper: contact crosses a border of levels" + When(budgets) +
-         ": contact_area, contact_half_width, peak_pressure and pressures on points are uneven there, and so may stress and load "
-         "be where the surface comes to a line of cells; try a box that holds all of the contact";
-}
-
-/// Levels that follow the contact, and are too few for how wide it gets.
-std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &)
-{
-  const FollowSettings &follow = c.hierarchy.follow;
-  const double cells = budgets.contact_half_width / c.CellSize(0);
-  if (follow.kind != FollowKind::kContact || cells <= follow.cells_max) return "";
-  return "-levels " + std::to_string(c.levels) + ": half the contact's width is " + FormatRounded(cells) + " cells of level 0" +
-         When(budgets) + ", more than -level_cells_max, and no level is coarser: try more levels and a larger -cell_size";
-}
-
-/// Finest cells in half the contact's width from which the load is no more that of the cells. With fewer than two it is some 10 %
-/// off, and a third before, as the tip stands between columns; metal rises beside a steep tip column by column for longer.
-double EnoughCells(const Case &c)
-{
-  constexpr double kNear = 4, kSteep = 4; // a half angle of 63 degrees
-  const double height = kNear * c.CellSize(c.levels - 1);
-  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteep * height ? 6 : 2;
-}
-
-/// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
-std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
-{
-  if (budgets.contact_cells == 0) return "";
-  const FollowSettings &follow = c.hierarchy.follow;
-  const bool follows = follow.kind == FollowKind::kContact;
-  const double cells = budgets.contact_cells, finest = c.CellSize(c.levels - 1);
-  const double least = follows ? follow.cells_min : EnoughCells(c);
-  if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * finest) return "";
-  return (follows ? "-levels " + std::to_string(c.levels) : "-cell_size " + FormatNumber(c.cell_size)) +
-         ": half the contact's width is at most " + FormatRounded(cells) + " of the finest cells, fewer than " +
-         (follows ? "-level_cells_min" : FormatNumber(least)) + ": the load is that of the cells; try " +
-         (follows ? "more levels" : "smaller ones, or more -levels");
-}
-
-/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image. A plate over all of the domain has
-/// none.
-std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &)
-{
-  if (!c.model.indenter || budgets.contact_half_width == 0) return "";
-  const Indenter &indenter = *c.model.indenter;
-  const Vec3 tip = indenter.Tip(budgets.time);
-  const double reach = budgets.contact_half_width * (1 - kRounding), flat = indenter.surface->Width(0);
-  for (int s = c.model.geometry.HasHoop() ? 2 * indenter.up : 0; s < 2 * indenter.up; ++s) {
-    const Side side = static_cast<Side>(s);
-    const int axis = AxisOf(side);
-    const double off = std::abs(tip[axis] - c.domain.At(side));
-    const bool covers = flat > 2 * (c.domain.upper[axis] - c.domain.lower[axis]);
-    if (c.model.sides[s] == BoundaryKind::kSymmetry && c.SideAtTip(axis) != side && off < reach && !covers)
-      return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": contact has reached " + kSideNames[s] + When(budgets) +
-             ", a side of symmetry " + FormatRounded(off) + " m beside the tip: the load is that of two indenters, one of them " +
-             "mirrored, that have met; put the tip on the side, or farther away";
-  }
-  return "";
 }
 
 /// A slow test that is not slow.
@@ -197,68 +126,66 @@ std::string OfSpeed(const Case &c, const Budgets &, const Watched &watched)
          " % of what the body has taken: try a smaller one, or less -damping where that was given";
 }
 
-/// A load that the tip, at its largest speed, has not come to carry.
-std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched)
-{
-  constexpr double kMet = 0.5; // the load of a row is the mean of its step
-  if (!c.model.indenter || !c.model.indenter->by_load) return "";
-  const double asked = c.model.indenter->by_load->force.Value(budgets.time);
-  const bool missed = watched.carried < kMet * watched.asked;
-  if (budgets.load >= kMet * asked && !missed) return "";
-  return "-indenter_loads: " + FormatRounded(missed ? watched.asked : asked) + " N are asked for" +
-         (missed ? ", and the tip carries at most " : " at the end, and the tip carries ") +
-         FormatRounded(missed ? watched.carried : budgets.load) +
-         " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
-}
+/// Whether an indenter presses in a test whose speed the user has chosen.
+bool HasFastIndenter(const Case &c) { return c.model.indenter && c.model.contact.method != "none" && !c.quasi_static.on; }
 
-/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. Where a load moves it, OfLoad tells.
-std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched)
-{
-  constexpr double kDeep = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
-  if (!c.model.indenter || c.model.contact.method == "none" || c.model.indenter->by_load || watched.carried > 0) return "";
-  const Indenter &indenter = *c.model.indenter;
-  const auto is_below = [&](const Body &body) {
-    const Box bounds = body.region->Bounds();
-    bool below = true;
-    for (int axis = 0; axis < indenter.up; ++axis)
-      below = below && indenter.tip[axis] >= bounds.lower[axis] && indenter.tip[axis] <= bounds.upper[axis];
-    return below;
-  };
-  const bool above_body = std::any_of(c.model.bodies.begin(), c.model.bodies.end(), is_below);
-  const bool came_down = budgets.depth >= indenter.Depth(indenter.tip);
-  if (above_body && came_down && budgets.depth <= kDeep * c.CellSize(c.LevelAtTip())) return "";
-  return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
-}
-
-/// Damping that is strong beside the indenter's motion carries a part of the load.
+/// Damping that is strong beside the indenter's motion carries a part of the load. Of metals OfDrag tells it.
 std::string OfDamping(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMost = 0.2;
-  if (!c.model.indenter || c.model.contact.method == "none" || c.quasi_static.on) return "";
+  if (!HasFastIndenter(c) || c.model.HasMetal()) return "";
   if (budgets.damping_work <= kMost * std::max(watched.given, watched.floor)) return "";
   return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
          When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
          " J, and carries a part of the load: try less, or a slower indenter";
 }
 
-/// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
-/// seen, and more in the first steps of a touch, as velocities are half a step behind stresses.
-std::string OfEnergy(const Case &c, const Budgets &budgets, const Watched &watched)
+constexpr double kTellsMotion = 0.01; // of the load or the plastic work: a metal does not forget what drag and inertia did
+
+/// The same in metals, from a smaller share on.
+std::string OfDrag(const Case &c, const Budgets &, const Watched &watched)
 {
-  constexpr double kMost = 0.25; // of what they were given
-  if (watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
-  const std::string option =
-      c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
-  return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
-         FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
+  const double share = watched.motion.DragOfLoad();
+  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kTellsMotion) return "";
+  return "-damping " + FormatNumber(c.model.nodal.damping) + ": its drag adds some " + FormatRounded(100 * share) +
+         " % to the load at the largest depth: try less, or a slower indenter (-quasi_static chooses both)";
+}
+
+/// An indenter whose speed sets a metal in motion.
+std::string OfInertia(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double share = watched.motion.InertiaOfLoad();
+  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kTellsMotion) return "";
+  return std::string(c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities") + ": inertia carries some " +
+         FormatRounded(100 * share) +
+         " % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)";
+}
+
+/// Pressures that are there before a metal has come to rest under them: it flows on by its motion, and does not come back.
+std::string OfOvershoot(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double share = watched.motion.OfPlasticWork();
+  if (c.model.loads.empty() || c.model.indenter || !c.model.HasMetal() || share < kTellsMotion) return "";
+  return "-" + c.load_names[0] + "_pressures: the bodies' motion adds some " + FormatRounded(100 * share) +
+         " % to the plastic work, as they still move when pressures are at their largest: let these rise over a longer time, or "
+         "give -damping";
+}
+
+/// A load that is still on its way at the end of a hold.
+std::string OfHold(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double drift = watched.slow.HoldDrift();
+  if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
+  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": the " +
+         (c.quasi_static.depth > 0 ? "load" : "depth") + " changes by " + FormatRounded(100 * drift) +
+         " % in the last transit of a hold, as waves still run: try a smaller one";
 }
 
 /// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no
 /// work has.
 std::string OfLoss(const Case &c, const Budgets &budgets, const Watched &watched)
 {
-  constexpr double kMost = 0.15; // of what they were given
-  if (-watched.made <= kMost * std::max(watched.given, kFloors * watched.floor)) return "";
+  if (-watched.made <= kUnexplained * std::max(watched.given, kFloors * watched.floor)) return "";
   if (!OfElasticNoise(c, budgets, watched).empty()) return ""; // which has taken it
   return "-bodies: have lost " + FormatRounded(-watched.made) + " J that no work explains" + When(budgets) +
          ", where they had or got " + FormatRounded(watched.given) +
@@ -284,10 +211,11 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   constexpr struct {
     std::string (*line)(const Case &, const Budgets &, const Watched &);
     bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{OfPenetration, false}, {OfViscosity, false}, {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
-              {OfWidest, false},      {OfNarrowest, true},  {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
-              {OfLoss, true},         {OfTouch, true},      {OfBorder, false}, {OfMotion, true},  {OfElasticNoise, true},
-              {OfMirrorImage, false}, {OfContactLoss, true}};
+  } kAll[] = {{OfPenetration, false}, {OfViscosity, false},  {OfContact, true}, {OfNoise, true},   {OfSpeed, true},
+              {OfWidest, false},      {OfNarrowest, true},   {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
+              {OfLoss, true},         {OfTouch, true},       {OfBorder, false}, {OfMotion, true},  {OfElasticNoise, true},
+              {OfMirrorImage, false}, {OfContactLoss, true}, {OfDrag, true},    {OfInertia, true}, {OfOvershoot, true},
+              {OfSteps, true},        {OfHold, true}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
@@ -299,11 +227,15 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   raise(kCarried, budgets.load);
   if (c.model.indenter && c.model.indenter->by_load)
     raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
+  double pressure = 0;
+  for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
+  motion_.Look(budgets, pressure);
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
   const Watched watched = {slow,
+                           motion_,
                            unexplained - numbers_[kHadAtStart],
                            numbers_[kGiven],
                            std::abs(numbers_[kHadAtStart]),
@@ -311,7 +243,8 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
                            numbers_[kNoise],
                            kRounding * stiffness,
                            numbers_[kAsked],
-                           numbers_[kCarried]};
+                           numbers_[kCarried],
+                           motion_.Deepest()};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     const bool told = std::any_of(told_.begin(), told_.end(), [k](const Told &one) { return one.kind == k; });
     if (told || (kAll[k].at_end && !ended)) continue;
@@ -340,6 +273,8 @@ std::vector<std::string> Warnings::KeptLines() const
 std::vector<double> Warnings::State() const
 {
   std::vector<double> state = numbers_;
+  const std::vector<double> motion = motion_.State();
+  state.insert(state.end(), motion.begin(), motion.end());
   for (const Told &told : told_)
     if (!told.at_end) state.push_back(static_cast<double>(told.kind));
   return state;
@@ -348,16 +283,18 @@ std::vector<double> Warnings::State() const
 void Warnings::SetState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
   numbers_.assign(state.begin(), state.begin() + kNumbers);
+  motion_.SetState(state.data() + kNumbers);
   told_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k)
-    told_.push_back({static_cast<std::size_t>(state[kNumbers + k]), false, lines[k]});
+    told_.push_back({static_cast<std::size_t>(state[kNumbers + MotionWatch::kSize + k]), false, lines[k]});
 }
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
   constexpr double kMostKinds = kAtStart + 1;
   const auto is_kind = [](double kind) { return kind >= 0 && kind < kMostKinds && kind == std::floor(kind); };
-  return state.size() == kNumbers + lines.size() && std::all_of(state.begin() + kNumbers, state.end(), is_kind);
+  constexpr std::size_t kFirst = kNumbers + MotionWatch::kSize;
+  return state.size() == kFirst + lines.size() && std::all_of(state.begin() + kFirst, state.end(), is_kind);
 }
 
 } // namespace mlgimp

@@ -81,7 +81,8 @@ def test_punch(expect):
     parts = sum(history[name] for name in ("plastic_work", "viscous_work", "damping_work"))
     expect("works less what is dissipated, of it", numpy.max(numpy.abs(parts - history["dissipated_energy"])) / parts[-1],
            at_most=1e-14)
-    assert result.summary["warnings"] == []
+    line, = result.summary["warnings"]  # with a quarter of the damping the load is 2.1 % lower
+    assert line.startswith("-damping 6.1e+07: its drag adds some 2.5")
 
 
 def test_locking_without_average(expect):

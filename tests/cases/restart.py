@@ -136,7 +136,7 @@ def test_frames_go_on(expect, other, times):
             expect(f"time of frame {number}, steps", (frame.attrs["time"] - time * end) / step, near=0, tolerance=1)
 
 
-@pytest.mark.parametrize("damping, told", [(60, False), (100, True)])
+@pytest.mark.parametrize("damping, told", [(40, False), (100, True)])
 def test_warnings(expect, damping, told):
     """A run that goes on says at its end what the whole run says: it neither forgets nor begins to count anew, nor tells
     what is known at the start twice."""

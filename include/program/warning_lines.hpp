@@ -1,0 +1,36 @@
+// The lines of warnings, one function each: empty where there is nothing to say. Those of energies and speeds are in
+// warnings.cpp, those of contact and its cells in contact_warnings.cpp.
+#pragma once
+
+#include "level/budgets.hpp"
+#include "program/case.hpp"
+#include "program/motion_watch.hpp"
+#include "program/quasi_static.hpp"
+
+#include <string>
+
+namespace mlgimp
+{
+
+/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, what
+/// they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding begins.
+struct Watched {
+  const QuasiStaticWatch &slow;
+  const MotionWatch &motion;
+  double made, given, had, indenter_work, noise, floor;
+  double asked, carried; ///< largest loads, N
+  double deepest;        ///< depth so far, m
+};
+
+inline std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
+
+std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfSteps(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched);
+
+} // namespace mlgimp

@@ -52,6 +52,7 @@ void Simulation::PrepareOutputFolder()
     if (!problem.empty()) Refuse(problem);
   };
   check(folder_.Claim(comm_));
+  if (!folder_.Warning().empty()) WarnAtStart({folder_.Warning()});
   const bool goes_on = folder_.GoesOn();
   if (goes_on) last_checkpoint_ = state_.step;
   if (goes_on) check(frames_.Resume(comm_, state_.frames)); // the series, before frames go that it may name

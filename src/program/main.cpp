@@ -24,11 +24,19 @@ using namespace mlgimp;
 /// For -fp_trap, whose handler prints eight lines about debuggers beside the error.
 PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 
+/// The summary has shares of the time from PETSc's log. One that an option has begun stays: the other would take its place.
+void BeginLog()
+{
+  PetscBool begun = PETSC_FALSE;
+  EndOn(PetscLogIsActive(&begun));
+  if (!begun) EndOn(PetscLogDefaultBegin());
+}
+
 void Main(const CommandLine &line)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
-  EndOn(PetscLogDefaultBegin()); // the summary tells shares of the time
+  BeginLog();
   if (line.help) {
     EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", kHelp));
     EndOn(PetscOptionsSetValue(nullptr, "-help", nullptr));

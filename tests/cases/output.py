@@ -187,6 +187,24 @@ def test_log_view(expect):
             expect.that(f"-log_view: flops of {event}", row is not None and row[1] > 0)
 
 
+SHARES = ("contact_share", "halo_share", "transfer_share", "coupling_share")
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("option, value, words, kept", [
+    ("log_view", ":FILE", "P2G", True), ("log_view", ":FILE:ascii_csv", "P2G", True), ("log_view", ":FILE:ascii_info_detail", "P2G", True),
+    ("log_view", ":FILE:ascii_flamegraph", "P2G", False), ("log_view", ":FILE:ascii_xml", "<name>P2G</name>", False),
+    ("log_trace", "FILE", "Event begin: P2G", False)], ids=["table", "csv", "detail", "flamegraph", "xml", "trace"])
+def test_logs(expect, tmp_path, option, value, words, kept, ranks):
+    """Every log of PETSc is written, and shares of the time are there where PETSc keeps the times of single events, else null."""
+    result = harness.run({**WEDGE, option: value.replace("FILE", str(tmp_path / "log"))}, ranks=ranks)
+    text = "".join(path.read_text() for path in tmp_path.glob("log*"))
+    expect.that("the log", words in text, text[:300])
+    shares = [result.summary[share] for share in SHARES]
+    good = 0 < shares[0] < 1 and sum(shares) <= 1 if kept else shares == [None] * 4
+    expect.that("shares in summary.json", good, f"{shares}")
+
+
 def test_memory(expect):
     for ranks in (1, 3):
         for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):

@@ -7,8 +7,10 @@ CXX      := mpicxx
 endif
 ARCH     ?= -march=native
 PYTHON   ?= /usr/bin/python3
-# How many programs are compiled, and files of tests run, at once.
+# How many files of tests run at once. Sources are compiled on all cores, or as many at once as `make -j` was asked for.
 JOBS     ?= 2
+CORES     = $(shell nproc 2>/dev/null || echo 2)
+ON_CORES  = --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(CORES))
 
 # SANITIZE=1 builds with the address and undefined-behaviour sanitizers, apart from the usual build.
 ifdef SANITIZE
@@ -106,7 +108,7 @@ deps:
 	@sh scripts/install_packages.sh
 
 run: deps
-	@$(MAKE) --no-print-directory $(BIN)/mlgimp
+	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp
 	@sh scripts/run.sh $(PYTHON)
 
 # SELECT="word word": only tests whose name, with that of their file, contains one of the words. PROGRAMS: what they need.
@@ -114,15 +116,15 @@ PROGRAMS ?= programs
 EMPTY :=
 WORDS = $(subst $(EMPTY) $(EMPTY), or ,$(strip $(SELECT)))
 test: deps
-	@$(MAKE) --no-print-directory -j$(JOBS) $(PROGRAMS)
+	@$(MAKE) $(ON_CORES) $(PROGRAMS)
 	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest -n $(JOBS) --dist loadfile $(if $(WORDS),-k "$(WORDS)")
 
 verify: deps
-	@$(MAKE) --no-print-directory -j$(JOBS) programs
+	@$(MAKE) $(ON_CORES) programs
 	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(SELECT)
 
 bench: deps
-	@$(MAKE) --no-print-directory $(BIN)/mlgimp $(BIN)/bench_machine
+	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp $(BIN)/bench_machine
 	@$(PYTHON) scripts/bench.py
 	@$(PYTHON) -m pytest tests/bench
 

@@ -62,7 +62,7 @@ private:
   bool IsEnd(long step, double time) const;
   bool IsRowDue(long step, double time) const;
   bool AtEnd() const { return IsEnd(state_.step, state_.time); }
-  double Progress() const;
+  double Done() const; ///< share of the run
   /// Frames behind that of the start that this case would have written by now.
   int FramesDue() const;
   double TimeScale(double speed) const;
@@ -93,6 +93,7 @@ private:
   QuasiStaticWatch watch_;
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
+  std::size_t shown_ = 0; ///< characters of the progress line
   int frames_before_ = 0; ///< more than FramesDue() at the start: a restart with another end, or number of frames, counts on
   double start_progress_ = 0, load_ = 0, friction_force_ = 0;
   std::vector<std::string> at_start_; ///< warnings

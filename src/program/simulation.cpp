@@ -4,6 +4,7 @@
 #include "program/agree.hpp"
 #include "program/checkpoint_checks.hpp"
 #include "program/memory.hpp"
+#include "program/progress.hpp"
 #include "program/start_checks.hpp"
 
 #include <algorithm>
@@ -68,7 +69,7 @@ bool Simulation::IsEnd(long step, double now) const
 
 bool Simulation::IsRowDue(long step, double now) const { return step % case_.output.history_interval == 0 || IsEnd(step, now); }
 
-double Simulation::Progress() const
+double Simulation::Done() const
 {
   const TimeSettings &time = case_.time;
   const double by_steps = time.max_steps > 0 ? static_cast<double>(state_.step) / time.max_steps : 0;
@@ -175,7 +176,7 @@ void Simulation::Run()
   warnings_.Tell(comm_, at_start_);
   for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
-  start_progress_ = Progress();
+  start_progress_ = Done();
   frames_before_ = state_.frames - FramesDue();
   if (state_.step == 0) {
     NoteRow();
@@ -222,7 +223,7 @@ void Simulation::FollowBoxes()
 int Simulation::FramesDue() const
 {
   const int all = case_.output.frames;
-  return AtEnd() ? all : static_cast<int>(std::floor(Progress() * all * (1 + 1e-9)));
+  return AtEnd() ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
 }
 
 void Simulation::WriteFrameDue()
@@ -386,14 +387,18 @@ void Simulation::ShowProgress(bool last)
   MPI_Bcast(&due, 1, MPI_INT, 0, comm_);
   if (!due) return;
   last_shown_ = now;
-  const double done = Progress() - start_progress_, elapsed = now - start_wall_;
-  const double left = done > 0 ? elapsed * (1 - Progress()) / done : 0;
+  const double done = Done() - start_progress_, elapsed = now - start_wall_;
+  const double left = done > 0 ? elapsed * (1 - Done()) / done : 0;
   double points = point_steps_;
   MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  const double depth = case_.model.indenter ? case_.model.indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
-  EndOn(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
-                    state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
-                    last ? "\n" : ""));
+  const auto &indenter = case_.model.indenter;
+  const double depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0, rate = points / std::max(elapsed, 1e-9);
+  const std::size_t columns = TerminalColumns();
+  std::string line = ProgressLine({state_.step, state_.time, bool(indenter), depth, load_, rate, Done(), left}, columns);
+  const std::size_t length = line.size();
+  line.resize(std::max(length, std::min(shown_, columns - 1)), ' '); // over what is left of the line before
+  shown_ = length;
+  EndOn(PetscPrintf(comm_, "\r%s%s", line.c_str(), last ? "\n" : ""));
 }
 
 } // namespace mlgimp

@@ -114,9 +114,12 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   H5Writer file;
   Frame frame{number, time, FileName(number), {}};
   std::vector<double> pressures;
+  Budgets budgets;
+  EndOn(hierarchy.ReduceBudgets(&budgets));
   file.Open(hierarchy.Comm(), PathOf(number), false);
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
+  file.Attribute("/", budgets.contact_area.name, {budgets.contact_area.value[0]}); // there may be no row of the history now
   file.Group(kVertices);
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <limits>
 #include <unistd.h>
 
@@ -177,18 +178,24 @@ void ReadOutput(OptionReader &reader, Case *c)
 /// Reads one titled group of options with `read`.
 template <class Read> static void Group(OptionReader &reader, const char *title, Read read)
 {
+  std::exception_ptr untold; // kept until PETSc's end of the group, which frees what its beginning took
   const auto group = [&]() -> PetscErrorCode {
     PetscFunctionBeginUser;
     PetscOptionsBegin(reader.Comm(), nullptr, title, nullptr);
     reader.SetItems(PetscOptionsObject);
-    read();
+    try {
+      read();
+    } catch (const Untold &) {
+      untold = std::current_exception();
+    }
     PetscOptionsEnd();
     PetscFunctionReturn(PETSC_SUCCESS);
   };
   EndOn(group());
+  if (untold) std::rethrow_exception(untold);
 }
 
-void ReadCase(OptionReader &reader, Case *c)
+static void ReadGroups(OptionReader &reader, Case *c)
 {
   std::vector<std::string> materials, bodies;
   Group(reader, "Grid", [&] { ReadGrid(reader, c); });
@@ -211,6 +218,35 @@ void ReadCase(OptionReader &reader, Case *c)
   CheckPaths(reader, *c);
   CheckTimes(reader, *c);
   if (c->model.indenter) CheckLevelsHoldTip(reader, *c);
+}
+
+/// The names of all options that a case can have, with those of the bodies, materials and loads that this one names; none where
+/// their names are wrong.
+static std::vector<std::string> AllNames(MPI_Comm comm)
+{
+  OptionReader reader(comm, true);
+  Case any;
+  reader.OnlyLearnNames();
+  try {
+    ReadGroups(reader, &any);
+  } catch (const Untold &) {
+    return {};
+  }
+  return reader.Known();
+}
+
+void ReadCase(OptionReader &reader, Case *c)
+{
+  std::string problem;
+  try {
+    ReadGroups(reader, c);
+  } catch (const Untold &untold) {
+    problem = untold.what();
+  }
+  // An option that is misspelt comes first: it may be the one that seems to be missing, or leave a default that is wrong.
+  const std::vector<std::string> all = reader.Help() ? std::vector<std::string>() : AllNames(reader.Comm());
+  if (!all.empty()) OptionReader::RefuseMisspelt(all);
+  if (!problem.empty()) Refuse(problem);
 }
 
 } // namespace mlgimp

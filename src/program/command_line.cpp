@@ -13,6 +13,7 @@
 #include <poll.h>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 namespace mlgimp
 {
@@ -37,13 +38,6 @@ std::string Printable(std::string text)
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
   return text;
-}
-
-/// Names as PETSc compares them.
-std::string LowerCase(std::string name)
-{
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
 }
 
 /// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
@@ -134,7 +128,8 @@ std::string Parse(int argc, char **argv, CommandLine *line)
       continue;
     }
     if (!IsOptionName(word) && (k == 1 || !IsOptionName(argv[k - 1])))
-      return "'" + word + "': must follow an option that takes it; options begin with a dash";
+      return "'" + word + "': must follow an option that takes it; options begin with a dash" +
+             (access(word.c_str(), R_OK) == 0 ? ", and a file of options follows -options_file" : "");
     if (IsOptionName(word))
       if (const auto known = spelt.emplace(LowerCase(word), word).first; known->second != word)
         return word + ": must be spelt as " + known->second + ", which is given too: capitals make no difference";

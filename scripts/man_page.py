@@ -25,7 +25,10 @@ Runs the case that the options describe and writes its history, frames of the ma
 folder of \-output_dir. All values are SI. What is given twice counts as it was given last. Options of PETSc work too, among them
 \-log_view and \-options_left.
 .SH EXIT STATUS
-0 where the run reached its end; else one line on standard error says what is wrong and what is allowed.
+0 where the run reached its end, or stopped in time for \-max_wall_time; else one line on standard error says what is wrong and what
+is allowed.
+.SH SIGNALS
+SIGUSR1 writes a checkpoint. SIGTERM writes one and ends the run; a second one ends it at once.
 """
 
 FOOT = r""".SH FILES

@@ -124,6 +124,8 @@ void ReadTime(OptionReader &reader, Case *c)
   reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step);
   reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed"}, {0, kLargestCfl, true, false},
                 false, &c->time.cfl);
+  reader.Number({"-max_wall_time", "time by the clock before which the run writes a checkpoint and ends", "s"}, kPositive, false,
+                &c->time.max_wall_time);
 }
 
 /// Whether somebody watches: mpiexec may give ranks a terminal of its own, whose lines end in a file. The first rank decides.

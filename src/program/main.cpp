@@ -32,7 +32,8 @@ void BeginLog()
   if (!begun) EndOn(PetscLogDefaultBegin());
 }
 
-void Main(const CommandLine &line)
+/// Returns the signal that the run has been stopped by, else 0.
+int Main(const CommandLine &line)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
@@ -50,14 +51,15 @@ void Main(const CommandLine &line)
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
     EndOn(solver.Create(PETSC_COMM_SELF, true));
-    return;
+    return 0;
   }
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
   reader.RefuseUnused();
   simulation.WarnAtStart(reader.Warnings());
-  simulation.Run();
+  const int signal = simulation.Run();
   reader.WarnUnused();
+  return signal;
 }
 
 } // namespace
@@ -114,13 +116,14 @@ int main(int argc, char **argv)
   std::vector<char *> words = Pointers(argv[0], line.words);
   int count = static_cast<int>(words.size()) - 1;
   char **first = words.data();
+  int signal = 0;
   ErrorExit errors;
   PetscErrorCode code = errors.Install();
   if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
   if (!code) {
     InstallSignals(RanksOf(MPI_COMM_WORLD));
     try {
-      Main(line);
+      signal = Main(line);
     } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
       code = PETSC_ERR_USER_INPUT;
     }
@@ -131,5 +134,6 @@ int main(int argc, char **argv)
   }
   errors.Free();
   MPI_Finalize();
+  if (!code && signal) EndBy(signal);
   return code ? 1 : 0;
 }

@@ -137,12 +137,13 @@ $(BUILD)/%.tidy: %.cpp .clang-tidy
 	@mkdir -p $(@D)
 	clang-tidy --quiet $< -- -std=c++17 $(subst -I/,-isystem /,$(INCLUDES)) $(ANALYSER) && touch $@
 
-# The scripts find the program, the options and the Python package beside them, as they do here.
-SHARE = $(DESTDIR)$(PREFIX)/share
+# Scripts and documents find the program, the options and each other beside them, as they do here.
+SHARE     = $(DESTDIR)$(PREFIX)/share
+INSTALLED = options scripts python examples docs README.md CONTRIBUTING.md CHANGELOG.md CITATION.cff LICENSE
 install: $(BIN)/mlgimp
 	install -D $< "$(DESTDIR)$(PREFIX)/bin/mlgimp"
 	install -d "$(SHARE)/mlgimp" "$(SHARE)/man/man1"
-	tar c --exclude=__pycache__ options scripts $(wildcard python) | tar x --no-same-owner -C "$(SHARE)/mlgimp"
+	tar c --exclude=__pycache__ $(INSTALLED) | tar x --no-same-owner -C "$(SHARE)/mlgimp"
 	ln -sfn ../../bin "$(SHARE)/mlgimp/bin"
 	MLGIMP_BIN=$(BIN) $(PYTHON) scripts/man_page.py > "$(SHARE)/man/man1/mlgimp.1"
 

@@ -32,7 +32,9 @@ SIGUSR1 writes a checkpoint. SIGTERM writes one and ends the run; a second one e
 """
 
 FOOT = r""".SH FILES
-Examples of cases, and scripts for pictures and analysis, are in the folder share/mlgimp beside this page's share/man.
+The folder share/mlgimp beside this page's share/man holds README.md, the documents in docs (tutorial.md is the first, options.md has
+notes to each option), examples of cases in options, a notebook in examples, scripts for pictures and analysis, the Python package in
+python, CHANGELOG.md, CITATION.cff and LICENSE.
 """
 
 

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cerrno>
 #include <fcntl.h>
+#include <filesystem>
 #include <map>
 #include <poll.h>
 #include <set>
@@ -18,9 +19,7 @@
 namespace mlgimp
 {
 
-const char kUsage[] = "a first case, with results in output/:   bin/mlgimp -options_file options/wedge_500nm.opts\n"
-                      "every option with its unit and default:  bin/mlgimp -help\n"
-                      "from there to a case of your own:        docs/tutorial.md\n";
+namespace fs = std::filesystem;
 
 namespace
 {
@@ -153,6 +152,40 @@ bool Take(const std::set<std::string> &names, std::vector<std::string> *words)
 }
 
 } // namespace
+
+/// The folder with cases and documents that belongs to this program, as installed or as built; empty where there is none.
+static fs::path FindShare()
+{
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    for (const fs::path &share : {folder / "share" / "mlgimp", folder})
+      if (fs::exists(share / "options" / "wedge_500nm.opts", error)) return share;
+  return {};
+}
+
+/// A file of that folder, as seen from here; its name alone where there is no such folder.
+static std::string InShare(const fs::path &file)
+{
+  std::error_code error;
+  const fs::path share = FindShare(), near = (share / file).lexically_proximate(fs::current_path(error));
+  if (share.empty()) return file.filename();
+  return near.begin()->string() == ".." ? share / file : near;
+}
+
+std::string Usage(const std::string &program)
+{
+  return "a first case, with results in output/:   " + program + " -options_file " + InShare("options/wedge_500nm.opts") +
+         "\nevery option with its unit and default:  " + program +
+         " -help\nfrom there to a case of your own:        " + InShare("docs/tutorial.md") + "\n";
+}
+
+std::string HelpHead(const std::string &program)
+{
+  const std::string command = program + " -options_file " + InShare("options/NAME.opts");
+  return "mlgimp: explicit GIMP simulation of indentation and contact.\n\n  " + command +
+         " [-option value ...]\n  mpiexec -n N " + command + "\n\n";
+}
 
 CommandLine ReadCommandLine(int argc, char **argv)
 {

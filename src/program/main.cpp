@@ -12,10 +12,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact.\n\n"
-                            "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
-                            "  mpiexec -n N bin/mlgimp -options_file options/NAME.opts\n\n";
-
 namespace
 {
 
@@ -33,13 +29,13 @@ void BeginLog()
 }
 
 /// Returns the signal that the run has been stopped by, else 0.
-int Main(const CommandLine &line)
+int Main(const CommandLine &line, const std::string &program)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
   BeginLog();
   if (line.help) {
-    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", kHelp));
+    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", HelpHead(program).c_str()));
     EndOn(PetscOptionsSetValue(nullptr, "-help", nullptr));
   }
   EndOn(PetscOptionsHasHelp(nullptr, &help));
@@ -86,7 +82,7 @@ static std::vector<char *> Pointers(char *program, std::vector<std::string> &all
 /// What PETSc tells about its own options, behind ours: it prints that when it starts.
 static PetscErrorCode PrintPetscHelp(char *program)
 {
-  std::vector<std::string> help = {"-help"};
+  std::vector<std::string> help = {"-help", "-no_signal_handler"}; // its handlers print a trace where a pipe ends early
   std::vector<char *> words = Pointers(program, help);
   int count = static_cast<int>(words.size()) - 1;
   char **first = words.data();
@@ -108,7 +104,7 @@ int main(int argc, char **argv)
     return 0;
   }
   if (argc == 1 || !line.problem.empty()) {
-    if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
+    if (rank == 0 && argc == 1) std::fputs(Usage(argv[0]).c_str(), stderr);
     if (rank == 0 && argc > 1) std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line.problem).c_str());
     MPI_Finalize();
     return 1;
@@ -119,11 +115,12 @@ int main(int argc, char **argv)
   int signal = 0;
   ErrorExit errors;
   PetscErrorCode code = errors.Install();
-  if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
+  if (!code) code = PetscInitialize(&count, &first, nullptr, nullptr);
   if (!code) {
     InstallSignals(RanksOf(MPI_COMM_WORLD));
+    if (line.help) std::signal(SIGPIPE, SIG_DFL); // as any program in a pipe
     try {
-      signal = Main(line);
+      signal = Main(line, argv[0]);
     } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
       code = PETSC_ERR_USER_INPUT;
     }

@@ -55,6 +55,14 @@ def test_output_that_nobody_reads(tmp_path):
     assert process.returncode == -signal.SIGPIPE and errors.startswith("mlgimp: error: ended by SIGPIPE") and errors.count("\n") == 1, errors
 
 
+@pytest.mark.parametrize("lines", [1, 40, 420])
+def test_help_in_a_pipe(lines):
+    """-help | head says nothing else."""
+    done = subprocess.run(f"{harness.PROGRAM} -help | head -n {lines}", shell=True, capture_output=True, text=True, env=harness.environment(1),
+                          timeout=30)
+    assert done.stdout.count("\n") == lines and not done.stderr, done.stderr
+
+
 def test_progress_only_on_a_terminal_without_mpiexec(tmp_path):
     case = {name: value for name, value in BLOCK.items() if name != "monitor"}
     words = harness.to_arguments({**case, "max_steps": "5", "overwrite": None, "output_dir": tmp_path})

@@ -32,8 +32,8 @@ struct OptionText {
   std::string unit = ""; ///< empty for none
 };
 
-/// A refusal that has not been told yet, so that what may be behind it is looked for first: see ReadCase.
-struct Untold : Refused {
+/// A refusal that is not printed yet, so that what may be behind it is looked for first: see ReadCase.
+struct InputRefused : Refused {
   using Refused::Refused;
 };
 
@@ -81,7 +81,7 @@ public:
   /// A list of names, each a letter followed by letters, digits or underscores, none twice.
   void Names(const OptionText &option, bool required, std::vector<std::string> *names);
 
-  /// Throws Untold: "name value: must be allowed".
+  /// Throws InputRefused: "name value: must be allowed".
   [[noreturn]] static void Refuse(const std::string &name, const std::string &value, const std::string &allowed);
   /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
   /// later: what looks like one passes.

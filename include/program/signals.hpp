@@ -12,7 +12,7 @@ void InstallSignals(int ranks);
 /// What signals have asked a run for: a checkpoint (SIGUSR1), and then its end (SIGTERM).
 enum Order : int { kWriteOrder = 1, kEndOrder = 2 };
 
-/// From now on the first SIGTERM is an order, which somebody must look for; another one ends the program at once.
+/// From now on the first SIGTERM is an order, for TakeOrders; another one ends the program at once.
 void ListenToOrders();
 
 /// The orders that this rank has got, as a sum; one to write counts once.

@@ -180,21 +180,21 @@ void ReadOutput(OptionReader &reader, Case *c)
 /// Reads one titled group of options with `read`.
 template <class Read> static void Group(OptionReader &reader, const char *title, Read read)
 {
-  std::exception_ptr untold; // kept until PETSc's end of the group, which frees what its beginning took
+  std::exception_ptr refusal; // kept until PETSc's end of the group, which frees what its beginning took
   const auto group = [&]() -> PetscErrorCode {
     PetscFunctionBeginUser;
     PetscOptionsBegin(reader.Comm(), nullptr, title, nullptr);
     reader.SetItems(PetscOptionsObject);
     try {
       read();
-    } catch (const Untold &) {
-      untold = std::current_exception();
+    } catch (const InputRefused &) {
+      refusal = std::current_exception();
     }
     PetscOptionsEnd();
     PetscFunctionReturn(PETSC_SUCCESS);
   };
   EndOn(group());
-  if (untold) std::rethrow_exception(untold);
+  if (refusal) std::rethrow_exception(refusal);
 }
 
 static void ReadGroups(OptionReader &reader, Case *c)
@@ -231,7 +231,7 @@ static std::vector<std::string> AllNames(MPI_Comm comm)
   reader.OnlyLearnNames();
   try {
     ReadGroups(reader, &any);
-  } catch (const Untold &) {
+  } catch (const InputRefused &) {
     return {};
   }
   return reader.Known();
@@ -242,8 +242,8 @@ void ReadCase(OptionReader &reader, Case *c)
   std::string problem;
   try {
     ReadGroups(reader, c);
-  } catch (const Untold &untold) {
-    problem = untold.what();
+  } catch (const InputRefused &refusal) {
+    problem = refusal.what();
   }
   // An option that is misspelt comes first: it may be the one that seems to be missing, or leave a default that is wrong.
   const std::vector<std::string> all = reader.Help() ? std::vector<std::string>() : AllNames(reader.Comm());

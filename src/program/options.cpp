@@ -80,7 +80,7 @@ static bool ParseNumber(const std::string &text, double *value)
 
 void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  throw Untold(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
+  throw InputRefused(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
 }
 
 bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)

@@ -77,8 +77,8 @@ void ListenToOrders() { listens = 1; }
 
 int TakeOrders()
 {
-  const int orders = (write_asked ? kWriteOrder : 0) + (end_asked ? kEndOrder : 0);
-  write_asked = 0;
+  int orders = end_asked ? kEndOrder : 0;
+  if (write_asked) orders += kWriteOrder, write_asked = 0; // one that comes here just now stays
   return orders;
 }
 

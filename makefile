@@ -7,8 +7,10 @@ CXX      := mpicxx
 endif
 ARCH     ?= -march=native
 PYTHON   ?= /usr/bin/python3
-# How many programs are compiled, and files of tests run, at once.
+# How many files of tests run at once. Sources are compiled on all cores, or as many at once as `make -j` was asked for.
 JOBS     ?= 2
+CORES     = $(shell nproc 2>/dev/null || echo 2)
+ON_CORES  = --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(CORES))
 
 # SANITIZE=1 builds with the address and undefined-behaviour sanitizers, apart from the usual build.
 ifdef SANITIZE
@@ -106,7 +108,7 @@ deps:
 	@sh scripts/install_packages.sh
 
 run: deps
-	@$(MAKE) --no-print-directory $(BIN)/mlgimp
+	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp
 	@sh scripts/run.sh $(PYTHON)
 
 # SELECT="word word": only tests whose name, with that of their file, contains one of the words. PROGRAMS: what they need.
@@ -114,15 +116,15 @@ PROGRAMS ?= programs
 EMPTY :=
 WORDS = $(subst $(EMPTY) $(EMPTY), or ,$(strip $(SELECT)))
 test: deps
-	@$(MAKE) --no-print-directory -j$(JOBS) $(PROGRAMS)
+	@$(MAKE) $(ON_CORES) $(PROGRAMS)
 	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest -n $(JOBS) --dist loadfile $(if $(WORDS),-k "$(WORDS)")
 
 verify: deps
-	@$(MAKE) --no-print-directory -j$(JOBS) programs
+	@$(MAKE) $(ON_CORES) programs
 	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(SELECT)
 
 bench: deps
-	@$(MAKE) --no-print-directory $(BIN)/mlgimp $(BIN)/bench_machine
+	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp $(BIN)/bench_machine
 	@$(PYTHON) scripts/bench.py
 	@$(PYTHON) -m pytest tests/bench
 
@@ -135,12 +137,13 @@ $(BUILD)/%.tidy: %.cpp .clang-tidy
 	@mkdir -p $(@D)
 	clang-tidy --quiet $< -- -std=c++17 $(subst -I/,-isystem /,$(INCLUDES)) $(ANALYSER) && touch $@
 
-# The scripts find the program, the options and the Python package beside them, as they do here.
-SHARE = $(DESTDIR)$(PREFIX)/share
+# Scripts and documents find the program, the options and each other beside them, as they do here.
+SHARE     = $(DESTDIR)$(PREFIX)/share
+INSTALLED = options scripts python examples docs README.md CONTRIBUTING.md CHANGELOG.md CITATION.cff LICENSE
 install: $(BIN)/mlgimp
 	install -D $< "$(DESTDIR)$(PREFIX)/bin/mlgimp"
 	install -d "$(SHARE)/mlgimp" "$(SHARE)/man/man1"
-	tar c --exclude=__pycache__ options scripts $(wildcard python) | tar x --no-same-owner -C "$(SHARE)/mlgimp"
+	tar c --exclude=__pycache__ $(INSTALLED) | tar x --no-same-owner -C "$(SHARE)/mlgimp"
 	ln -sfn ../../bin "$(SHARE)/mlgimp/bin"
 	MLGIMP_BIN=$(BIN) $(PYTHON) scripts/man_page.py > "$(SHARE)/man/man1/mlgimp.1"
 

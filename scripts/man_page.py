@@ -25,11 +25,16 @@ Runs the case that the options describe and writes its history, frames of the ma
 folder of \-output_dir. All values are SI. What is given twice counts as it was given last. Options of PETSc work too, among them
 \-log_view and \-options_left.
 .SH EXIT STATUS
-0 where the run reached its end; else one line on standard error says what is wrong and what is allowed.
+0 where the run reached its end, or stopped in time for \-max_wall_time; else one line on standard error says what is wrong and what
+is allowed.
+.SH SIGNALS
+SIGUSR1 writes a checkpoint. SIGTERM writes one and ends the run; a second one ends it at once.
 """
 
 FOOT = r""".SH FILES
-Examples of cases, and scripts for pictures and analysis, are in the folder share/mlgimp beside this page's share/man.
+The folder share/mlgimp beside this page's share/man holds README.md, the documents in docs (tutorial.md is the first, options.md has
+notes to each option), examples of cases in options, a notebook in examples, scripts for pictures and analysis, the Python package in
+python, CHANGELOG.md, CITATION.cff and LICENSE.
 """
 
 

@@ -19,10 +19,11 @@ inline constexpr double kLargestCfl = 1;
 
 /// When a run ends and how long its steps are.
 struct TimeSettings {
-  double end_time = HUGE_VAL; ///< s
-  int max_steps = 0;          ///< of level 0; 0 = no limit
-  double time_step = 0;       ///< s; 0 = from cfl
-  double cfl = 0.4;           ///< fraction of h/(c + |v|)
+  double end_time = HUGE_VAL;      ///< s
+  int max_steps = 0;               ///< of level 0; 0 = no limit
+  double time_step = 0;            ///< s; 0 = from cfl
+  double cfl = 0.4;                ///< fraction of h/(c + |v|)
+  double max_wall_time = HUGE_VAL; ///< by the clock, s
 };
 
 /// A slow test: what -quasi_static has chosen.

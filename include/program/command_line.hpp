@@ -21,7 +21,9 @@ struct CommandLine {
 /// Reads it on the first rank and gives it to all. Call after MPI_Init, before PetscInitialize. Collective.
 CommandLine ReadCommandLine(int argc, char **argv);
 
-/// What the program says where it is started without any option.
-extern const char kUsage[];
+/// What the program says where it is started without any option, and what -help begins with. program: as it was called. Files
+/// that they name are those that lie beside the program, in the project or as installed.
+std::string Usage(const std::string &program);
+std::string HelpHead(const std::string &program);
 
 } // namespace mlgimp

@@ -22,10 +22,15 @@ inline hid_t H5Type(FieldType type)
   return type == FieldType::kReal ? H5T_NATIVE_DOUBLE : type == FieldType::kInt32 ? H5T_NATIVE_INT : H5T_NATIVE_INT64;
 }
 
-/// Call before MPI_Init. Leaves the words about errors to us. Makes Open MPI prefer ROMIO, where it has it, to its own layer
-/// for files (ompio): that one guards shared file pointers, which nobody needs here, by a semaphore named after the file,
-/// without the folder, that a killed run leaves locked for ever. A choice of the user's, in OMPI_MCA_io, stays.
+/// Call before MPI_Init. Leaves the words about errors to us, and asks HDF5 and MPI for no locks: not all file systems have them.
+/// Makes Open MPI prefer ROMIO, where it has it, to its own layer for files (ompio): that one guards shared file pointers, which
+/// are not used here, by a semaphore named after the file, without the folder, that a killed run leaves locked for ever. What the
+/// user has chosen in the environment stays.
 void PrepareHdf5();
+
+/// Where a file system is known to have no locks: what ROMIO has for NFS locks all that it does, and its way for any Unix does
+/// not. Call before files are opened.
+void DoWithoutLocks();
 
 using H5Handle = Owned<hid_t>;
 

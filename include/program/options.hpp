@@ -32,13 +32,22 @@ struct OptionText {
   std::string unit = ""; ///< empty for none
 };
 
-/// Reads options between PetscOptionsBegin and PetscOptionsEnd, so that -help lists them. Every function ends the run
-/// with one line (see Refuse) where the value is missing or not allowed. With -help nothing is required.
+/// A refusal that is not printed yet, so that what may be behind it is looked for first: see ReadCase.
+struct InputRefused : Refused {
+  using Refused::Refused;
+};
+
+/// Reads options between PetscOptionsBegin and PetscOptionsEnd, so that -help lists them. Every function refuses a value that is
+/// missing or not allowed (see Refuse). With -help nothing is required.
 class OptionReader
 {
 public:
   OptionReader(MPI_Comm comm, bool help) : comm_(comm), help_(help) {}
   void SetItems(OptionItems items) { items_ = items; }
+
+  /// From now on reads nothing but lists of names, and learns which options there are, with those of each name.
+  void OnlyLearnNames() { help_ = learns_ = true; }
+  const std::vector<std::string> &Known() const { return known_; }
 
   bool Help() const { return help_; }
   MPI_Comm Comm() const { return comm_; }
@@ -72,11 +81,13 @@ public:
   /// A list of names, each a letter followed by letters, digits or underscores, none twice.
   void Names(const OptionText &option, bool required, std::vector<std::string> *names);
 
-  /// Ends the run: "name value: must be allowed".
+  /// Throws InputRefused: "name value: must be allowed".
   [[noreturn]] static void Refuse(const std::string &name, const std::string &value, const std::string &allowed);
   /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
   /// later: what looks like one passes.
   void RefuseUnused() const;
+  /// The same of an option that no case has, before all are read. all: the names of those that any case has.
+  static void RefuseMisspelt(std::vector<std::string> all);
   /// Tells of those at the end of a run.
   void WarnUnused() const;
   /// Keeps a warning until all input is accepted: what is refused gets one line.
@@ -88,7 +99,7 @@ private:
 
   MPI_Comm comm_;
   int dim_ = 2;
-  bool help_, identify_ = true;
+  bool help_, learns_ = false, identify_ = true;
   OptionItems items_ = nullptr;
   std::vector<std::string> known_, identity_, warnings_;
 };
@@ -100,6 +111,9 @@ std::string FormatVector(Vec3 x, int dim);
 std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
+
+/// A name as PETSc compares it.
+std::string LowerCase(std::string name);
 
 /// A value as messages show it: the first 200 characters.
 std::string Shortened(const std::string &value);

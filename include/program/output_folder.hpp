@@ -36,6 +36,8 @@ public:
   std::string Clear(MPI_Comm comm, long step, int frames);
   /// True for a restart in the folder of the run that it goes on with.
   bool GoesOn() const { return goes_on_; }
+  /// Where the folder could not be locked: one line that says so, or nothing; after Claim.
+  const std::string &Warning() const { return warning_; }
   /// Gives the lock back, which else the system does when the process ends, however it ends.
   void Unlock();
 
@@ -50,6 +52,7 @@ private:
   const OutputSettings &settings_;
   Descriptor lock_; ///< on the first rank
   bool goes_on_ = false;
+  std::string warning_;
 };
 
 } // namespace mlgimp

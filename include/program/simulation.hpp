@@ -8,6 +8,7 @@
 #include "program/history.hpp"
 #include "program/output_folder.hpp"
 #include "program/quasi_static.hpp"
+#include "program/wall_time.hpp"
 #include "program/warnings.hpp"
 
 #include <string>
@@ -21,7 +22,7 @@ public:
   /// The case is kept by reference and must outlive the simulation.
   explicit Simulation(const Case &settings)
       : case_(settings), folder_(settings.output), frames_(settings.output.directory, settings.model),
-        watch_(settings.quasi_static)
+        watch_(settings.quasi_static), wall_(settings.time.max_wall_time)
   {
   }
 
@@ -29,11 +30,14 @@ public:
   void SetUp(MPI_Comm comm);
   /// Takes warnings that are known before the first step; Run tells them, once nothing is refused any more.
   void WarnAtStart(const std::vector<std::string> &lines) { at_start_.insert(at_start_.end(), lines.begin(), lines.end()); }
-  /// Prepares the output folder and runs to the end.
-  void Run();
+  /// Prepares the output folder and runs to the end, or until a signal or the clock asks to stop. Returns the signal that has
+  /// asked, else 0.
+  int Run();
 
 private:
+  void Begin();
   void PrepareOutputFolder();
+  void Step();
   void ControlStep();
   void FollowBoxes();
   void CheckPace();
@@ -41,6 +45,8 @@ private:
   double NextLook() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
   void WriteFrameDue();
   void WriteDue(); ///< rows of the history, checkpoint
+  void ObeyOrders();
+  void TellOfStop();
   void NoteRow();
   std::string WriteRows();
   void SetFrictionForce(double time);
@@ -62,7 +68,7 @@ private:
   bool IsEnd(long step, double time) const;
   bool IsRowDue(long step, double time) const;
   bool AtEnd() const { return IsEnd(state_.step, state_.time); }
-  double Progress() const;
+  double Done() const; ///< share of the run
   /// Frames behind that of the start that this case would have written by now.
   int FramesDue() const;
   double TimeScale(double speed) const;
@@ -91,8 +97,12 @@ private:
   History history_;
   FrameWriter frames_;
   QuasiStaticWatch watch_;
+  WallTime wall_;
+  std::string stopped_; ///< why the run stops before its end
+  int stop_signal_ = 0; ///< that has asked for it
   double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
   long start_step_ = 0, last_checkpoint_ = -1;
+  std::size_t shown_ = 0; ///< characters of the progress line
   int frames_before_ = 0; ///< more than FramesDue() at the start: a restart with another end, or number of frames, counts on
   double start_progress_ = 0, load_ = 0, friction_force_ = 0;
   std::vector<std::string> at_start_; ///< warnings

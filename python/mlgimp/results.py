@@ -135,6 +135,12 @@ def read_time(path):
         raise ResultError(path, f"not a frame of points ({problem})") from None
 
 
+def read_contact_area(path):
+    """Returns the area of contact (m2) at the time of a frame, 0 where there is none or the frame does not have it."""
+    with h5py.File(path, "r") as file:
+        return float(file.attrs.get("contact_area", 0))
+
+
 def read_frame(path):
     """Returns the Frame stored in a points_FFFFFF.h5; a level without points has arrays of length 0."""
     try:

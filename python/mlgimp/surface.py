@@ -51,20 +51,22 @@ def reach_of(points, tip, values):
 @styled
 def contact_pressure(directory, number=None):
     """Returns the picture of the contact's pressure: over the radius, or x in plane strain, and in space on the surface."""
+    number = frame_of_largest_load(directory) if number is None else number
     time, points, tip, options = read_surface(directory, number)
     title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
     values = points["contact_pressure"]
     if len(tip) == 2:
         return draw_surface(points, tip, options, values, ("pressure of contact", "Pa"), title)
-    history = results.read_history(directory)
     order = np.argsort(points["position"][:, 0])
     place, pressure = points["position"][order, 0] - tip[0], values[order]
     reach = reach_of(points, tip, values)
     length, unit = lab_unit(reach, "m"), si_unit(pressure, "Pa")
     figure, axes = plt.subplots(figsize=(6.8, 4.6))
     axes.plot(place * length.factor, pressure * unit.factor, "o-", markersize=3, linewidth=1, label="on the surface's points")
-    draw_mean(axes, history, time, unit)
-    radius = "radius" if "hoop_impulse_x" in history else "x from the tip"
+    area, radius = results.read_contact_area(results.find_frame(directory, number)), "radius" if has_axis(options) else "x from the tip"
+    if area > 0:
+        axes.axhline(carried_load(points, options) / area * unit.factor, color="0.5", linestyle=":", linewidth=1.2,
+                     label="load over contact area")
     line_axes(axes, f"{radius} ({length.name})", f"pressure of contact ({unit.name})")
     axes.set_xlim((0 if place.min() > 0 else max(place.min(), -reach)) * length.factor, reach * length.factor)
     axes.set_title(title)
@@ -72,13 +74,22 @@ def contact_pressure(directory, number=None):
     return figure
 
 
-def draw_mean(axes, history, time, unit):
-    """Draws a line at the load over the projected contact area at a time."""
-    if "contact_area" not in history:
-        return
-    load, area = (np.interp(time, history["time"], history[name]) for name in ("load", "contact_area"))
-    if area > 0:
-        axes.axhline(load / area * unit.factor, color="0.5", linestyle=":", linewidth=1.2, label="load over contact area")
+def has_axis(options):
+    """True for the options of a case in axisymmetry."""
+    return options.get("-geometry") == "axisymmetric"
+
+
+def carried_load(points, options):
+    """Returns the load (N) that the pressures on the upper faces of points of the surface are, in two dimensions.
+
+    A row of the history has its mean over the steps since the last row, which is another load where the tip turns.
+    """
+    gradient = points["deformation_gradient"].reshape(-1, 2, 2)
+    half = np.sqrt(np.linalg.solve(gradient**2, points["half_size"][:, :, None] ** 2)[..., 0])  # before the deformation
+    width = 2 * gradient[:, 0, 0] * half[:, 0]
+    middle = points["position"][:, 0] + gradient[:, 0, 1] * half[:, 1]  # of the face
+    depth = 2 * np.pi * middle if has_axis(options) else float(options.get("-thickness", 1))
+    return float(np.sum(points["contact_pressure"] * width * depth))
 
 
 @styled

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <limits>
 #include <unistd.h>
 
@@ -123,6 +124,8 @@ void ReadTime(OptionReader &reader, Case *c)
   reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step);
   reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed"}, {0, kLargestCfl, true, false},
                 false, &c->time.cfl);
+  reader.Number({"-max_wall_time", "time by the clock before which the run writes a checkpoint and ends", "s"}, kPositive, false,
+                &c->time.max_wall_time);
 }
 
 /// Whether somebody watches: mpiexec may give ranks a terminal of its own, whose lines end in a file. The first rank decides.
@@ -177,18 +180,24 @@ void ReadOutput(OptionReader &reader, Case *c)
 /// Reads one titled group of options with `read`.
 template <class Read> static void Group(OptionReader &reader, const char *title, Read read)
 {
+  std::exception_ptr refusal; // kept until PETSc's end of the group, which frees what its beginning took
   const auto group = [&]() -> PetscErrorCode {
     PetscFunctionBeginUser;
     PetscOptionsBegin(reader.Comm(), nullptr, title, nullptr);
     reader.SetItems(PetscOptionsObject);
-    read();
+    try {
+      read();
+    } catch (const InputRefused &) {
+      refusal = std::current_exception();
+    }
     PetscOptionsEnd();
     PetscFunctionReturn(PETSC_SUCCESS);
   };
   EndOn(group());
+  if (refusal) std::rethrow_exception(refusal);
 }
 
-void ReadCase(OptionReader &reader, Case *c)
+static void ReadGroups(OptionReader &reader, Case *c)
 {
   std::vector<std::string> materials, bodies;
   Group(reader, "Grid", [&] { ReadGrid(reader, c); });
@@ -212,6 +221,35 @@ void ReadCase(OptionReader &reader, Case *c)
   CheckTimes(reader, *c);
   if (c->model.indenter) CheckLevelsHoldTip(reader, *c);
   WarnOfCells(reader, *c);
+}
+
+/// The names of all options that a case can have, with those of the bodies, materials and loads that this one names; none where
+/// their names are wrong.
+static std::vector<std::string> AllNames(MPI_Comm comm)
+{
+  OptionReader reader(comm, true);
+  Case any;
+  reader.OnlyLearnNames();
+  try {
+    ReadGroups(reader, &any);
+  } catch (const InputRefused &) {
+    return {};
+  }
+  return reader.Known();
+}
+
+void ReadCase(OptionReader &reader, Case *c)
+{
+  std::string problem;
+  try {
+    ReadGroups(reader, c);
+  } catch (const InputRefused &refusal) {
+    problem = refusal.what();
+  }
+  // An option that is misspelt comes first: it may be the one that seems to be missing, or leave a default that is wrong.
+  const std::vector<std::string> all = reader.Help() ? std::vector<std::string>() : AllNames(reader.Comm());
+  if (!all.empty()) OptionReader::RefuseMisspelt(all);
+  if (!problem.empty()) Refuse(problem);
 }
 
 } // namespace mlgimp

@@ -84,20 +84,34 @@ void CheckOtherParts(OptionReader &reader, const Case &c)
                      " m inside another part already; put the tip above what it meets first");
 }
 
+/// Whether gravity or a load presses bodies against the indenter, which then holds them.
+bool ArePressedUp(const Case &c)
+{
+  const int up = c.model.indenter->up;
+  const auto presses = [&](const Load &load) {
+    return load.side == static_cast<Side>(2 * up) && load.pressure.LargestMagnitude(0, c.time.end_time) > 0;
+  };
+  return c.model.nodal.gravity[up] > 0 || std::any_of(c.model.loads.begin(), c.model.loads.end(), presses);
+}
+
 /// Bodies that nothing holds are pushed away, and the load is that of inertia: a side was forgotten, or a gap was left to it.
 void CheckSupport(OptionReader &reader, const Case &c)
 {
   constexpr double kGap = 1e-3; // cells
   const int up = c.model.indenter->up;
-  if (c.model.contact.method == "none") return;
+  const bool rests = !c.model.indenter->by_load && c.model.indenter->Fastest(0, c.time.end_time) == 0;
+  if (c.model.contact.method == "none" || ArePressedUp(c)) return;
   for (const Side side : SidesOf{c.Dim()}) {
     const BoundaryKind kind = c.model.sides[side];
     if (kind == BoundaryKind::kFree || (kind == BoundaryKind::kSymmetry && AxisOf(side) != up)) continue;
     for (const Body &body : c.model.bodies)
       if (std::abs(body.region->Bounds().At(side) - c.domain.At(side)) < kGap * c.cell_size) return;
   }
-  reader.WarnLater(std::string("-boundary_") + kSideNames[2 * up] +
-                   ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
+  const bool fall = rests && c.model.nodal.gravity[up] < 0;
+  reader.WarnLater(
+      fall ? "-gravity " + reader.Text(c.model.nodal.gravity) + ": no body lies at a side of the domain that holds it: they fall"
+           : std::string("-boundary_") + kSideNames[2 * up] +
+                 ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
 }
 
 /// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
@@ -203,9 +217,16 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
     if (is_border(static_cast<Side>(2 * axis + 1)) && way.upper[axis] > box.upper[axis] - margin)
       reader.Refuse(option + "_upper", reader.Text(box.upper), from(way.upper[axis]));
   }
-  if (is_border(static_cast<Side>(2 * up)) && std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
+  if (!is_border(static_cast<Side>(2 * up))) return true;
+  if (std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
     reader.Refuse(option + "_lower", reader.Text(box.lower),
                   needed + " below the indenter's lowest place, " + FormatRounded(way.lower[up]) + when);
+  // A load moves the tip to a depth that is not known yet, but from where it meets the body.
+  const double start = std::min(way.upper[up], c.model.indenter->initial_surface);
+  if (!std::isfinite(way.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
+    reader.Refuse(option + "_lower", reader.Text(box.lower),
+                  "more than " + FormatRounded(margin) + " below where the indenter begins to press, " + FormatRounded(start) +
+                      when);
   return true;
 }
 

@@ -9,17 +9,17 @@
 #include <cctype>
 #include <cerrno>
 #include <fcntl.h>
+#include <filesystem>
 #include <map>
 #include <poll.h>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 namespace mlgimp
 {
 
-const char kUsage[] = "a first case, with results in output/:   bin/mlgimp -options_file options/wedge_500nm.opts\n"
-                      "every option with its unit and default:  bin/mlgimp -help\n"
-                      "from there to a case of your own:        docs/tutorial.md\n";
+namespace fs = std::filesystem;
 
 namespace
 {
@@ -37,13 +37,6 @@ std::string Printable(std::string text)
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return !std::isprint(c); }, '?');
   return text;
-}
-
-/// Names as PETSc compares them.
-std::string LowerCase(std::string name)
-{
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
 }
 
 /// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
@@ -134,7 +127,8 @@ std::string Parse(int argc, char **argv, CommandLine *line)
       continue;
     }
     if (!IsOptionName(word) && (k == 1 || !IsOptionName(argv[k - 1])))
-      return "'" + word + "': must follow an option that takes it; options begin with a dash";
+      return "'" + word + "': must follow an option that takes it; options begin with a dash" +
+             (access(word.c_str(), R_OK) == 0 ? ", and a file of options follows -options_file" : "");
     if (IsOptionName(word))
       if (const auto known = spelt.emplace(LowerCase(word), word).first; known->second != word)
         return word + ": must be spelt as " + known->second + ", which is given too: capitals make no difference";
@@ -158,6 +152,40 @@ bool Take(const std::set<std::string> &names, std::vector<std::string> *words)
 }
 
 } // namespace
+
+/// The folder with cases and documents that belongs to this program, as installed or as built; empty where there is none.
+static fs::path FindShare()
+{
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    for (const fs::path &share : {folder / "share" / "mlgimp", folder})
+      if (fs::exists(share / "options" / "wedge_500nm.opts", error)) return share;
+  return {};
+}
+
+/// A file of that folder, as seen from here; its name alone where there is no such folder.
+static std::string InShare(const fs::path &file)
+{
+  std::error_code error;
+  const fs::path share = FindShare(), near = (share / file).lexically_proximate(fs::current_path(error));
+  if (share.empty()) return file.filename();
+  return near.begin()->string() == ".." ? share / file : near;
+}
+
+std::string Usage(const std::string &program)
+{
+  return "a first case, with results in output/:   " + program + " -options_file " + InShare("options/wedge_500nm.opts") +
+         "\nevery option with its unit and default:  " + program +
+         " -help\nfrom there to a case of your own:        " + InShare("docs/tutorial.md") + "\n";
+}
+
+std::string HelpHead(const std::string &program)
+{
+  const std::string command = program + " -options_file " + InShare("options/NAME.opts");
+  return "mlgimp: explicit GIMP simulation of indentation and contact.\n\n  " + command +
+         " [-option value ...]\n  mpiexec -n N " + command + "\n\n";
+}
 
 CommandLine ReadCommandLine(int argc, char **argv)
 {

@@ -10,10 +10,13 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numeric>
 #include <sstream>
 
 namespace mlgimp
 {
+
+static const std::string kVertices = "/vertices"; ///< group of a frame, with a dataset for each level
 
 std::string FrameWriter::FileName(int number) const
 {
@@ -98,14 +101,26 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
   }
 }
 
+/// A number for each point, 0, 1, 2, ..., of the vertex that shows it: see MakeXdmf.
+static void AddVertices(H5Writer &file, const std::string &level, const Slab &slab)
+{
+  std::vector<int> numbers(slab.count);
+  std::iota(numbers.begin(), numbers.end(), static_cast<int>(slab.start));
+  file.Dataset(kVertices + level, H5T_NATIVE_INT, 1, slab, numbers.data());
+}
+
 std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
 {
   H5Writer file;
   Frame frame{number, time, FileName(number), {}};
   std::vector<double> pressures;
+  Budgets budgets;
+  EndOn(hierarchy.ReduceBudgets(&budgets));
   file.Open(hierarchy.Comm(), PathOf(number), false);
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
+  file.Attribute("/", budgets.contact_area.name, {budgets.contact_area.value[0]}); // there may be no row of the history now
+  file.Group(kVertices);
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
     const PointArrays points = hierarchy.At(l).PointStore().Arrays();
@@ -119,6 +134,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
     }
     EndOn(hierarchy.At(l).FindContactPressures(hierarchy.Tip().At(time), &pressures));
     AddDerived(file, group, points, model_, pressures, slab);
+    AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
   }
   std::string problem = file.Finish();
@@ -170,7 +186,8 @@ std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
   });
 }
 
-/// For readers that do not know PolyData in VTKHDF: VTK before 9.3, ParaView before 5.12.
+/// For readers that do not know PolyData in VTKHDF: VTK before 9.3, ParaView before 5.12. The one that ParaView takes by itself
+/// shows no point without a list of vertices; as text it would be the longest part of the file.
 std::string FrameWriter::MakeXdmf(const std::vector<FrameField> &fields) const
 {
   const int dim = model_.geometry.Dim();
@@ -183,9 +200,11 @@ std::string FrameWriter::MakeXdmf(const std::vector<FrameField> &fields) const
     for (std::size_t l = 0; l < frame.counts.size(); ++l) {
       const auto n = frame.counts[l];
       if (n == 0) continue;
-      const std::string place = frame.file + ":/level_" + std::to_string(l) + "/";
+      const std::string level = "/level_" + std::to_string(l), place = frame.file + ":" + level + "/";
       xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
-          << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n << "\" NodesPerElement=\"1\"/>\n"
+          << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n
+          << "\" NodesPerElement=\"1\"><DataItem Dimensions=\"" << n << "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">"
+          << frame.file << ":" << kVertices << level << "</DataItem></Topology>\n"
           << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
           << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
       for (const FrameField &field : fields) {

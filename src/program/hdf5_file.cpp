@@ -9,16 +9,34 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
+#include <sys/mman.h>
 
 namespace mlgimp
 {
+
+// ROMIO, MPI's layer for files, writes pieces together with the gaps between them, which it must lock for that; where a file
+// system has no locks it ends the run. By this hint it writes the pieces alone.
+static constexpr char kHint[] = "romio_ds_write", kHintValue[] = "disable";
+
+/// The hint for files that PETSc's viewers write, which take none from us: ROMIO looks for a file of hints. This one is in
+/// memory, and stays open for as long as the program runs.
+static void HintPetsc()
+{
+  const int hints = memfd_create("romio_hints", 0);
+  if (hints >= 0 && WriteAll(hints, std::string(kHint) + " " + kHintValue + "\n"))
+    setenv("ROMIO_HINTS", ("/proc/self/fd/" + std::to_string(hints)).c_str(), 0);
+}
 
 void PrepareHdf5()
 {
   H5dont_atexit(); // a file whose closing has failed would be closed again at exit, with a crash; all others are closed by then
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0); // a file with its final name is whole, and our own lock is in the folder
   setenv("OMPI_MCA_io_ompio_priority", "0", 0);
+  HintPetsc();
 }
+
+void DoWithoutLocks() { setenv("ROMIO_FSTYPE_FORCE", "ufs:", 0); }
 
 Slab MakeSlab(MPI_Comm comm, int count)
 {
@@ -79,7 +97,11 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   Reserve(0);
   if (!good_) return;
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  MPI_Info hints;
+  MPI_Info_create(&hints);
+  MPI_Info_set(hints, kHint, kHintValue);
+  H5Pset_fapl_mpio(access, comm, hints);
+  MPI_Info_free(&hints);
   if (checked) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110); // the first format that sums all metadata
   file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   Note(file_.Valid());
@@ -183,11 +205,7 @@ bool H5Reader::Open(const std::string &path)
 {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false; // a pipe would be waited for
-  const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-#if H5_VERSION_GE(1, 10, 7)
-  H5Pset_file_locking(access, false, true); // not all file systems have locks, and a file with its final name is whole
-#endif
-  file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+  file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   return file_.Valid();
 }
 

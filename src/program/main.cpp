@@ -12,10 +12,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-static const char kHelp[] = "mlgimp: explicit GIMP simulation of indentation and contact.\n\n"
-                            "  bin/mlgimp -options_file options/NAME.opts [-option value ...]\n"
-                            "  mpiexec -n N bin/mlgimp -options_file options/NAME.opts\n\n";
-
 namespace
 {
 
@@ -24,13 +20,22 @@ using namespace mlgimp;
 /// For -fp_trap, whose handler prints eight lines about debuggers beside the error.
 PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 
-void Main(const CommandLine &line)
+/// The summary has shares of the time from PETSc's log. One that an option has begun stays: the other would take its place.
+void BeginLog()
+{
+  PetscBool begun = PETSC_FALSE;
+  EndOn(PetscLogIsActive(&begun));
+  if (!begun) EndOn(PetscLogDefaultBegin());
+}
+
+/// Returns the signal that the run has been stopped by, else 0.
+int Main(const CommandLine &line, const std::string &program)
 {
   PetscBool help = PETSC_FALSE, traps = PETSC_FALSE;
   Case settings;
-  EndOn(PetscLogDefaultBegin()); // the summary tells shares of the time
+  BeginLog();
   if (line.help) {
-    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", kHelp));
+    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", HelpHead(program).c_str()));
     EndOn(PetscOptionsSetValue(nullptr, "-help", nullptr));
   }
   EndOn(PetscOptionsHasHelp(nullptr, &help));
@@ -42,14 +47,15 @@ void Main(const CommandLine &line)
   if (help) {
     ActiveSetSolver solver; // lists the options of the contact solver
     EndOn(solver.Create(PETSC_COMM_SELF, true));
-    return;
+    return 0;
   }
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
   reader.RefuseUnused();
   simulation.WarnAtStart(reader.Warnings());
-  simulation.Run();
+  const int signal = simulation.Run();
   reader.WarnUnused();
+  return signal;
 }
 
 } // namespace
@@ -76,7 +82,7 @@ static std::vector<char *> Pointers(char *program, std::vector<std::string> &all
 /// What PETSc tells about its own options, behind ours: it prints that when it starts.
 static PetscErrorCode PrintPetscHelp(char *program)
 {
-  std::vector<std::string> help = {"-help"};
+  std::vector<std::string> help = {"-help", "-no_signal_handler"}; // its handlers print a trace where a pipe ends early
   std::vector<char *> words = Pointers(program, help);
   int count = static_cast<int>(words.size()) - 1;
   char **first = words.data();
@@ -98,7 +104,7 @@ int main(int argc, char **argv)
     return 0;
   }
   if (argc == 1 || !line.problem.empty()) {
-    if (rank == 0 && argc == 1) std::fputs(kUsage, stderr);
+    if (rank == 0 && argc == 1) std::fputs(Usage(argv[0]).c_str(), stderr);
     if (rank == 0 && argc > 1) std::fprintf(stderr, "mlgimp: error: %s\n", OneLine(line.problem).c_str());
     MPI_Finalize();
     return 1;
@@ -106,13 +112,15 @@ int main(int argc, char **argv)
   std::vector<char *> words = Pointers(argv[0], line.words);
   int count = static_cast<int>(words.size()) - 1;
   char **first = words.data();
+  int signal = 0;
   ErrorExit errors;
   PetscErrorCode code = errors.Install();
-  if (!code) code = PetscInitialize(&count, &first, nullptr, kHelp);
+  if (!code) code = PetscInitialize(&count, &first, nullptr, nullptr);
   if (!code) {
     InstallSignals(RanksOf(MPI_COMM_WORLD));
+    if (line.help) std::signal(SIGPIPE, SIG_DFL); // as any program in a pipe
     try {
-      Main(line);
+      signal = Main(line, argv[0]);
     } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
       code = PETSC_ERR_USER_INPUT;
     }
@@ -123,5 +131,6 @@ int main(int argc, char **argv)
   }
   errors.Free();
   MPI_Finalize();
+  if (!code && signal) EndBy(signal);
   return code ? 1 : 0;
 }

@@ -65,6 +65,12 @@ std::string Shortened(const std::string &value)
   return value.size() <= kMost ? value : value.substr(0, kMost) + "... (" + std::to_string(value.size()) + " characters)";
 }
 
+std::string LowerCase(std::string name)
+{
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
 static bool ParseNumber(const std::string &text, double *value)
 {
   char *end = nullptr;
@@ -74,7 +80,7 @@ static bool ParseNumber(const std::string &text, double *value)
 
 void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  mlgimp::Refuse(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
+  throw InputRefused(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
 }
 
 bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)
@@ -85,7 +91,8 @@ bool OptionReader::Raw(const OptionText &option, const std::string &fallback, st
     Refuse(option.name, "", "an option of one meaning; give the body, material or load another name");
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
-  EndOn(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
+  if (!learns_)
+    EndOn(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
   *value = given ? buffer.data() : fallback;
   known_.push_back(option.name);
   if (identify_) identity_.push_back(option.name + " " + *value);
@@ -210,11 +217,21 @@ bool OptionReader::Vector(const OptionText &option, bool required, Vec3 *value)
   return given;
 }
 
+/// The value of an option, where it was given.
+static bool Look(const std::string &name, std::string *value)
+{
+  std::vector<char> buffer(kLongestValue + 1);
+  PetscBool given = PETSC_FALSE;
+  EndOn(PetscOptionsGetString(nullptr, nullptr, name.c_str(), buffer.data(), buffer.size(), &given));
+  *value = buffer.data();
+  return given;
+}
+
 void OptionReader::Names(const OptionText &option, bool required, std::vector<std::string> *names)
 {
   std::string text;
   names->clear();
-  if (!Text(option, required, &text)) {
+  if (!Text(option, required, &text) && !(learns_ && Look(option.name, &text))) {
     if (help_) *names = {"NAME"};
     return;
   }
@@ -270,19 +287,59 @@ static bool LooksLikePetsc(const std::string &option)
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
+constexpr std::size_t kNear = 2; ///< typing errors
+
+/// The known name that is most like an option's.
+static const std::string &Nearest(const std::string &option, const std::vector<std::string> &known)
+{
+  return *std::min_element(known.begin(), known.end(),
+                           [&](const auto &a, const auto &b) { return EditDistance(option, a) < EditDistance(option, b); });
+}
+
+[[noreturn]] static void RefuseUnknown(const std::string &option, const std::vector<std::string> &known)
+{
+  if (option.find('=') != std::string::npos)
+    Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
+  Refuse(Shortened(option) + ": nothing reads this option in this case; the nearest known name is " + Nearest(option, known));
+}
+
 void OptionReader::RefuseUnused() const
 {
-  constexpr std::size_t kNear = 2; // typing errors
   for (const std::string &unused : FindUnused()) {
     if (std::find(known_.begin(), known_.end(), unused) != known_.end())
       mlgimp::Refuse(Shortened(unused) + ": is not used in this case");
-    if (unused.find('=') != std::string::npos)
-      mlgimp::Refuse(Shortened(unused) + ": a blank must be between an option's name and its value, not =");
-    const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
-      return EditDistance(unused, a) < EditDistance(unused, b);
-    });
-    if (EditDistance(unused, *nearest) > kNear && LooksLikePetsc(unused)) continue;
-    mlgimp::Refuse(Shortened(unused) + ": nothing reads this option in this case; the nearest known name is " + *nearest);
+    if (EditDistance(unused, Nearest(unused, known_)) > kNear && LooksLikePetsc(unused)) continue;
+    RefuseUnknown(unused, known_);
+  }
+}
+
+/// Whether an option is like one of those known whose name begins with `start`: what follows that is its end.
+static bool EndsLike(const std::string &option, const std::string &known, const std::string &start)
+{
+  if (known.rfind(start, 0) != 0) return false;
+  const std::string end = "_" + known.substr(start.size());
+  return option.size() > end.size() && option.substr(option.size() - end.size()) == end;
+}
+
+/// Whether an option is one of those known, of another level, or of a name that is in no list yet, as -NAME_lower.
+static bool IsKnown(const std::string &option, const std::vector<std::string> &known)
+{
+  const bool of_level = option.rfind("-level_", 0) == 0, near = EditDistance(option, Nearest(option, known)) <= kNear;
+  return std::any_of(known.begin(), known.end(), [&](const std::string &one) {
+    const bool other_level = of_level && (EndsLike(option, one, "-level_0_") || EndsLike(option, one, "-level_1_"));
+    const bool of_name = !of_level && !near && EndsLike(option, one, "-NAME_");
+    return option == LowerCase(one) || other_level || of_name;
+  });
+}
+
+void OptionReader::RefuseMisspelt(std::vector<std::string> all)
+{
+  all.insert(all.end(), {"-options_file", "-help", "-version"}); // those of the command line
+  for (const std::string &unused : FindUnused()) {
+    const std::string option = LowerCase(unused);
+    const bool of_solver = option.rfind("-contact_", 0) == 0, near = EditDistance(option, Nearest(option, all)) <= kNear;
+    const bool read_later = LooksLikePetsc(option) && (of_solver || !near);
+    if (!IsKnown(option, all) && !read_later) RefuseUnknown(unused, all);
   }
 }
 

@@ -2,11 +2,13 @@
 #include "program/output_folder.hpp"
 
 #include "program/agree.hpp"
+#include "program/hdf5_file.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/file.h>
@@ -100,18 +102,18 @@ std::string OutputFolder::Look()
 /// Locks a file of its own, since the results are replaced by renaming. A file that a killed run left is not locked any more.
 std::string OutputFolder::Lock()
 {
-  const std::string path = PathOf(kLockName);
+  const std::string path = PathOf(kLockName), option = "-output_dir " + Shortened(settings_.directory) + ": ";
   do {
     lock_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666), close);
-    // Where no file can be made, the first result says why; where a file system has no locks, nobody can tell.
-    if (!lock_.Valid()) return "";
-    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-      const bool taken = errno == EWOULDBLOCK;
+    if (!lock_.Valid()) return ""; // where no file can be made, the first result says why
+    if (flock(lock_, LOCK_EX | LOCK_NB) == 0) continue;
+    const int error = errno;
+    if (error == EWOULDBLOCK) {
       lock_.Close();
-      return taken ? "-output_dir " + Shortened(settings_.directory) +
-                         ": must be used by one run at a time; another is writing there"
-                   : "";
+      return option + "must be used by one run at a time; another is writing there";
     }
+    warning_ = option + "the file system gives no locks (" + std::strerror(error) +
+               "): two runs in this folder at once would not be noticed, and on NFS all ranks must be on one machine";
   } while (!SameFile(lock_, path)); // the run before has just removed it
   return "";
 }
@@ -148,6 +150,8 @@ std::string OutputFolder::Claim(MPI_Comm comm)
     return taken.empty() ? Look() : taken; // once more: another run may have come between
   });
   MPI_Bcast(&goes_on_, 1, MPI_CXX_BOOL, 0, comm);
+  warning_ = ShareText(comm, warning_);
+  if (!warning_.empty()) DoWithoutLocks();
   return problem;
 }
 

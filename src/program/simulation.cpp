@@ -4,10 +4,14 @@
 #include "program/agree.hpp"
 #include "program/checkpoint_checks.hpp"
 #include "program/memory.hpp"
+#include "program/progress.hpp"
+#include "program/signals.hpp"
 #include "program/start_checks.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <unistd.h>
 #include <utility>
 
@@ -52,6 +56,7 @@ void Simulation::PrepareOutputFolder()
     if (!problem.empty()) Refuse(problem);
   };
   check(folder_.Claim(comm_));
+  if (!folder_.Warning().empty()) WarnAtStart({folder_.Warning()});
   const bool goes_on = folder_.GoesOn();
   if (goes_on) last_checkpoint_ = state_.step;
   if (goes_on) check(frames_.Resume(comm_, state_.frames)); // the series, before frames go that it may name
@@ -67,7 +72,7 @@ bool Simulation::IsEnd(long step, double now) const
 
 bool Simulation::IsRowDue(long step, double now) const { return step % case_.output.history_interval == 0 || IsEnd(step, now); }
 
-double Simulation::Progress() const
+double Simulation::Done() const
 {
   const TimeSettings &time = case_.time;
   const double by_steps = time.max_steps > 0 ? static_cast<double>(state_.step) / time.max_steps : 0;
@@ -164,9 +169,34 @@ void Simulation::CheckPace()
                  " keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval");
 }
 
-void Simulation::Run()
+int Simulation::Run()
 {
+  Begin();
+  while (!AtEnd() && stopped_.empty()) {
+    Step();
+    WriteFrameDue(); // with the levels, and the pressures of contact on them, that the step had
+    if (!AtEnd()) FollowBoxes();
+    if (state_.step % kControlInterval == 0 && !AtEnd()) ControlStep();
+    WriteDue();
+    ShowProgress(false);
+    if (state_.step % kControlInterval == 0 && !AtEnd()) ObeyOrders();
+  }
+  ShowProgress(true);
+  CheckWritten(frames_.Finish(comm_));
+  CheckWritten(WriteSummary(stopped_.empty() ? "completed" : "stopped: " + stopped_));
+  if (stopped_.empty())
+    EndOn(hierarchy_.View(state_.time));
+  else
+    TellOfStop();
+  return stop_signal_;
+}
+
+/// All between the set-up and the first step.
+void Simulation::Begin()
+{
+  constexpr double kBytes = 400, kSlow = 100e6; // of a point in a checkpoint; of a slow disk in a second
   PrepareOutputFolder();
+  ListenToOrders();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
     WarnAtStart(
         {"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
@@ -174,33 +204,58 @@ void Simulation::Run()
   warnings_.Tell(comm_, at_start_);
   for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
-  start_progress_ = Progress();
+  start_progress_ = Done();
   frames_before_ = state_.frames - FramesDue();
   if (state_.step == 0) {
     NoteRow();
     CheckWritten(WriteRows());
   }
   if (state_.step == 0 && case_.output.frames > 0) CheckWritten(frames_.Write(hierarchy_, 0, state_.time, 0));
-  while (!AtEnd()) {
-    const double begin = MPI_Wtime();
-    hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
-    EndOn(hierarchy_.Advance(state_.time, state_.time_step));
-    level_seconds_ += MPI_Wtime() - begin;
-    for (int l = 0; l < hierarchy_.Levels(); ++l)
-      point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
-    state_.time += state_.time_step;
-    ++state_.step;
-    if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
-    WriteFrameDue(); // with the levels, and the pressures of contact on them, that the step had
-    if (!AtEnd()) FollowBoxes();
-    if (state_.step % kControlInterval == 0 && !AtEnd()) ControlStep();
-    WriteDue();
-    ShowProgress(false);
+  wall_.NoteWriting(state_.initial_points * kBytes / kSlow); // until one has been written
+  wall_.StartLooking();
+}
+
+/// A step of level 0, with those of the finer levels.
+void Simulation::Step()
+{
+  const double begin = MPI_Wtime();
+  hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
+  EndOn(hierarchy_.Advance(state_.time, state_.time_step));
+  level_seconds_ += MPI_Wtime() - begin;
+  for (int l = 0; l < hierarchy_.Levels(); ++l)
+    point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
+  state_.time += state_.time_step;
+  ++state_.step;
+  if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
+}
+
+/// Writes a checkpoint where a signal on any rank or the clock asks for one, and stops where they ask for that. A signal comes to
+/// the ranks at different steps, so that one to write counts once in two looks.
+void Simulation::ObeyOrders()
+{
+  constexpr int kTimeIsShort = 4; // beside those of signals
+  static_assert(kTimeIsShort > kWriteOrder + kEndOrder);
+  int orders = TakeOrders() | (wall_.IsShort() ? kTimeIsShort : 0);
+  MPI_Allreduce(MPI_IN_PLACE, &orders, 1, MPI_INT, MPI_BOR, comm_);
+  const bool is_written = last_checkpoint_ >= 0 && state_.step <= last_checkpoint_ + kControlInterval;
+  if (orders == 0 || (orders == kWriteOrder && is_written)) return;
+  if (last_checkpoint_ != state_.step) {
+    SettleState();
+    WriteState();
   }
-  ShowProgress(true);
-  CheckWritten(frames_.Finish(comm_));
-  CheckWritten(WriteSummary("completed"));
-  EndOn(hierarchy_.View(state_.time));
+  if (orders & kEndOrder) stop_signal_ = SIGTERM;
+  if (orders > kWriteOrder)
+    stopped_ = (stop_signal_ ? std::string("SIGTERM") : "-max_wall_time " + FormatNumber(case_.time.max_wall_time)) +
+               " at step " + std::to_string(state_.step) + "; go on with -restart " +
+               CheckpointPath(case_.output.directory, state_.step);
+}
+
+/// One line: of a signal as of all that end a run, of the clock as of an end that was wanted.
+void Simulation::TellOfStop()
+{
+  const std::string line = OneLine("ended by " + stopped_);
+  if (stop_signal_ && RankIn(comm_) == 0) std::fprintf(stderr, "mlgimp: error: %s\n", line.c_str());
+  if (!stop_signal_) EndOn(PetscPrintf(comm_, "mlgimp: %s\n", line.c_str()));
 }
 
 /// Moves the boxes of levels where that is due, and tells what has changed.
@@ -221,7 +276,7 @@ void Simulation::FollowBoxes()
 int Simulation::FramesDue() const
 {
   const int all = case_.output.frames;
-  return AtEnd() ? all : static_cast<int>(std::floor(Progress() * all * (1 + 1e-9)));
+  return AtEnd() ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
 }
 
 void Simulation::WriteFrameDue()
@@ -320,7 +375,9 @@ void Simulation::WriteState()
   state_.quasi_static = watch_.State();
   state_.watched = warnings_.State();
   state_.warnings = warnings_.KeptLines();
+  const double begin = MPI_Wtime();
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
+  wall_.NoteWriting(MPI_Wtime() - begin);
   last_checkpoint_ = state_.step;
 }
 
@@ -385,14 +442,18 @@ void Simulation::ShowProgress(bool last)
   MPI_Bcast(&due, 1, MPI_INT, 0, comm_);
   if (!due) return;
   last_shown_ = now;
-  const double done = Progress() - start_progress_, elapsed = now - start_wall_;
-  const double left = done > 0 ? elapsed * (1 - Progress()) / done : 0;
+  const double done = Done() - start_progress_, elapsed = now - start_wall_;
+  const double left = done > 0 ? elapsed * (1 - Done()) / done : 0;
   double points = point_steps_;
   MPI_Allreduce(MPI_IN_PLACE, &points, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  const double depth = case_.model.indenter ? case_.model.indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0;
-  EndOn(PetscPrintf(comm_, "\rstep %ld  time %.4e s  depth %.4e m  load %.4e N  %.2e points/s  %3.0f %%  %.0f s left   %s",
-                    state_.step, state_.time, depth, load_, points / std::max(elapsed, 1e-9), 100 * Progress(), left,
-                    last ? "\n" : ""));
+  const auto &indenter = case_.model.indenter;
+  const double depth = indenter ? indenter->Depth(hierarchy_.Tip().At(state_.time)) : 0, rate = points / std::max(elapsed, 1e-9);
+  const std::size_t columns = TerminalColumns();
+  std::string line = ProgressLine({state_.step, state_.time, bool(indenter), depth, load_, rate, Done(), left}, columns);
+  const std::size_t length = line.size();
+  line.resize(std::max(length, std::min(shown_, columns - 1)), ' '); // over what is left of the line before
+  shown_ = length;
+  EndOn(PetscPrintf(comm_, "\r%s%s", line.c_str(), last ? "\n" : ""));
 }
 
 } // namespace mlgimp

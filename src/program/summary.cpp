@@ -46,6 +46,15 @@ double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent even
   return seconds;
 }
 
+/// Whether -log_view is in a format for which PETSc keeps times by their place in a tree of events, and not of events alone.
+bool LogsTree()
+{
+  char viewer[PETSC_MAX_PATH_LEN] = "";
+  EndOn(PetscOptionsGetString(nullptr, nullptr, "-log_view", viewer, sizeof viewer, nullptr));
+  const std::string text = viewer;
+  return text.find("ascii_xml") != std::string::npos || text.find("ascii_flamegraph") != std::string::npos;
+}
+
 Json VersionsJson()
 {
   Json json;
@@ -133,15 +142,17 @@ Json MovesJson(const std::vector<LevelMove> &moves, int dim)
 std::string Simulation::WriteSummary(const std::string &status)
 {
   const std::vector<PetscLogStage> &stages = hierarchy_.Stages();
-  enum { kSteps, kPointSteps, kContact, kHalo, kTransfer, kCoupling, kTimes };
+  enum { kSteps, kPointSteps, kContact, kHalo, kTransfer, kCoupling, kSweep, kTimes };
   double times[kTimes] = {level_seconds_,
                           point_steps_,
                           EventSeconds(stages, events_.contact),
                           EventSeconds(stages, events_.halo),
                           EventSeconds(stages, events_.transfer),
-                          EventSeconds(stages, events_.coupling)};
+                          EventSeconds(stages, events_.coupling),
+                          EventSeconds(stages, events_.points_to_grid)};
   MPI_Allreduce(MPI_IN_PLACE, times, kTimes, MPI_DOUBLE, MPI_SUM, comm_);
-  const auto share = [&](int event) { return Number(times[event] / std::max(times[kSteps], 1e-30)); };
+  const bool has_times = times[kSweep] > 0 && !LogsTree(); // another log, as -log_trace, may keep none
+  const auto share = [&](int event) { return has_times ? Number(times[event] / std::max(times[kSteps], 1e-30)) : Json(nullptr); };
   double mapped = 0, unmapped = 0;
   Budgets budgets;
   EndOn(hierarchy_.ReduceBudgets(&budgets));

@@ -115,6 +115,19 @@ def test_bodies_that_nothing_holds_are_told(change, told):
     assert [line.startswith(WARNING + "-boundary_y_lower: no body lies at a side") for line in said] == [True] * told
 
 
+@pytest.mark.parametrize("change, word", [
+    ({"gravity": "0,50"}, None), ({"loads": "push", "push_side": "y_lower", "push_times": 0, "push_pressures": 10}, None),
+    ({"gravity": "0,-50"}, "-gravity 0,-50: no body lies at a side of the domain that holds it: they fall"),
+    ({"gravity": "0,-50", "indenter_velocities": 50}, "-boundary_y_lower: no body lies at a side of the domain that holds it against the indenter")])
+def test_bodies_that_a_punch_at_rest_holds(change, word):
+    """What presses a body against the punch is held by that; where the weight pulls it away, nothing holds it."""
+    case = {name: value for name, value in PRESS.items() if name != "indenter_max_depth"}
+    said = warnings({**case, "indenter": "flat_punch", "indenter_width": 20, "indenter_velocities": 0, "boundary_y_lower": "free",
+                     "max_steps": 2, **change})
+    held = [line for line in said if "no body lies" in line]
+    assert len(held) == (word is not None) and all(line.startswith(WARNING + word) for line in held), said
+
+
 @pytest.mark.parametrize("damping, told", [(1000, True), (10, False)])
 def test_damping_that_carries_the_load_is_told(damping, told):
     said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "damping": damping})

@@ -1,10 +1,17 @@
 """Signals, terminals, errors of libraries and options: what ends a run does so in one line, and what need not end it does not."""
+import contextlib
+import fcntl
 import json
 import math
 import os
+import pty
 import resource
+import select
 import signal
+import struct
 import subprocess
+import termios
+import time
 
 import pytest
 
@@ -34,7 +41,8 @@ def test_signals_end_a_run_on_several_ranks(tmp_path):
     wait_for(lambda: (tmp_path / "history.csv").exists())
     process.send_signal(signal.SIGTERM)
     errors = process.communicate(timeout=10)[1]
-    assert process.returncode != 0 and "PETSC" not in errors and "mlgimp" not in errors, errors  # mpiexec tells
+    assert process.returncode != 0 and "PETSC" not in errors, errors
+    assert errors.count("mlgimp: error") == errors.count("mlgimp: error: ended by SIGTERM at step") == 1, errors
 
 
 def test_output_that_nobody_reads(tmp_path):
@@ -45,6 +53,14 @@ def test_output_that_nobody_reads(tmp_path):
     process.wait(timeout=10)
     errors = process.stderr.read()
     assert process.returncode == -signal.SIGPIPE and errors.startswith("mlgimp: error: ended by SIGPIPE") and errors.count("\n") == 1, errors
+
+
+@pytest.mark.parametrize("lines", [1, 40, 420])
+def test_help_in_a_pipe(lines):
+    """-help | head says nothing else."""
+    done = subprocess.run(f"{harness.PROGRAM} -help | head -n {lines}", shell=True, capture_output=True, text=True, env=harness.environment(1),
+                          timeout=30)
+    assert done.stdout.count("\n") == lines and not done.stderr, done.stderr
 
 
 def test_progress_only_on_a_terminal_without_mpiexec(tmp_path):
@@ -58,6 +74,39 @@ def test_progress_only_on_a_terminal_without_mpiexec(tmp_path):
         done = subprocess.run(harness.command(words, ranks), capture_output=True, text=True, env=harness.environment(ranks),
                               cwd=harness.ROOT, timeout=30)
         assert done.returncode == 0 and done.stdout == ""
+
+
+def shown_on_terminal(words, columns, environment, seconds=None):
+    """What a program writes to a terminal so many columns wide; None for one that does not know its width. Interrupted after some seconds."""
+    ours, theirs = pty.openpty()
+    if columns:
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("4H", 24, columns, 0, 0))
+    process = subprocess.Popen(words, stdout=theirs, stdin=subprocess.DEVNULL, cwd=harness.ROOT, env=environment)
+    os.close(theirs)
+    text, limit = b"", time.time() + (seconds or 30)
+    while time.time() < limit and process.poll() is None:
+        if select.select([ours], [], [], 0.1)[0]:
+            with contextlib.suppress(OSError):
+                text += os.read(ours, 65536)
+    process.kill()
+    process.wait()
+    os.close(ours)
+    return text.decode()
+
+
+@pytest.mark.parametrize("columns, variable, room", [(80, None, 80), (40, "200", 40), (200, None, 200), (None, "60", 60), (None, None, 80)])
+def test_progress_fits_the_terminal(tmp_path, columns, variable, room):
+    """Each line goes over the one before, to its end, and none goes into a second line."""
+    environment = {**harness.environment(1), **({"COLUMNS": variable} if variable else {})}
+    if not variable:
+        environment.pop("COLUMNS", None)
+    case = {**ENDLESS, **WEDGE, "indenter_velocities": "1e-9", "monitor": "true"}
+    words = harness.command(harness.to_arguments({**case, "output_dir": tmp_path / "out"}), 1)
+    lines = shown_on_terminal(words, columns, environment, seconds=3.5).split("\r")[1:]
+    assert len(lines) >= 2 and all("s left" in line and "load" in line for line in lines), lines
+    assert all(len(line) < room and "\n" not in line for line in lines), lines
+    assert all(len(after) >= len(before.rstrip()) for before, after in zip(lines, lines[1:])), lines
+    assert all(("points/s" in line) == (room == 200) for line in lines), lines
 
 
 # ---- Errors of PETSc and of the machine

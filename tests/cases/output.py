@@ -1,5 +1,4 @@
 """What a run leaves behind: its files are complete, agree with each other and with the budgets of the run."""
-import importlib
 import re
 import subprocess
 import xml.etree.ElementTree
@@ -123,7 +122,17 @@ def check_series(expect, result, name):
             kind = {"Float": "f", "Int": "i"}[item.get("NumberType")] + item.get("Precision")
             if dataset not in file or file[dataset].shape != shape or file[dataset].dtype != numpy.dtype(kind):
                 wrong.append(item.text)
-    expect.that(f"{name}: datasets", not wrong and len(list(series.iter("DataItem"))) == len(frames) * len(DATASETS), ", ".join(wrong))
+    expect.that(f"{name}: datasets", not wrong and len(list(series.iter("DataItem"))) == len(frames) * (len(DATASETS) + 1), ", ".join(wrong))
+    items = [topology.find("DataItem") for topology in series.iter("Topology")]
+    expect.that(f"{name}: a list of vertices for each level", len(items) == len(frames) and all(vertices_of(result.folder, item) for item in items))
+
+
+def vertices_of(folder, item):
+    """Whether a DataItem is 0, 1, 2, ..., as many as there are points."""
+    place, _, dataset = item.text.partition(":")
+    with h5py.File(folder / place) as file:
+        points = len(file[dataset.replace("/vertices", "")]["id"])
+        return numpy.array_equal(file[dataset][:], numpy.arange(points))
 
 
 def check_summary(expect, result, ranks):
@@ -187,6 +196,24 @@ def test_log_view(expect):
             expect.that(f"-log_view: flops of {event}", row is not None and row[1] > 0)
 
 
+SHARES = ("contact_share", "halo_share", "transfer_share", "coupling_share")
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("option, value, words, kept", [
+    ("log_view", ":FILE", "P2G", True), ("log_view", ":FILE:ascii_csv", "P2G", True), ("log_view", ":FILE:ascii_info_detail", "P2G", True),
+    ("log_view", ":FILE:ascii_flamegraph", "P2G", False), ("log_view", ":FILE:ascii_xml", "<name>P2G</name>", False),
+    ("log_trace", "FILE", "Event begin: P2G", False)], ids=["table", "csv", "detail", "flamegraph", "xml", "trace"])
+def test_logs(expect, tmp_path, option, value, words, kept, ranks):
+    """Every log of PETSc is written, and shares of the time are there where PETSc keeps the times of single events, else null."""
+    result = harness.run({**WEDGE, option: value.replace("FILE", str(tmp_path / "log"))}, ranks=ranks)
+    text = "".join(path.read_text() for path in tmp_path.glob("log*"))
+    expect.that("the log", words in text, text[:300])
+    shares = [result.summary[share] for share in SHARES]
+    good = 0 < shares[0] < 1 and sum(shares) <= 1 if kept else shares == [None] * 4
+    expect.that("shares in summary.json", good, f"{shares}")
+
+
 def test_memory(expect):
     for ranks in (1, 3):
         for case, name in ((WEDGE, "wedge"), (COLLISION, "collision")):
@@ -205,39 +232,3 @@ def test_help(expect):
         if not lines or any(word not in lines[0] for word in expected):
             absent.append(f"-{option}: {lines[:1]}")
     expect.that("-help: every option with unit and default", not absent, "; ".join(absent))
-
-
-def verify_vtk(study):
-    """ParaView's reader sees what h5py sees."""
-    try:
-        reader_module = importlib.import_module("vtkmodules.vtkIOXdmf2")
-        numpy_support = importlib.import_module("vtkmodules.util.numpy_support")
-        pipeline = importlib.import_module("vtkmodules.vtkCommonExecutionModel").vtkStreamingDemandDrivenPipeline
-    except ImportError as error:
-        pytest.skip(f"ParaView's reader needs a VTK with vtkXdmfReader, as in the package python3-paraview ({error})")
-    result = harness.run({**WEDGE, "frames": 3})
-    reader = reader_module.vtkXdmfReader()
-    reader.SetFileName(str(result.folder / "points.xdmf"))
-    reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(pipeline.TIME_STEPS())
-    for number, time in enumerate(times):
-        with h5py.File(result.folder / f"points_{number:06d}.h5") as file:
-            reader.UpdateTimeStep(time)
-            blocks = list(leaves(reader.GetOutputDataObject(0)))
-            points = sum(block.GetNumberOfPoints() for block in blocks)
-            level = file["level_0"]
-            study.expect.that(f"ParaView's reader, frame {number}: time", time == file.attrs["time"])
-            study.expect.that(f"ParaView's reader, frame {number}: points", points == len(level["id"]), str(points))
-            stress = numpy.concatenate([numpy_support.vtk_to_numpy(b.GetPointData().GetArray("stress")) for b in blocks])
-            study.expect.that(f"ParaView's reader, frame {number}: stress", numpy.array_equal(stress, level["stress"][:]))
-    study.expect.that("ParaView's reader: frames", len(times) == 4)
-
-
-def leaves(data):
-    """The data sets within nested blocks."""
-    if hasattr(data, "GetNumberOfBlocks"):
-        for block in range(data.GetNumberOfBlocks()):
-            if data.GetBlock(block):
-                yield from leaves(data.GetBlock(block))
-    elif data:
-        yield data

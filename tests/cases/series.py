@@ -1,12 +1,16 @@
-"""points.vtkhdf, read by the rules of VTKHDF (docs.vtk.org): every time step holds the points of its frame, level by level."""
+"""The series of frames. points.vtkhdf, read by the rules of VTKHDF (docs.vtk.org): every time step holds the points of its frame,
+level by level. points.xdmf, read by ParaView."""
 import itertools
+import json
+import shutil
+import subprocess
 
 import h5py
 import numpy
 import pytest
 
 import harness
-from ranks import BERKOVICH, CONE, LEVELS
+from ranks import BERKOVICH, CONE, FLIGHT, LEVELS
 
 pytestmark = pytest.mark.mpi
 
@@ -26,6 +30,11 @@ def as_vtk(name, level):
     if name == "deformation_gradient":
         wide[:, 8] = level.get("hoop_stretch", [1])[:]
     return wide
+
+
+def filled_levels(frame):
+    """The names of the levels that have points."""
+    return [name for name in sorted(frame) if name.startswith("level_") and len(frame[name]["id"])]
 
 
 def density(level):
@@ -48,7 +57,7 @@ def problems_of_step(root, step, frame):
     if steps["Values"][step] != frame.attrs["time"]:
         wrong.append("time")
     part, parts, first = (int(steps[name][step]) for name in ("PartOffsets", "NumberOfParts", "PointOffsets"))
-    filled = [name for name in sorted(frame) if len(frame[name]["id"])]
+    filled = filled_levels(frame)
     if parts != len(filled) or list(steps["CellOffsets"][step]) != [first, 0, 0, 0]:
         wrong.append("parts or cells")
     for name in filled:
@@ -115,7 +124,7 @@ def problems_by_vtk(folder):
                   for k in range(shown.GetPointData().GetNumberOfArrays())}
         arrays["position"] = vtk_to_numpy(shown.GetPoints().GetData())
         with h5py.File(path) as frame:
-            levels = [frame[name] for name in sorted(frame) if len(frame[name]["id"])]
+            levels = [frame[name] for name in filled_levels(frame)]
             expected = {field: numpy.concatenate([as_vtk(field, level) for level in levels]) for field in levels[0]}
             expected["level"] = numpy.concatenate([numpy.full(len(level["id"]), int(level.name[-1])) for level in levels])
         wrong += [f"{path.name}: {field}" for field in expected.keys() | arrays.keys()
@@ -133,3 +142,37 @@ def test_vtk_reads_the_series(expect):
         case = {name: value for name, value in case.items() if name != "end_time"}
         wrong = problems_by_vtk(harness.run({**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0}, ranks=1).folder)
         expect.that(f"points.vtkhdf by VTK, {case['indenter']}", not wrong, "; ".join(wrong[:5]))
+
+
+@pytest.fixture(scope="module")
+def paraview():
+    """A Python that has ParaView, which needs no display here."""
+    for python in ("/usr/bin/python3", "pvpython"):
+        found = shutil.which(python)
+        if found and subprocess.run([found, "-c", "import paraview.simple"], capture_output=True).returncode == 0:
+            return found
+    return pytest.skip("ParaView is not installed (python3-paraview)")
+
+
+def of_frame(path):
+    """(time, points, sum of the stress) of a frame."""
+    with h5py.File(path) as frame:
+        levels = [frame[name] for name in filled_levels(frame)]
+        return frame.attrs["time"], sum(len(level["id"]) for level in levels), sum(level["stress"][:].sum() for level in levels)
+
+
+def test_paraview_reads_the_series(expect, paraview):
+    """By the reader that it takes by itself and by its older one: a cell for every point, in every frame, at its time."""
+    cases = [{**case, "frames": 2, "max_steps": 4, "checkpoint_interval": 0} for case in (LEVELS, FLIGHT, CONE, BERKOVICH)]
+    folders = [harness.run({name: value for name, value in case.items() if name != "end_time"}, ranks=2).folder for case in cases]
+    script = [paraview, harness.ROOT / "tests" / "paraview_counts.py", *(folder / "points.xdmf" for folder in folders)]
+    done = subprocess.run(script, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-2000:]
+    for folder, readers in zip(folders, json.loads(done.stdout.splitlines()[-1])):
+        frames = [of_frame(path) for path in sorted(folder.glob("points_*.h5"))]
+        for name, steps in readers:
+            good = [(time, points) for time, points, _ in frames] == [(time, points) for time, points, _, _ in steps]
+            expect.that(f"{name}: times and points", good and len(frames) == 3, f"{steps}")
+            expect.that(f"{name}: cells", all(cells == points > 0 for _, points, cells, _ in steps), f"{steps}")
+            for frame, step in zip(frames, steps):
+                expect(f"{name}: sum of the stress over that of the frame", step[3] / frame[2] if frame[2] else 1 + step[3], near=1, tolerance=1e-9)

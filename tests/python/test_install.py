@@ -1,9 +1,11 @@
 """The files that `make install` leaves: program, scripts, examples and manual page work from there; nothing is built anew."""
 import os
+import re
 import subprocess
 
 import harness
 import options_doc
+import test_options_doc
 
 
 def test_install(tmp_path):
@@ -18,6 +20,28 @@ def test_install(tmp_path):
     subprocess.run([prefix / "bin" / "mlgimp", *words], cwd=tmp_path, env=environment, check=True, timeout=60)
     assert (tmp_path / "output" / "wedge_500nm" / "summary.json").is_file()
     check_page((prefix / "share" / "man" / "man1" / "mlgimp.1").read_text())
+    check_hints(prefix / "bin", tmp_path, environment)
+    check_links(share)
+
+
+def check_hints(folder, elsewhere, environment):
+    """Files that the program names are there, from wherever and however it is called."""
+    environment = {**environment, "PATH": f"{folder}:{environment['PATH']}"}
+    for here, name in ((elsewhere, "mlgimp"), (elsewhere, folder / "mlgimp"), (folder.parent / "share" / "mlgimp", "mlgimp"),
+                       (harness.ROOT, harness.PROGRAM.relative_to(harness.ROOT))):
+        said = subprocess.run([name], cwd=here, env=environment, capture_output=True, text=True, timeout=60).stderr
+        case, page = re.search(r"-options_file (.*)\n", said)[1], re.search(r"your own: +(.*)\n", said)[1]
+        assert f" {name} -options_file " in said and (here / case).is_file() and (here / page).is_file(), said
+        shown = subprocess.run([name, "-help"], cwd=here, env=environment, capture_output=True, text=True, timeout=60).stdout
+        assert shown.startswith("mlgimp: ") and f"\n  {name} -options_file {os.path.dirname(case)}/NAME.opts" in shown[:1000]
+
+
+def check_links(share):
+    """What the documents link to is installed."""
+    for page in (share / "README.md", share / "CONTRIBUTING.md", *(share / "docs").glob("*.md")):
+        links = test_options_doc.LINK.findall(page.read_text())
+        assert all((page.parent / link).exists() for link in links), (page, links)
+    assert all((share / name).is_file() for name in ("LICENSE", "CHANGELOG.md", "CITATION.cff", "examples/first_indentation.ipynb"))
 
 
 def check_page(page):

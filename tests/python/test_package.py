@@ -83,6 +83,41 @@ def test_pressure_of_contact(pressed, ranks):
     assert np.all(result.frame(0)["contact_pressure"] == 0)
 
 
+def mean_and_largest(folder, number):
+    """The mean pressure of contact that a picture shows, and the largest, in its unit; None for the mean where there is no contact."""
+    figure = surface.contact_pressure(folder, number)
+    lines = figure.axes[0].lines
+    pictures.plt.close(figure)
+    return lines[1].get_ydata()[0] if len(lines) > 1 else None, lines[0].get_ydata().max()
+
+
+@pytest.mark.parametrize("changed", [{}, {"thickness": 3, "indenter_unload_velocity": 2},
+                                     {"geometry": "axisymmetric", "indenter": "sphere", "indenter_unload_velocity": 2}],
+                         ids=["plane", "thick, back", "axis, back"])
+def test_mean_pressure(tmp_path, changed):
+    """It is that of the frame, whatever rows the history has."""
+    case = {**PRESS, "cell_size": 0.5, "frames": 7, **changed}
+    all_rows, few_rows = (mlgimp.run({**case, "history_interval": interval, "output_dir": tmp_path / str(interval)}, progress=False)
+                          for interval in (1, 37))
+    for number, time in list(all_rows.frames.items())[1:]:
+        mean, largest = mean_and_largest(all_rows.folder, number)
+        assert (mean, largest) == mean_and_largest(few_rows.folder, number) and 0.4 * largest < mean < largest
+        points, options = surface.read_surface(all_rows.folder, number)[1::2]
+        history = all_rows.history
+        assert surface.carried_load(points, options) == pytest.approx(np.interp(time, history["time"], history["load"]), rel=0.02)
+    assert mean_and_largest(all_rows.folder, 0) == (None, 0)
+
+
+def test_mean_pressure_where_the_tip_turns(tmp_path):
+    """The tutorial's case: the row of the step in which the tip turns has the mean load of that step, and the frame is at its end."""
+    text = (harness.ROOT / "docs" / "tutorial.md").read_text()
+    (tmp_path / "press.opts").write_text("".join(re.findall(r"```opts press.opts\n(.*?)```", text, re.DOTALL)))
+    result = mlgimp.run(tmp_path / "press.opts", output_dir=tmp_path / "out", progress=False)
+    turn = surface.frame_of_largest_load(result.folder)
+    mean, largest = mean_and_largest(result.folder, turn)
+    assert turn == 10 and 0.8 * largest < mean < largest
+
+
 def test_pictures(pressed, tmp_path, monkeypatch):
     figures = pressed[0].plot("load_depth", "contact_pressure")
     assert list(figures) == ["load_depth", "contact_pressure"] and figures["load_depth"].axes[0].get_xlabel() == "depth (mm)"

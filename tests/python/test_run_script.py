@@ -1,6 +1,7 @@
-"""make run takes cores that are idle, as ranks that share a core with another program make all of them slow."""
+"""make run compiles on all cores, and runs on those that are idle: ranks that share a core with another program make all of them slow."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -38,3 +39,16 @@ def test_never_more_ranks_than_cores(tmp_path):
     said = start_line(tmp_path, busy=0)
     ranks = int(said.split(" ranks:")[0].split()[-1])
     assert 1 <= ranks <= min(4, os.cpu_count())
+
+
+def compilers_of(*words):
+    """As how many at once `make` with these words would compile; 0 where it leaves that to the make that it was started by."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
+    said = subprocess.run(["make", "-n", *words], cwd=ROOT, capture_output=True, text=True, check=True, env=environment, timeout=60).stdout
+    return int(re.search(r"^\S*make --no-print-directory (?:-j(\d+))?", said, re.MULTILINE)[1] or 0)
+
+
+def test_make_compiles_on_all_cores():
+    cores = len(os.sched_getaffinity(0))
+    assert compilers_of("run") == compilers_of("test") == cores
+    assert compilers_of("run", "-j3") == compilers_of("test", "-j1") == 0

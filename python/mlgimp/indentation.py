@@ -193,11 +193,11 @@ def size_of_contact(shape, constants, depth, load):
         return 1e-6 * math.sqrt(float(tip_of(shape).area(1e6 * depth)) / math.pi)
     if shape["indenter"] == "flat_punch":
         return shape["indenter_radius"]
-    if shape["indenter"] == "sphere":
-        elastic = (0.75 * load * shape["indenter_radius"] / contact_modulus(constants)) ** (1 / 3)
-    else:
+    ball = shape.get("indenter_radius", shape.get("indenter_tip_radius", 0))
+    elastic = (0.75 * load * ball / contact_modulus(constants)) ** (1 / 3)
+    if shape["indenter"] != "sphere":
         tangent = math.sqrt(float(tip_of({**shape, "indenter_tip_radius": 0}).area(1.0)) / math.pi)
-        elastic = math.sqrt(2 * load * tangent / math.pi / contact_modulus(constants))
+        elastic = max(elastic, math.sqrt(2 * load * tangent / math.pi / contact_modulus(constants)))
     return max(elastic, math.sqrt(load / math.pi / hardness(constants)))
 
 

@@ -201,6 +201,9 @@ def doubts(curve, cycle, fit, row):
     if row["plastic_share"] < -0.05:
         yield (f"the unloading gives back {row['elastic_work_nJ'] / row['total_work_nJ']:.2g} times the work put in before: are the rows in order, "
                "and is the loading whole?")
+    if curve.tip and 0 < row["contact_depth_um"] < curve.tip.ball and row["beta"] != 1:
+        yield (f"the contact depth is on the ball at the tip's end, which is {curve.tip.ball:.3g} um high: for a ball beta is 1 and epsilon 0.75, "
+               f"here they are {row['beta']:.3g} and {row['epsilon']:.3g}; choose them by --beta and --epsilon")
     if row["area_um2"] <= 0:
         yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
                f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")

@@ -94,6 +94,14 @@ def test_what_indent_refuses(tmp_path, case, line):
     assert not (tmp_path / "case.opts").exists()
 
 
+def test_contact_of_a_rounded_tip_under_a_load():
+    """On the ball at its end it is that of a ball; a sharp cone's would be 15 times smaller here, and the cells with it."""
+    constants = {"youngs_modulus": 70e9, "poissons_ratio": 0.3}
+    ball, cone, sharp = (indentation.size_of_contact(indentation.shape_of(*shape), constants, None, 1e-6) for shape in (
+        ("sphere", "axisymmetric", None, 20e-6, 0), ("cone", "axisymmetric", 60, None, 20e-6), ("cone", "axisymmetric", 60, None, 0)))
+    assert cone == pytest.approx(ball, rel=1e-12) and ball / sharp == pytest.approx(15.3, rel=0.01)
+
+
 def test_numbers_of_any_type():
     """Those of numpy, also as arrays without dimensions, give the same case as those of Python."""
     plain = indentation.indentation_options("j2", youngs_modulus=2.0**36, yield_stress=4e8, depth=0.125e-2, cells=5, unload=False)

@@ -122,6 +122,34 @@ def test_areas(expect):
     expect("depth of an area", tips.depth_of(CONE, CONE.area(0.7), 2), near=0.7, tolerance=1e-4)
 
 
+def ball_and_cone(h, degrees, radius):
+    """The radius of a section of a ball with a tangent cone, by construction: the tangent point is where the ball's slope is the cone's."""
+    angle = math.radians(degrees)
+    touch, across = radius - radius * math.sin(angle), radius * math.cos(angle)
+    return math.sqrt(radius**2 - (radius - h) ** 2) if h < touch else across + (h - touch) * math.tan(angle)
+
+
+@pytest.mark.parametrize("degrees, radius", [(30, 1.0), (60, 200.0), (70.3, 0.1), (45, 5.0)])
+def test_rounded_cone_is_a_ball_with_a_tangent_cone(expect, degrees, radius):
+    """The conosphere of a laboratory; Rockwell's tip has 60 degrees and 200 um. One of many faces is the same."""
+    heights = radius * np.array([0, 0.01, 0.05, 0.1, 0.3, 0.5, 1, 3, 20])
+    area = tips.make_tip("cone", half_angle=degrees, tip_radius=radius).area(heights)
+    exact = np.array([math.pi * ball_and_cone(h, degrees, radius) ** 2 for h in heights])
+    expect("area", np.max(np.abs(area[1:] / exact[1:] - 1)), at_most=1e-12)
+    pyramid = tips.make_tip("pyramid", half_angle=degrees, faces=400, tip_radius=radius).area(heights)
+    expect("pyramid of 400 faces", np.max(np.abs(pyramid[1:] / exact[1:] - 1)), at_most=1e-3)
+    assert area[0] == pyramid[0] == 0 == tips.make_tip("cone", half_angle=degrees, tip_radius=radius).area(-radius)
+    end = tips.ball_height(degrees, radius) * (1 + np.array([-1e-9, 1e-9]))
+    expect("step from the ball to the flank", np.ptp(tips.section_radius(end, degrees, radius)) / radius, at_most=1e-8)
+
+
+def test_contact_on_the_ball_of_a_cone():
+    """For a tip of 30 degrees the beta of the cone is 1.39, and the contact is that of a ball."""
+    tip = tips.make_tip("cone", half_angle=30, tip_radius=1)
+    rows = [oliver_pharr.analyse(curve(*metal(top=top, final=0.84 * top), tip=tip), Constants(beta=beta))[0] for top, beta in ((0.3, None), (0.3, 1), (1.0, None))]
+    assert ["on the ball" in row["warnings"] for row in rows] == [True, False, False]
+
+
 def test_pile_up(expect):
     """A true area twice that of the cone at the largest depth: the rim is higher than the surface by (sqrt 2 - 1) of the depth."""
     depth, load = metal()

@@ -21,13 +21,15 @@ from mlgimp.errors import Error
 
 
 def command(main):
-    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1; a reader of
-    its output that has gone, such as head, ends it in silence."""
+    """Decorates the main function of a command: what it returns, if not 0 or None, is the exit status; an Error ends it with its line
+    on standard error and exit status 1; a reader of its output that has gone, such as head, ends it in silence."""
     @functools.wraps(main)
     def ended(*arguments):
         try:
-            main(*arguments)
+            status = main(*arguments)
             sys.stdout.flush()
+            if status:
+                raise SystemExit(status)
         except Error as problem:
             raise SystemExit(f"error: {problem}") from None
         except BrokenPipeError:

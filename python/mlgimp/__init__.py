@@ -12,7 +12,7 @@ from .errors import Error, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read
 from .indentation import indent
-from .load_depth import read_measured
+from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "run"]
+__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "read_tests", "run"]

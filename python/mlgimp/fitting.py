@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from . import checks, load_depth
+from . import checks, cycles, load_depth
 from .errors import Error, RunError
 from .options import named, read_options
 from .program import execute, show_bar
@@ -144,7 +144,7 @@ def variables(names, case):
 
 def largest_cycle(curve):
     """The cycle of a curve that reaches the largest load."""
-    return max(load_depth.find_cycles(curve), key=lambda cycle: curve.load[cycle.start])
+    return max(cycles.find_cycles(curve), key=lambda cycle: curve.load[cycle.start])
 
 
 def part_means(distance, load, edges):

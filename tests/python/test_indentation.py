@@ -24,8 +24,9 @@ CONE = tips.make_tip("cone", half_angle=70.3)
 TAN = math.tan(math.radians(70.3))
 
 
-def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None):
-    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [])
+def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None, is_run=False):
+    cells = np.full(len(depth), 8.0) if is_run else None
+    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [], cells)
 
 
 def metal(top=0.5, load=10.0, final=0.42, exponent=1.4, rows=400, lowest=0.0, first=0.0):
@@ -204,12 +205,12 @@ def test_curves_that_cannot_be(expect):
 
 # ---- cycles and holds ----
 
-def cycles_of(loads):
-    """A test with unloadings to a tenth from several loads; all unloadings are alike but for their size."""
+def cycles_of(loads, lowest=0.1):
+    """A test with unloadings to a tenth, or another share, from several loads; all unloadings are alike but for their size."""
     parts, last = [], 0.0
     for load in loads:
         top = 0.5 * math.sqrt(load / 10)
-        depth, force = metal(top, load, 0.84 * top, lowest=0.1, first=last)
+        depth, force = metal(top, load, 0.84 * top, lowest=lowest, first=last)
         up = depth[:400] >= last
         parts.append((depth[:400][up], force[:400][up]))
         parts.append((depth[400:], force[400:]))
@@ -226,6 +227,95 @@ def test_each_cycle_has_its_row(expect):
     expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
     expect("hardness is the same", np.ptp([row["hardness_GPa"] for row in rows]) / rows[0]["hardness_GPa"], at_most=1e-4)
     expect("work that is plastic", np.ptp([row["plastic_share"] for row in rows]), at_most=2e-3)
+
+
+@pytest.mark.parametrize("is_run", [False, True])
+def test_small_unloadings_count(expect, is_run):
+    """Ten, of which the first has a five hundredth of the largest load."""
+    loads = 100 / 2.0 ** np.arange(9, -1, -1)
+    rows = oliver_pharr.analyse(curve(*cycles_of(loads), is_run=is_run))
+    assert [row["cycle"] for row in rows] == list(range(1, 11))
+    expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.001, 0.003])
+@pytest.mark.parametrize("hold", [0, 200])
+@pytest.mark.parametrize("seed", range(5))
+def test_unloadings_in_noise(share, hold, seed):
+    """Noise of a share of the largest load: those unloadings that fall by ten times as much are found, and never one that is not there."""
+    loads = 10 / 2.0 ** np.arange(9, -1, -1)
+    depth, load = cycles_of(loads)
+    ends = np.flatnonzero(np.diff(np.sign(np.diff(depth)))) + 1
+    depth, load = (np.insert(each, np.repeat(ends, hold), np.repeat(each[ends], hold)) for each in (depth, load))
+    random = np.random.default_rng(seed)
+    found = load_depth.find_cycles(curve(depth + 0.1 * share * 0.5 * random.normal(size=len(depth)), load + 10 * share * random.normal(size=len(load))))
+    tops = [load[cycle.start] for cycle in found]
+    least = 10 * share * 10 / 0.9
+    assert len(tops) >= np.count_nonzero(loads > least)
+    np.testing.assert_allclose(tops, loads[-len(tops):], rtol=0.05, atol=30 * share)
+
+
+def test_partial_unloadings(expect):
+    """To 0.8 of the load, where a lesser share of the load is left for the fit."""
+    loads = (2, 4, 6, 8, 10)
+    rows = oliver_pharr.analyse(curve(*cycles_of(loads, lowest=0.8)))
+    assert len(rows) == 5 and not any("left out" in row["warnings"] for row in rows)
+    expect("stiffness", rows[-1]["stiffness_mN_per_um"] / (10 * 1.4 / (0.16 * 0.5)) - 1, near=0, tolerance=0.01)
+
+
+def test_a_reload_that_stops_early():
+    """Two unloadings, of which the second begins in elastic contact, where load over area is no hardness."""
+    depth, load = metal(lowest=0.1)
+    down, back = slice(399, None), slice(None, 500, -1)
+    depth, load = (np.concatenate([each[:399], each[down], each[back], each[501:]]) for each in (depth, load))
+    first, second = oliver_pharr.analyse(curve(depth, load))
+    assert first["warnings"] == "" and "here the contact is elastic" in second["warnings"] and second["load_mN"] < 8
+
+
+def test_relaxations_are_no_unloadings():
+    """Steps of the depth with holds in which the load relaxes by a tenth, with noise of the depth."""
+    depth = np.concatenate([np.append(np.linspace(top - 0.1, top, 100), np.full(200, top)) for top in (0.1, 0.2, 0.3, 0.4)])
+    load = 40 * depth**2 * np.tile(np.append(np.ones(100), 1 - 0.1 * (1 - np.exp(-np.linspace(0, 5, 200)))), 4)
+    back = metal(top=0.4, load=load[-1], final=0.35)
+    depth, load = np.append(depth, back[0][400:]), np.append(load, back[1][400:])
+    for seed in range(5):
+        noise = 2e-4 * np.random.default_rng(seed).normal(size=len(depth))
+        assert len(load_depth.find_cycles(curve(depth + noise, load))) == 1
+
+
+def test_an_unloading_that_cannot_be_fitted_is_told():
+    """It has its number and its loads, and the others have their figures and numbers."""
+    depth, load = cycles_of((1, 2, 5))
+    few = np.ones(len(depth), bool)
+    top = int(np.argmax(load > 2 - 1e-9))
+    few[top + 1:top + 400] = np.arange(399) % 80 == 79
+    rows = oliver_pharr.analyse(curve(depth[few], load[few]))
+    assert [row["cycle"] for row in rows] == [1, 2, 3] and list(rows[1]) == list(rows[0]) == list(oliver_pharr.COLUMNS)
+    assert math.isnan(rows[1]["hardness_GPa"]) and abs(rows[1]["load_mN"] - 2) < 1e-6 and math.isfinite(rows[2]["hardness_GPa"])
+    assert re.match("left out: the load falls from 2 to 0.2 mN, and [0-4] rows of the unloading lie between", rows[1]["warnings"])
+
+
+def test_waves_of_a_run_are_no_unloadings(capsys):
+    """A staircase under the tip that goes on, and a ringing tip under load control, which a note tells."""
+    depth, load = metal(rows=2000)
+    stairs = load * (1 + 0.15 * np.sin(2 * math.pi * depth / 0.02))
+    assert len(load_depth.find_cycles(curve(depth, stairs, is_run=True))) == 1
+    ring = np.sin(np.linspace(0, 40 * math.pi, 2000)) * np.linspace(0, 1, 2000)
+    depth[:2000] += 0.01 * ring
+    load[:2000] *= 1 + 0.05 * ring
+    ringing = curve(depth, load, is_run=True)
+    assert len(load_depth.find_cycles(ringing)) == 1
+    [note] = load_depth.notes_on_waves(ringing)
+    assert "times by less than 0.2 of itself while the tip goes back, which is taken for waves" in note
+    assert list(load_depth.notes_on_waves(curve(*metal(), is_run=True))) == []
+
+
+def test_an_unloading_that_rings():
+    """Of a run: a wave in the unloading does not part it in two."""
+    depth, load = metal(rows=1000, lowest=0.05)
+    load[1000:] *= 1 + 0.2 * np.sin(np.linspace(0, 10 * math.pi, 999))
+    [cycle] = load_depth.find_cycles(curve(depth, load, is_run=True))
+    assert cycle.end > 1800
 
 
 def test_ringing_before_is_no_cycle():

@@ -33,7 +33,7 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
          ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
          ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
-         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""))
+         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""))
 
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
@@ -214,17 +214,25 @@ def analysed(each, constants):
 
 def without_nan(row):
     """Returns a row for JSON, where what is not known is null."""
-    return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()}
+    return {name: without_nan(value) if isinstance(value, dict) else None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in row.items()}
+
+
+def flat(row):
+    """Returns a row for CSV, where what is not known is empty, and the expected errors are columns of their own."""
+    errors = {f"expected_error_{name}": error for name, error in (row.get("expected_error") or {}).items()}
+    return {name: "" if isinstance(value, float) and math.isnan(value) else value
+            for name, value in {**row, **errors}.items() if name != "expected_error"}
 
 
 def write_tables(folder, analyses):
     """Writes indentation.csv and indentation.json."""
+    rows = [flat(row) for each in analyses for row in each.rows or [{"curve": each.name, "warnings": f"no figures: {each.problem.problem}"}]]
     with open(folder / "indentation.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, oliver_pharr.COLUMNS)
+        known = [name for name in oliver_pharr.COLUMNS if name != "expected_error"]
+        writer = csv.DictWriter(file, [*known, *dict.fromkeys(name for row in rows for name in row if name not in known)])
         writer.writeheader()
-        for each in analyses:
-            for row in each.rows or [{"curve": each.name, "warnings": f"no figures: {each.problem.problem}"}]:
-                writer.writerow({name: "" if isinstance(value, float) and math.isnan(value) else value for name, value in row.items()})
+        writer.writerows(rows)
     described = [{"name": each.name, "tip": each.curve.tip.name if each.curve and each.curve.tip else None,
                   "notes": each.curve.notes if each.curve else [], "problem": each.problem.problem if each.problem else None,
                   "cycles": [without_nan(row) for row in each.rows]} for each in analyses]
@@ -240,7 +248,8 @@ def print_figures(each):
     print(f"{each.name}: unloading {row['cycle']} of {len(each.rows)}" + (f", {each.curve.tip.name}" if each.curve.tip else ""))
     for label, name, unit in SHOWN:
         if not math.isnan(row[name]):
-            print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip())
+            error = (row["expected_error"] or {}).get(name, math.nan)
+            print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip() + f" +- {100 * error:.2g} %" * math.isfinite(error))
     for note in each.curve.notes:
         print(f"  note: {note}")
     for row in each.rows:

@@ -12,10 +12,11 @@ from .cycles import find_cycles
 from .errors import ResultError
 from .tables import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells", defaults=(None,))
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block", defaults=(None, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
-run how many cells half the contact's width has [rows], None of a measured curve."""
+run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
+these half widths lie between the tip and the nearest side of the model [rows]."""
 
 FREE = 0.05  # of the largest load: what a tip over the surface may seem to carry
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
@@ -37,7 +38,7 @@ def read_run(directory):
         raise ResultError(directory, "this run has no indenter, or one that has not moved")
     try:
         parts, tip, poisson = parts_of_tip(options), tip_of_run(options), poisson_of_run(options)
-        plane = options.get("-geometry") == "plane_strain"
+        plane, room = options.get("-geometry") == "plane_strain", room_beside_tip(options)
     except (AttributeError, KeyError, TypeError, ValueError):
         raise ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
     first = np.append(True, history["time"][1:] > np.maximum.accumulate(history["time"])[:-1])  # where a restart has written rows twice
@@ -46,14 +47,11 @@ def read_run(directory):
     load = "load_quasi_static" if "load_quasi_static" in history else "load"
     area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
     curve = Curve(Path(directory).resolve().name, middle["time"], 1e6 * middle["depth"], 1e3 * parts * history[load][1:], area,
-                  None if plane else tip, poisson, plane, list(notes_on(options, parts, plane)), cells_of(history, summary))
+                  None if plane else tip, poisson, plane, list(notes_on(options, parts, plane)))
+    half = history.get("contact_half_width", np.full(len(history["time"]), np.nan))[1:]
+    cells = half / results.finest_cells(summary, history["time"][1:])
+    curve = curve._replace(cells=cells, block=room / np.where(half > 0, half, np.nan))
     return curve._replace(notes=curve.notes + list(notes_on_waves(curve)))
-
-
-def cells_of(history, summary):
-    """Returns how many of the finest cells half the width of the contact has, [rows but the first], NaN where that is not known."""
-    half = history.get("contact_half_width", np.full(len(history["time"]), np.nan))
-    return half[1:] / results.finest_cells(summary, history["time"][1:])
 
 
 def notes_on(options, parts, plane):
@@ -91,6 +89,15 @@ def mirror_axes(options):
     near = 1e-6 * float(options["-cell_size"])
     return [axis for axis in range(len(tip) - 1) for side, place in (("lower", lower), ("upper", upper))
             if abs(tip[axis] - place[axis]) < near and options.get(f"-boundary_{'xyz'[axis]}_{side}") == "symmetry"]
+
+
+def room_beside_tip(options):
+    """Returns how far (m) the model of a run's options reaches from the tip, in the direction across in which that is least; NaN where
+    it is not known."""
+    if not options:
+        return math.nan
+    tip, lower, upper = (numbers(options[name]) for name in ("-indenter_tip", "-domain_lower", "-domain_upper"))
+    return min(max(place - below, above - place) for place, below, above in list(zip(tip, lower, upper))[:-1])
 
 
 def tip_of_run(options):

@@ -25,8 +25,8 @@ TAN = math.tan(math.radians(70.3))
 
 
 def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None, is_run=False):
-    cells = np.full(len(depth), 8.0) if is_run else None
-    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [], cells)
+    cells, block = (np.full(len(depth), 8.0), np.full(len(depth), 20.0)) if is_run else (None, None)
+    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [], cells, block)
 
 
 def metal(top=0.5, load=10.0, final=0.42, exponent=1.4, rows=400, lowest=0.0, first=0.0):
@@ -420,6 +420,31 @@ def test_run_to_files(tmp_path, capsys, expect):
     expect("stiffness", cycle["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=2e-3)
     expect("beta", cycle["beta"], near=1.067, tolerance=5e-4)
     assert np.ptp(plt.imread(folder / "indentation.png")) > 0.5
+
+
+def test_expected_errors(tmp_path, capsys):
+    """Of runs, by how many cells are in contact; measured curves have none."""
+    [row] = oliver_pharr.analyse(curve(*metal(), is_run=True))
+    assert row["cells"] == 8 and row["expected_error"]["hardness_GPa"] == pytest.approx(0.7 / 8) and row["expected_error"]["true_area_um2"] == pytest.approx(1.3 / 8)
+    assert row["expected_error"]["modulus_GPa"] == pytest.approx(0.7 / 8 + 1.09 / 20) and set(row["expected_error"]) < set(row)
+    [measured] = oliver_pharr.analyse(curve(*metal()))
+    assert math.isnan(measured["cells"]) and measured["expected_error"] is None and list(measured) == list(oliver_pharr.COLUMNS)
+    folder = write_run(tmp_path / "run", CONE_OPTIONS)
+    table = np.genfromtxt(folder / "history.csv", delimiter=",", names=True)
+    half = np.where(table["depth"] > 0, 6e-7, 0)
+    lines = (folder / "history.csv").read_text().splitlines()
+    place = lines[0].split(",").index("contact_half_width")
+    lines[1:] = [",".join([*line.split(",")[:place], repr(float(width)), *line.split(",")[place + 1:]]) for line, width in zip(lines[1:], half)]
+    (folder / "history.csv").write_text("\n".join(lines) + "\n")
+    summary = json.loads((folder / "summary.json").read_text()) | {"levels": [{"lower": [0, 0], "upper": [1, 1], "cell_size": 4e-7}, {"lower": [0, 0], "upper": [1, 1], "cell_size": 1e-7}]}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    main([str(folder)])
+    printed = capsys.readouterr().out
+    [cycle] = json.loads((folder / "indentation.json").read_text())["curves"][0]["cycles"]
+    [written] = csv.DictReader(open(folder / "indentation.csv"))
+    assert cycle["cells"] == pytest.approx(6) and cycle["expected_error"]["load_mN"] == pytest.approx(0.7 / 6)
+    assert cycle["expected_error"]["modulus_GPa"] == pytest.approx(0.7 / 6 + 1.09 * 6e-7 / 1e-5)  # the tip is on the axis
+    assert re.search(r"^  hardness  .* GPa \+- 12 %$", printed, re.M) and float(written["expected_error_true_hardness_GPa"]) == pytest.approx(1.3 / 6)
 
 
 def test_slow_run(tmp_path, expect):

@@ -20,7 +20,7 @@ PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lie
 # For Open MPI in containers and on machines with few cores; what the user has set counts more.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # Open MPI 4, 5
-BAR = 30  # characters
+BAR, LEAST_BAR = 30, 5  # characters that a bar has, and less than which it is left out
 MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
 
 
@@ -151,6 +151,9 @@ def show_progress(piece):
 
 
 def show_bar(done, count, words):
-    """Prints a bar over the last one in the same line."""
-    full = BAR * done // count
-    print(f"\r[{'#' * full}{'.' * (BAR - full)}] {words}   ", end="", flush=True)
+    """Prints a bar over the last one in the same line; bar and words are cut to what the terminal's line has room for."""
+    room = shutil.get_terminal_size().columns - 1  # the last column takes some terminals to the next line
+    bar = min(BAR, room - len(f"[] {words}"))
+    full = BAR * done // count * bar // BAR
+    line = f"[{'#' * full}{'.' * (bar - full)}] {words}" if bar >= LEAST_BAR else words
+    print("\r" + f"{line}   "[:room], end="", flush=True)

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from . import checks, cycles, load_depth
+from . import checks, cycles, hints, load_depth
 from .errors import Error, RunError
 from .options import named, read_options
 from .program import execute, show_bar
@@ -88,6 +88,7 @@ def fit(measured, case, vary, *, ranks=1, runs=None, evaluations=30, output_dir=
     more: options of the program for all runs.
     The folder output_dir (output/fit_CASE) gets the runs, fit.csv with a row for each, and fit.json with the constants.
     """
+    hints.check_names(more, hints.arguments(fit))
     more = named(more)
     ranks, evaluations = checks.whole("ranks", ranks, 1), checks.whole("evaluations", evaluations, 1)
     at_once = max(1, (os.cpu_count() or 1) // ranks) if runs is None else checks.whole("runs", runs, 1)

@@ -3,11 +3,11 @@
 import math
 from pathlib import Path
 
-from . import checks, tips
+from . import checks, hints, tips
 from .checks import Rule
-from .errors import Error
+from .errors import Error, RunError
 from .options import named, write_options
-from .program import output_folder, run
+from .program import option_names, output_folder, run
 
 RATIO = 4  # of cells of neighbouring levels
 BOX, GROWTH = 4.3, 3.4  # contact radii from the axis to the finest level's border; how much larger the next box is
@@ -50,6 +50,8 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
     The options file is for the user to keep and to change; the results go to output/ and its name. Everything else is as in
     indentation_options. overwrite: replaces an options file and results that are there.
     """
+    own = hints.arguments(indent, indentation_options)
+    hints.check_names(case, own, HARDENING)
     groups = indentation_options(law, tip=tip, depth=depth, load=load, **case)
     checks.path("file", file)
     is_new = not Path(file).exists()
@@ -60,9 +62,11 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
                                 "docs/options.md explains each option.")
     try:
         return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
-    except Error:
+    except Error as problem:
         if is_new and not has_begun(file):
             Path(file).unlink()  # so that the call may be put right and made again
+        if isinstance(problem, RunError):
+            raise hints.of_unread(problem, own, option_names(), "specimen_", "options={{{!r}: ...}}".format) from None
         raise
 
 

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
-from . import checks
+from . import checks, hints
 from . import options as text
 from .errors import Error, RunError
 from .folder import read
@@ -38,11 +38,20 @@ def run(options, ranks=1, *, progress=None, **more):
     """
     if not isinstance(options, (str, os.PathLike, Mapping)):
         raise checks.refusal("options", options, "the path of an options file, or a dict of options")
+    hints.check_names(more, hints.arguments(run))
     values = {**text.named(options if isinstance(options, Mapping) else {"options_file": options}), **text.named(more)}
     for name in {"options_file", "output_dir"} & values.keys():
         checks.path(name, values[name])
-    execute(values, ranks, is_watched() if progress is None else progress, warn)
+    try:
+        execute(values, ranks, is_watched() if progress is None else progress, warn)
+    except RunError as problem:
+        raise hints.of_unread(problem, hints.arguments(run), option_names()) if is_about(problem, more) else problem from None
     return read(output_folder(values))
+
+
+def is_about(problem, names):
+    """Whether the program has ended because nothing reads one of these options."""
+    return any(f"-{name}: nothing reads this option" in str(problem) for name in names)
 
 
 def output_folder(options):
@@ -73,6 +82,12 @@ def execute(options, ranks=1, progress=False, tell=lambda line: None):
     status = watch(process, progress, keep)
     if status != 0:
         raise RunError(line_of_failure(lines, status))
+
+
+def option_names():
+    """Returns the names of all options that the program's -help lists, without dashes; NAME_ stands for a material, body or load."""
+    listed = subprocess.run([find_program(), "-help"], capture_output=True, text=True, env={**ENVIRONMENT, **os.environ}, stdin=subprocess.DEVNULL)
+    return re.findall(r"^  -(\w+):? <", listed.stdout, re.M)
 
 
 def warn(line):

@@ -132,6 +132,29 @@ def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
         assert (tmp_path / "indentation.opts").exists() == before
 
 
+@pytest.mark.parametrize("name, value, right", [
+    ("E", 70e9, "youngs_modulus"), ("e", 70e9, "youngs_modulus"), ("nu", 0.3, "poissons_ratio"), ("rho", 2700, "density"), ("sigma_y", 4e8, "yield_stress"),
+    ("tolerence", 0.1, "tolerance"), ("young_modulus", 70e9, "youngs_modulus"), ("half_angel", 70, "half_angle"), ("rank", 2, "ranks"), ("np", 2, "ranks"),
+    ("max_depth", 1e-7, "depth"), ("Blocks", 20, "block"), ("model", "j2", "law")])
+def test_names_that_may_have_meant_an_argument(tmp_path, name, value, right):
+    """Before anything is missing or written."""
+    with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be {right}$"):
+        mlgimp.indent("j2", file=tmp_path / "case.opts", **{name: value})
+    assert not (tmp_path / "case.opts").exists()
+
+
+@pytest.mark.parametrize("name, value, hint", [
+    ("friction", 0.2, "it may be options={'indenter_friction': ...}"), ("mu", 0.2, "it may be options={'indenter_friction': ...}"),
+    ("damping", 1e7, "it may be options={'damping': ...}"), ("history_interval", 10, "it may be options={'history_interval': ...}"),
+    ("dampng", 1e7, "it may be options={'damping': ...}"), ("yeld_stress", 1e8, "it may be yield_stress"), ("melting_temp", 900, "it may be melting_temperature"),
+    ("hardening_strain", 0.1, "another law or kind of hardening has it"), ("foo", 1, "it may be one of law, tip, depth, load, file, .*, or a constant of the law")])
+def test_names_that_the_program_does_not_know(tmp_path, monkeypatch, name, value, hint):
+    """Its own hint names options of the specimen, which a caller has never seen."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: nothing reads this option in this case; {hint}$"):
+        mlgimp.indent("j2", **METAL, depth=1e-7, **{name: value})
+
+
 def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):
     """It is the record of results that are there, also in a folder that its options name."""
     def fails(file, *others, **more):

@@ -201,6 +201,17 @@ def test_the_programs_line(tmp_path, changes, line, ranks):
         mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, ranks, **changes)
 
 
+def test_names_that_may_have_meant_another(tmp_path):
+    """Of arguments before the run, of options where the program does not read them."""
+    for name in ("rank", "np"):
+        with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be ranks$"):
+            mlgimp.run(PRESS, **{name: 2})
+    with pytest.raises(mlgimp.RunError, match="-friction: nothing reads this option in this case; it may be indenter_friction$"):
+        mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, friction=0.2)
+    with pytest.raises(mlgimp.Error, match="^evaluation: there is no such argument; it may be evaluations$"):
+        mlgimp.fit(None, None, "E", evaluation=3)
+
+
 def test_warnings_are_warnings(tmp_path):
     """They name the caller's line, come while the program runs (made errors they end it), and are in the summary."""
     case = {**PRESS, "output_dir": tmp_path / "w", "contact": "point_pressure", "frames": 0, "overwrite": True}

@@ -17,6 +17,7 @@ The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every e
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
 from mlgimp import fitting, load_depth, zeros

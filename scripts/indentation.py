@@ -17,11 +17,14 @@ import argparse
 import csv
 import json
 import math
+import sys
 from collections import namedtuple
 from pathlib import Path
 
-import numpy as np
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
+
+import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from mlgimp import load_depth, oliver_pharr, pictures, tips, zeros

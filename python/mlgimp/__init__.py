@@ -8,6 +8,10 @@
 All values are SI; curves and the analysis of unloadings are in the units of the laboratory (um, mN, GPa), which their names say.
 """
 
+from .needs import need
+
+need("numpy", "scipy", "h5py")  # before the modules that import them
+
 from .errors import Error, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read

@@ -18,6 +18,7 @@ from scipy.stats import t as student
 
 from . import checks, cycles, hints, load_depth
 from .errors import Error, RunError
+from .needs import need
 from .options import named, read_options
 from .program import execute, show_bar
 from .results import read_summary
@@ -71,7 +72,8 @@ class Fit:
 
     def plot(self):
         """Returns the picture of the measured curve, the first run and the best one, as a matplotlib Figure."""
-        from . import pictures  # matplotlib only where something is drawn
+        need("matplotlib")  # only where something is drawn
+        from . import pictures
         drawn = (("first guess", self.folder / "run_001", "0.6"), ("fit", self.best, "C1"))
         runs = [(label, load_depth.read_run(run), colour) for label, run, colour in drawn]
         return pictures.compared(self.measured, runs)

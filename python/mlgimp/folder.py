@@ -5,6 +5,7 @@ from pathlib import Path
 
 from . import checks, load_depth, oliver_pharr, results
 from .errors import Error
+from .needs import need
 
 
 def read(folder):
@@ -74,7 +75,8 @@ class Results:
         window: (xmin, xmax, ymin, ymax) in m, also as a text with commas, or "near" for the finest level.
         out: a folder, into which they are written as NAME.png and closed.
         """
-        from . import pictures  # matplotlib only where something is drawn
+        need("matplotlib")  # only where something is drawn
+        from . import pictures
         from .gallery import gallery
         drawn = gallery(self.folder, frame, window)
         for name in names:
@@ -89,5 +91,6 @@ class Results:
 
     def movie(self, path, component="von_mises_stress", window=None):
         """Writes a movie of all frames to path, which ends in .gif or .mp4; component: xx, yy, xy, von_mises_stress, ..."""
+        need("matplotlib")
         from .movie import movie
         movie(self.folder, path, component, window)

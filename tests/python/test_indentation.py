@@ -283,7 +283,7 @@ def test_relaxations_are_no_unloadings():
         assert len(load_depth.find_cycles(curve(depth + noise, load))) == 1
 
 
-def test_an_unloading_that_cannot_be_fitted_is_told():
+def test_an_unloading_that_cannot_be_fitted():
     """It has its number and its loads, and the others have their figures and numbers."""
     depth, load = cycles_of((1, 2, 5))
     few = np.ones(len(depth), bool)
@@ -296,7 +296,7 @@ def test_an_unloading_that_cannot_be_fitted_is_told():
 
 
 def test_waves_of_a_run_are_no_unloadings(capsys):
-    """A staircase under the tip that goes on, and a ringing tip under load control, which a note tells."""
+    """A staircase under the tip that goes on, and a ringing tip under load control, of which there is a note."""
     depth, load = metal(rows=2000)
     stairs = load * (1 + 0.15 * np.sin(2 * math.pi * depth / 0.02))
     assert len(load_depth.find_cycles(curve(depth, stairs, is_run=True))) == 1

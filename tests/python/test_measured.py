@@ -66,7 +66,7 @@ def test_another_unit_above_the_column_is_refused(tmp_path, head, load):
 @pytest.mark.parametrize("line", ["END", "END,,", "Test finished OK", "end,of", ",,", "Hardness,3.2", "--- unload ---", "OVERLOAD,1.5"])
 @pytest.mark.parametrize("place", [300, 401, 800])
 def test_lines_of_words_between_and_below_the_rows(tmp_path, line, place):
-    """They are left out, and a note says where; the curve is the same. No other line may lack a number, see test_measured_files."""
+    """They are left out, and a note says where; the curve is the same. Any other line must have its numbers, see test_measured_files."""
     lines = text_of(*metal()).splitlines()
     lines.insert(place, line)
     (tmp_path / "m.csv").write_text("\r\n".join(lines) + "\r\n")
@@ -176,13 +176,13 @@ def test_of_columns_with_one_name_that_with_the_unit(tmp_path, names):
         load_depth.read_measured(tmp_path / "m.csv", "3:nm" if nm_first else "1:nm", "Load:mN")
 
 
-@pytest.mark.parametrize("names, told", [("Depth (nm),Load (mN),Depth (nm)", r"Depth \(nm\) in column 1, Depth \(nm\) in column 3"),
+@pytest.mark.parametrize("names, found", [("Depth (nm),Load (mN),Depth (nm)", r"Depth \(nm\) in column 1, Depth \(nm\) in column 3"),
                                          ("Depth raw,Load (mN),Depth raw", "Depth raw in column 1, Depth raw in column 3")])
-def test_columns_that_cannot_be_told_apart(tmp_path, names, told):
+def test_columns_that_are_alike(tmp_path, names, found):
     depth, load = metal()
     np.savetxt(tmp_path / "m.csv", np.column_stack([1e3 * depth, load, depth]), delimiter=",", header=names, comments="")
     asked = names.split(",")[0].split(" (")[0]
-    with pytest.raises(mlgimp.Error, match=rf"there are 2 columns {asked}: {told}; choose one by its number"):
+    with pytest.raises(mlgimp.Error, match=rf"there are 2 columns {asked}: {found}; choose one by its number"):
         load_depth.read_measured(tmp_path / "m.csv", f"{asked}:nm", "Load:mN")
     np.testing.assert_allclose(load_depth.read_measured(tmp_path / "m.csv", "1:nm", "Load:mN").depth, depth)
 
@@ -215,8 +215,8 @@ def test_several_tests_in_a_file(tmp_path, capsys, columns):
     main(words)
     assert len(re.findall(r"^m.txt test \d: unloading 1 of 1", capsys.readouterr().out, re.M)) == 3
     main([*words, "--test", "3"])
-    [told] = json.loads((tmp_path / "indentation.json").read_text())["curves"]
-    assert told["name"] == "m.txt test 3" and told["cycles"][0]["depth_um"] == pytest.approx(0.4)
+    [test] = json.loads((tmp_path / "indentation.json").read_text())["curves"]
+    assert test["name"] == "m.txt test 3" and test["cycles"][0]["depth_um"] == pytest.approx(0.4)
     assert "no test 4; there are 3" in refusal(*words, "--test", "4")
 
 
@@ -252,13 +252,13 @@ def test_a_batch_with_tests_that_failed(tmp_path, capsys):
         main([*words, "--tip", "vickers"])
     assert caught.value.code == 2
     printed = capsys.readouterr().out
-    told = {each["name"]: each for each in json.loads((tmp_path / "indentation.json").read_text())["curves"]}
+    tests = {each["name"]: each for each in json.loads((tmp_path / "indentation.json").read_text())["curves"]}
     rows = {row["curve"]: row for row in csv.DictReader(open(tmp_path / "indentation.csv"))}
     for name, problem in (("b.csv", "there is no unloading"), ("c.csv", "there is no column depth; there are h, F"), ("none.csv", "cannot be read as text")):
-        assert problem in told[name]["problem"] and told[name]["cycles"] == [] and rows[name]["hardness_GPa"] == ""
+        assert problem in tests[name]["problem"] and tests[name]["cycles"] == [] and rows[name]["hardness_GPa"] == ""
         assert rows[name]["warnings"].startswith(f"no figures: {problem}") and f"{name}: no figures: {problem}" in printed
-    assert list(rows) == list(told) == ["a.csv", "b.csv", "c.csv", "none.csv", "d.csv"]
-    assert rows["a.csv"]["hardness_GPa"] == rows["d.csv"]["hardness_GPa"] != "" and told["a.csv"]["problem"] is None
+    assert list(rows) == list(tests) == ["a.csv", "b.csv", "c.csv", "none.csv", "d.csv"]
+    assert rows["a.csv"]["hardness_GPa"] == rows["d.csv"]["hardness_GPa"] != "" and tests["a.csv"]["problem"] is None
     (tmp_path / "indentation.csv").unlink()
     assert "b.csv" in refusal(*words[1:4], "--tip", "vickers") and not (tmp_path / "indentation.csv").exists()
 

@@ -198,15 +198,15 @@ def without(words, hidden, folder):
     return subprocess.run([sys.executable, *words], capture_output=True, text=True, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)})
 
 
-@pytest.mark.parametrize("hidden, told", [
+@pytest.mark.parametrize("hidden, problem", [
     (None, "has no module numpy: take"), ({"numpy": "ModuleNotFoundError(\"No module named 'numpy'\", name='numpy')"}, "has no module numpy: take"),
     ({"h5py": "ImportError('\\n\\nlibhdf5.so: not found\\nREAD THIS')"}, r"has no module h5py that works \(libhdf5.so: not found\): take"),
     ({"matplotlib": "ImportError('no')"}, r"has no module matplotlib that works \(no\): take")], ids=["no packages", "no numpy", "a broken h5py", "a broken matplotlib"])
 @pytest.mark.parametrize("script", ["plot.py", "indentation.py", "bench.py"])
-def test_a_python_without_modules(tmp_path, hidden, told, script):
+def test_a_python_without_modules(tmp_path, hidden, problem, script):
     done = without([harness.ROOT / "scripts" / script, "made"], hidden, tmp_path)
     assert done.returncode == 1 and done.stdout == ""
-    assert re.fullmatch(rf"error: {re.escape(sys.executable)} {told} /usr/bin/python3 [^\n]* -m pip install numpy scipy h5py matplotlib\n", done.stderr), done.stderr
+    assert re.fullmatch(rf"error: {re.escape(sys.executable)} {problem} /usr/bin/python3 [^\n]* -m pip install numpy scipy h5py matplotlib\n", done.stderr), done.stderr
 
 
 def test_all_scripts_of_a_python_without_modules(tmp_path):

@@ -55,18 +55,23 @@ def depth_of_contact(curve):
     """Returns h0 (um) and m of P = C (h - h0)^m, by least squares over the rows of the first loading between the shares FITTED of the
     load at its end."""
     top = end_of_first_loading(curve)
-    depth, share = curve.depth[:top + 1], curve.load[:top + 1] / curve.load[top]
+    depth, load = curve.depth[:top + 1], curve.load[:top + 1]
+    share = load / load[-1] if load[-1] > 0 else 0 * load
     low, high = (np.flatnonzero(share <= limit) for limit in FITTED)
     rows = slice(low[-1] + 1 if len(low) else 0, high[-1] + 1 if len(high) else 0)
-    if curve.load[top] <= 0 or rows.stop - rows.start < LEAST_ROWS:
+    travel = depth[top] - depth[rows].min(initial=depth[top])
+    if rows.stop - rows.start < LEAST_ROWS or not travel > 0:
         raise ResultError(curve.name, f"no zero of depths can be found: {LEAST_ROWS} rows of the first loading must lie between {FITTED[0]:g} "
-                                      f"and {FITTED[1]:g} of its load; give it")
-    first, travel = depth[rows][0], depth[top] - depth[rows][0]
+                                      f"and {FITTED[1]:g} of its load, at rising depths; give it")
+    first = depth[rows][0]
 
     def law(x, start, factor, exponent):
         return factor * np.maximum(x - start, 0) ** exponent
     limits = ((-1.0, 1e-3, EXPONENTS[0]), (1.0, 1e3, EXPONENTS[1]))
-    (start, _, exponent), _ = curve_fit(law, (depth[rows] - first) / travel, share[rows], (0.0, 1.0, 1.5), bounds=limits)
+    try:
+        (start, _, exponent), _ = curve_fit(law, (depth[rows] - first) / travel, share[rows], (0.0, 1.0, 1.5), bounds=limits)
+    except RuntimeError:
+        raise ResultError(curve.name, "no zero of depths can be found: the first loading is no power law; give it") from None
     return float(first + start * travel), float(exponent)
 
 

@@ -31,8 +31,9 @@ def noise(values):
 
 
 def slow_noise(values):
-    """Returns the largest noise of all rows, of every second, fourth and eighth, while enough of them are left: noise may be slow."""
-    return max(noise(values[::lag]) for lag in (1, 2, 4, 8) if lag == 1 or len(values) >= LAGGED * lag)
+    """Returns the largest noise of all rows, of every second, fourth, ..., while enough of them are left: noise may be slow."""
+    lags = [2**k for k in range(max(len(values) // LAGGED, 1).bit_length())]
+    return max(noise(values[::lag]) for lag in lags)
 
 
 def without_spikes(values):

@@ -238,21 +238,31 @@ def test_small_unloadings_count(expect, is_run):
     expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
 
 
-@pytest.mark.parametrize("share", [0.001, 0.003])
+def slow(random, size):
+    """Noise of unit deviation that hardly changes from row to row: what it was 50 rows before counts by a third."""
+    kept, noise = math.exp(-1 / 50), random.normal(size=size)
+    for row in range(1, size):
+        noise[row] = kept * noise[row - 1] + math.sqrt(1 - kept**2) * noise[row]
+    return noise
+
+
+@pytest.mark.parametrize("share, noise", [(0.001, np.random.Generator.normal), (0.003, np.random.Generator.normal), (0.005, slow)])
 @pytest.mark.parametrize("hold", [0, 200])
 @pytest.mark.parametrize("seed", range(5))
-def test_unloadings_in_noise(share, hold, seed):
-    """Noise of a share of the largest load: those unloadings that fall by ten times as much are found, and never one that is not there."""
+def test_unloadings_in_noise(share, noise, hold, seed):
+    """Noise of a share of the largest load: those unloadings that fall by ten times as much are found, and none from less than three
+    times it; slow noise that is as high as the lesser peaks may hide them, but makes no others."""
     loads = 10 / 2.0 ** np.arange(9, -1, -1)
     depth, load = cycles_of(loads)
     ends = np.flatnonzero(np.diff(np.sign(np.diff(depth)))) + 1
     depth, load = (np.insert(each, np.repeat(ends, hold), np.repeat(each[ends], hold)) for each in (depth, load))
-    random = np.random.default_rng(seed)
-    found = load_depth.find_cycles(curve(depth + 0.1 * share * 0.5 * random.normal(size=len(depth)), load + 10 * share * random.normal(size=len(load))))
+    random, rows = np.random.default_rng(seed), len(depth)
+    noisy = [0.05 * share, 10 * share] * np.column_stack([noise(random, size=rows) for _ in "hP"])
+    found = load_depth.find_cycles(curve(*(np.column_stack([depth, load]) + noisy).T))
     tops = [load[cycle.start] for cycle in found]
-    least = 10 * share * 10 / 0.9
-    assert len(tops) >= np.count_nonzero(loads > least)
-    np.testing.assert_allclose(tops, loads[-len(tops):], rtol=0.05, atol=30 * share)
+    assert np.count_nonzero(loads > 100 * share / 0.9) <= len(tops) <= (10 if noise is slow else np.count_nonzero(loads > 30 * share))
+    if noise is not slow:
+        np.testing.assert_allclose(tops, loads[-len(tops):], rtol=0.05, atol=30 * share)
 
 
 def test_partial_unloadings(expect):

@@ -3,8 +3,13 @@
 Plane strain throughout; tension is positive; positions are those of the reference configuration.
 """
 
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Callable
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
+import command  # first, as it says in one line where there is no numpy
 
 import numpy as np
 

@@ -16,12 +16,15 @@ import os
 import pathlib
 import resource
 import subprocess
+import sys
 import tempfile
+from pathlib import Path
 
-import numpy as np
-
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser
 from log_view import LogView
+
+import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FLOOR_BYTES = 296  # of a point and step: what points to grid reads, 120, and what the way back reads and writes, 176

@@ -1,5 +1,5 @@
 """What the commands here share: they find the package mlgimp without its installation, draw without a screen, and end with one
-line where something is wrong. To be imported before the package."""
+line where something is wrong, as a module that this Python does not have. To be imported before the package and other modules."""
 
 import argparse
 import functools
@@ -12,6 +12,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "python"))
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # without a home folder it would tell about its cache
 
+from mlgimp.needs import need
+
+need("matplotlib")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -21,13 +24,15 @@ from mlgimp.errors import Error
 
 
 def command(main):
-    """Decorates the main function of a command: an Error ends it with its line on standard error and exit status 1; a reader of
-    its output that has gone, such as head, ends it in silence."""
+    """Decorates the main function of a command: what it returns, if not 0 or None, is the exit status; an Error ends it with its line
+    on standard error and exit status 1; a reader of its output that has gone, such as head, ends it in silence."""
     @functools.wraps(main)
     def ended(*arguments):
         try:
-            main(*arguments)
+            status = main(*arguments)
             sys.stdout.flush()
+            if status:
+                raise SystemExit(status)
         except Error as problem:
             raise SystemExit(f"error: {problem}") from None
         except BrokenPipeError:

@@ -21,9 +21,10 @@ import sys
 from collections import namedtuple
 from pathlib import Path
 
-import numpy as np
-
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
+
+import numpy as np
 
 from mlgimp import fields, pictures, results
 from mlgimp.errors import Error, RunError

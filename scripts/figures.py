@@ -3,11 +3,14 @@
 
 import argparse
 import re
+import sys
 from pathlib import Path
 
-import numpy as np
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
 from plot import add_window_option
+
+import numpy as np
 
 from mlgimp import fields, pictures, results
 from mlgimp.errors import ResultError

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Finds the constants of a material from a measured load-depth curve: least squares over runs of a case, several at once.
 
-usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-runs N] [-ranks N]
-                      [-evaluations N] [options of mlgimp, on all runs]
+usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-test N]
+                      [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-runs N] [-ranks N] [-evaluations N]
+                      [options of mlgimp, on all runs]
 
     scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
 
@@ -16,9 +17,10 @@ The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every e
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
-from mlgimp import fitting, load_depth
+from mlgimp import fitting, load_depth, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
@@ -39,8 +41,15 @@ def parse(words):
         raise Error("-vary: must be given")
     for name, least in (("ranks", 1), ("runs", None), ("evaluations", 30)):
         passed[name] = take(passed, name, count, least, at_once)
-    curve = load_depth.read_run(measured) if measured.is_dir() else load_depth.read_measured(measured, depth, load)
+    test = take(passed, "test", count, None, at_once)
+    offsets = {name: take(passed, name, zero, 0, "a number, or auto") for name in ("zero_depth", "zero_load")}
+    curve = load_depth.read_run(measured) if measured.is_dir() else load_depth.read_measured(measured, depth, load, test=test, **offsets)
     return {"measured": curve, "case": file, "vary": vary, **passed}
+
+
+def zero(text):
+    """Reads a zero of depths or loads."""
+    return text if text == zeros.AUTO else float(text)
 
 
 def take_column(passed, name, units, unit):

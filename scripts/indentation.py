@@ -7,19 +7,27 @@
 
 Writes indentation.json, indentation.csv (a row for each unloading of each curve) and indentation.png. Lengths are in um, loads in mN,
 stresses in GPa, work in nJ; a run's loads and areas are those of the whole tip. A measured curve has the tip that is given, or that
-of the first run. docs/indentation.md explains the figures.
+of the first run, and its Poisson's ratio. docs/indentation.md explains the figures.
+
+The exit status is 0 where all curves have figures, 2 where some have not, of which a row says why while the others are written, and
+1 where none has or the command line is wrong; then nothing is written.
 """
 
 import argparse
 import csv
 import json
 import math
+import sys
+from collections import namedtuple
 from pathlib import Path
 
-import numpy as np
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
 
-from mlgimp import load_depth, oliver_pharr, pictures, tips
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from mlgimp import load_depth, oliver_pharr, pictures, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 from mlgimp.oliver_pharr import Constants
@@ -28,7 +36,15 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
          ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
          ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
-         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""))
+         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""))
+
+
+LETTERS = 40  # of names beside each other, for which there is room below a panel
+MOST_NAMES = 8  # of curves in a legend
+
+Analysis = namedtuple("Analysis", "name curve rows fits problem", defaults=(None, (), (), None))
+Analysis.__doc__ = """What is known of a test: its name and Curve, a dict of results for each unloading and its Unloading, None where it
+cannot be fitted; or the problem, a ResultError, for which there are no figures."""
 
 
 # ---- command line ----
@@ -56,6 +72,11 @@ def column(units):
     return read
 
 
+def zero(text):
+    """Reads a zero of depths or loads for a command line: a number, or auto."""
+    return text if text == zeros.AUTO else checked(zeros.NUMBER)(text)
+
+
 def spelt(name, value=""):
     """Returns an argument of the package as the command line has it."""
     return f"--{name.replace('_', '-')} {value}".rstrip()
@@ -65,6 +86,7 @@ E, NU = (oliver_pharr.RULES[name] for name in ("tip_modulus", "tip_poisson"))
 TIP_ELASTIC = Rule(lambda pair: len(pair) == 2 and E.good(pair[0]) and NU.good(pair[1]),
                    f"E,NU with NU {NU.allowed}, E {E.allowed}")
 FINITE = Rule(math.isfinite, "a number")
+WHOLE = Rule(lambda number: number >= 1, "a whole number >= 1")
 COEFFICIENTS = Rule(lambda numbers: all(map(math.isfinite, numbers)), "C0,C1,...")
 
 
@@ -108,6 +130,11 @@ def parse(arguments):
                         help="of measured curves: name or number of the column, and its unit (depth:um)")
     parser.add_argument("--load", type=column(load_depth.LOAD_UNITS), default="load:mN", metavar="COLUMN:UNIT", help="(load:mN)")
     parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, and for --drift")
+    parser.add_argument("--test", type=checked(WHOLE, int), metavar="N", help="of measured files with several tests only this one (all)")
+    parser.add_argument("--zero-depth", type=zero, default=0, metavar="DEPTH", help="what measured files have where the tip touches, in the unit "
+                        "of --depth, or auto: where the power law of the first loading begins (0)")
+    parser.add_argument("--zero-load", type=zero, default=0, metavar="LOAD", help="what they have for the free tip, in the unit of --load, or "
+                        "auto: the median of the rows before the contact (0)")
     parser.add_argument("--drift", type=checked(FINITE), default=0, metavar="NM/S",
                         help="thermal drift of measured depths, which is taken off; needs --time")
     parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
@@ -124,81 +151,150 @@ def parse(arguments):
     return options
 
 
-def read_curves(options):
-    """Returns the Curves of the command line, in its order, each with a tip where one is known."""
-    given = given_tip(options)
-    curves = [load_depth.read_run(path) if Path(path).is_dir() else read_measured(path, options) for path in options.curves]
-    of_runs = next((curve.tip for curve in curves if curve.tip), None)
-    curves = [curve if curve.tip or curve.plane else curve._replace(tip=given or of_runs) for curve in curves]
-    for curve in curves:
-        if curve.tip is None and not curve.plane:
-            raise ResultError(curve.name, "its tip is not known: give --tip or --area-function")
-    names = [curve.name for curve in curves]
-    return [curve._replace(name=curve.name if names.count(curve.name) == 1 else f"{curve.name} {k}") for k, curve in enumerate(curves, start=1)]
+# ---- curves ----
+
+def attempt(name, read):
+    """Returns the Analysis of a test with the Curve that read() gives, or with the problem that it meets."""
+    try:
+        return Analysis(name, read())
+    except ResultError as problem:
+        return Analysis(name, problem=problem)
 
 
-def read_measured(path, options):
-    """Returns a measured Curve without its drift."""
-    curve = load_depth.read_measured(path, options.depth, options.load, options.time)
-    if options.drift:
-        curve = curve._replace(depth=curve.depth - 1e-3 * options.drift * (curve.time - curve.time[0]))
-    return curve
+def read_curves(path, options):
+    """Returns a list with an Analysis for the run in a folder, or for each test in a measured file."""
+    name = Path(path).name
+    if Path(path).is_dir():
+        return [attempt(Path(path).resolve().name, lambda: load_depth.read_run(path))]
+    try:
+        tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load)
+        if options.test and options.test > len(tests):
+            raise ResultError(path, f"there is no test {options.test}; there are {len(tests)}")
+    except ResultError as problem:
+        return [Analysis(name, problem=problem)]
+    chosen = [options.test] if options.test else range(1, len(tests) + 1)
+    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: without_drift(tests[number - 1](), options.drift))
+            for number in chosen]
+
+
+def without_drift(curve, drift):
+    """Returns a Curve without a drift of the depth (nm/s)."""
+    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
+
+
+def completed(read, given):
+    """Returns Analyses with different names, whose Curves have a tip, `given` or that of the first run, and if they are measured the
+    Poisson's ratio of the runs, where these have the same."""
+    curves = [each.curve for each in read if each.curve]
+    tip = given or next((curve.tip for curve in curves if curve.tip), None)
+    ratios = {curve.poisson for curve in curves if curve.cells is not None}
+    poisson = ratios.pop() if len(ratios) == 1 else None
+    names = [each.name for each in read]
+    for number, (name, curve, *_, problem) in enumerate(read, start=1):
+        name += f" {number}" * (names.count(name) > 1)
+        if curve and not curve.plane and not (curve.tip or tip):
+            problem = ResultError(curve.name, "its tip is not known: give --tip or --area-function")
+        if problem:
+            yield Analysis(name, problem=problem)
+            continue
+        if curve.cells is None and poisson is not None:
+            curve = curve._replace(poisson=poisson, notes=curve.notes + [f"Poisson's ratio is {poisson:g}, that of the run, unless --poisson says another"])
+        yield Analysis(name, curve._replace(name=name, tip=curve.tip or (None if curve.plane else tip)))
+
+
+def analysed(each, constants):
+    """Returns an Analysis with the figures of its Curve, or with the problem that keeps it from having some."""
+    if each.problem:
+        return each
+    try:
+        rows, fits = zip(*oliver_pharr.analysed(each.curve, constants))
+    except ResultError as problem:
+        return Analysis(each.name, problem=problem)
+    return each._replace(rows=rows, fits=fits)
 
 
 # ---- output ----
 
 def without_nan(row):
     """Returns a row for JSON, where what is not known is null."""
-    return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()}
+    return {name: without_nan(value) if isinstance(value, dict) else None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in row.items()}
 
 
-def write_tables(folder, curves, rows):
+def flat(row):
+    """Returns a row for CSV, where what is not known is empty, and the expected errors are columns of their own."""
+    errors = {f"expected_error_{name}": error for name, error in (row.get("expected_error") or {}).items()}
+    return {name: "" if isinstance(value, float) and math.isnan(value) else value
+            for name, value in {**row, **errors}.items() if name != "expected_error"}
+
+
+def write_tables(folder, analyses):
     """Writes indentation.csv and indentation.json."""
+    rows = [flat(row) for each in analyses for row in each.rows or [{"curve": each.name, "warnings": f"no figures: {each.problem.problem}"}]]
     with open(folder / "indentation.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
+        known = [name for name in oliver_pharr.COLUMNS if name != "expected_error"]
+        writer = csv.DictWriter(file, [*known, *dict.fromkeys(name for row in rows for name in row if name not in known)])
         writer.writeheader()
-        writer.writerows({name: "" if isinstance(value, float) and math.isnan(value) else value for name, value in row.items()} for row in rows)
-    described = [{"name": curve.name, "tip": curve.tip.name if curve.tip else None, "notes": curve.notes,
-                  "cycles": [without_nan(row) for row in rows if row["curve"] == curve.name]} for curve in curves]
+        writer.writerows(rows)
+    described = [{"name": each.name, "tip": each.curve.tip.name if each.curve and each.curve.tip else None,
+                  "notes": each.curve.notes if each.curve else [], "problem": each.problem.problem if each.problem else None,
+                  "cycles": [without_nan(row) for row in each.rows]} for each in analyses]
     (folder / "indentation.json").write_text(json.dumps({"curves": described}, indent=2) + "\n")
 
 
-def print_rows(curves, rows):
-    """Prints the figures of the largest unloading of each curve, and all notes and warnings."""
-    for curve in curves:
-        own = [row for row in rows if row["curve"] == curve.name]
-        row = max(own, key=lambda each: each["load_mN"])
-        print(f"{curve.name}: unloading {row['cycle']} of {len(own)}" + (f", {curve.tip.name}" if curve.tip else ""))
-        for label, name, unit in SHOWN:
-            if not math.isnan(row[name]):
-                print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip())
-        for note in curve.notes:
-            print(f"  note: {note}")
-        for each in own:
-            if each["warnings"]:
-                print(f"  warning, unloading {each['cycle']}: {each['warnings']}")
+def print_figures(each):
+    """Prints the figures of the largest unloading of a curve, and all notes and warnings, or why there are none."""
+    if each.problem:
+        print(f"{each.name}: no figures: {each.problem.problem}")
+        return
+    row, _ = max(fitted(each), key=lambda pair: pair[0]["load_mN"])
+    print(f"{each.name}: unloading {row['cycle']} of {len(each.rows)}" + (f", {each.curve.tip.name}" if each.curve.tip else ""))
+    for label, name, unit in SHOWN:
+        if not math.isnan(row[name]):
+            error = (row["expected_error"] or {}).get(name, math.nan)
+            print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip() + f" +- {100 * error:.2g} %" * math.isfinite(error))
+    for note in each.curve.notes:
+        print(f"  note: {note}")
+    for row in each.rows:
+        if row["warnings"]:
+            print(f"  warning, unloading {row['cycle']}: {row['warnings']}")
 
+
+def fitted(each):
+    """Returns pairs of a dict of results and an Unloading of an Analysis, without those unloadings that cannot be fitted."""
+    return [(row, fit) for row, fit in zip(each.rows, each.fits) if fit]
+
+
+# ---- picture ----
 
 @pictures.styled
-def draw(curves, rows, fits, path):
-    """Writes the picture: all curves with fits and contact depths, and hardness and modulus over depth where there are several."""
-    several = len(rows) > 1 and any(math.isfinite(row["hardness_GPa"]) for row in rows)
-    figure, axes = pictures.plt.subplots(1, 2 if several else 1, figsize=(11.5 if several else 6.8, 4.8), layout="constrained", squeeze=False)
-    for number, curve in enumerate(curves):
-        own = [(row, fit) for row, fit in zip(rows, fits) if row["curve"] == curve.name]
-        draw_curve(axes[0, 0], f"C{number}", curve, own)
-    pictures.line_axes(axes[0, 0], "depth (µm)", "load (mN)")
-    handles = dict(zip(*axes[0, 0].get_legend_handles_labels()[::-1]))  # one of a label
-    axes[0, 0].legend(handles.values(), handles)
+def draw(analyses, path):
+    """Writes the picture: all curves with fits and contact depths, and where there are several unloadings hardness and modulus of each.
+
+    Curves have their names where there is room for these, else the numbers of their order among all.
+    """
+    several = sum(math.isfinite(row["hardness_GPa"]) for each in analyses for row in each.rows) > 1
+    figure = pictures.plt.figure(figsize=(11.5 if several else 6.8, 4.8), layout="constrained")
+    grid = figure.add_gridspec(2, 2 if several else 1)
+    left = figure.add_subplot(grid[:, 0])
+    shown = [(number, each) for number, each in enumerate(analyses, start=1) if each.rows]
+    by_name = sum(len(each.name) for _, each in shown) <= LETTERS
+    for number, each in shown:
+        name = each.name if by_name else f"{number}: {each.name}"
+        draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}")
+    pictures.line_axes(left, "depth (µm)", "load (mN)")
+    handles = dict(zip(*left.get_legend_handles_labels()[::-1]))  # one of a label
+    left.legend(handles.values(), handles)
     if several:
-        draw_over_depth(axes[0, 1], curves, rows)
+        above = figure.add_subplot(grid[0, 1])
+        draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name)
     save(figure, path)
 
 
-def draw_curve(axes, colour, curve, rows):
+def draw_curve(axes, colour, each, label):
     """Draws load over depth, for each unloading the power law down to zero load, and the tangent that leads to the contact depth."""
-    axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.2, label=curve.name)
-    for row, fit in rows:
+    axes.plot(each.curve.depth, each.curve.load, color=colour, linestyle="-", linewidth=1.2, label=label)
+    for row, fit in fitted(each):
         depth = np.linspace(fit.final_depth, fit.depth, 200)
         axes.plot(depth, oliver_pharr.fitted_load(fit, depth), color="black", linestyle="--", linewidth=1, label="power law")
         if math.isfinite(row["contact_depth_um"]):
@@ -207,23 +303,27 @@ def draw_curve(axes, colour, curve, rows):
             axes.plot(row["contact_depth_um"], 0, "o", color=colour, markersize=5, clip_on=False, label="contact depth")
 
 
-def draw_over_depth(axes, curves, rows):
-    """Draws hardness at the left, modulus at the right axis over depth."""
-    other, over = axes.twinx(), {name: [row[name] for row in rows] for name in ("hardness_GPa", "modulus_GPa", "reduced_modulus_GPa")}
-    modulus = "modulus_GPa" if np.isfinite(over["modulus_GPa"]).all() else "reduced_modulus_GPa"
-    for number, curve in enumerate(curves):
-        own = [row for row in rows if row["curve"] == curve.name]
-        depth = [row["depth_um"] for row in own]
-        axes.plot(depth, [row["hardness_GPa"] for row in own], "o-", color=f"C{number}", label=f"hardness, {curve.name}")
-        other.plot(depth, [row[modulus] for row in own], "s--", color=f"C{number}", markerfacecolor="white", label=f"modulus, {curve.name}")
-    pictures.line_axes(axes, "depth (µm)", "hardness (GPa)")
-    other.set_ylabel(modulus.replace("_GPa", "").replace("_", " ") + " (GPa)")
-    other.spines["top"].set_visible(False)
-    for each, name, room in ((axes, "hardness_GPa", 1.9), (other, modulus, 1.2)):  # the curves apart from each other
-        each.set_ylim(0, room * np.nanmax(over[name]))
-        each.margins(x=0.05)
-    handles = [each.get_legend_handles_labels() for each in (axes, other)]
-    axes.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], loc="lower center", ncols=2)
+def draw_figures(both, shown, by_name):
+    """Draws hardness into the upper and modulus into the lower axes: over depth, or where no curve has several unloadings by curve."""
+    rows = [row for _, each in shown for row, _ in fitted(each)]
+    modulus = "modulus_GPa" if all(math.isfinite(row["modulus_GPa"]) for row in rows) else "reduced_modulus_GPa"
+    over_depth = any(len(fitted(each)) > 1 for _, each in shown)
+    for axes, name in zip(both, ("hardness_GPa", modulus)):
+        for number, each in shown:
+            own = [row for row, _ in fitted(each)]
+            places = [row["depth_um"] if over_depth else number for row in own]
+            axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}")
+        pictures.line_axes(axes, "", name.replace("_GPa", "").replace("_", " ") + " (GPa)")
+        axes.set_ylim(0, 1.2 * np.nanmax([row[name] for row in rows]))
+        axes.margins(x=0.05)
+    both[0].tick_params(labelbottom=False)
+    both[1].set_xlabel("depth (µm)" if over_depth else "" if by_name else "curve")
+    if not over_depth:
+        numbers = [number for number, _ in shown]
+        both[1].set_xlim(numbers[0] - 0.5, numbers[-1] + 0.5)
+        both[1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    if by_name and not over_depth:
+        both[1].set_xticks(numbers, [each.name for _, each in shown])
 
 
 @command
@@ -231,19 +331,23 @@ def main(arguments=None):
     """Analyses the curves that the command line names."""
     options = parse(arguments)
     constants = Constants(tuple(options.window), options.epsilon, options.beta, options.poisson, *options.tip_elastic)
-    curves = read_curves(options)
-    rows = [row for curve in curves for row in oliver_pharr.analyse(curve, constants)]
-    fits = [oliver_pharr.fit_unloading(curve, cycle, constants.window) for curve in curves for cycle in load_depth.find_cycles(curve)]
+    read = [each for path in options.curves for each in read_curves(path, options)]
+    analyses = [analysed(each, constants) for each in completed(read, given_tip(options))]
+    good = [each for each in analyses if not each.problem]
+    if not good:
+        raise analyses[0].problem
     first = Path(options.curves[0])
     folder = Path(options.out) if options.out else first if first.is_dir() else first.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        write_tables(folder, curves, rows)
+        write_tables(folder, analyses)
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
-    draw(curves, rows, fits, folder / "indentation.png")
-    print_rows(curves, rows)
+    draw(analyses, folder / "indentation.png")
+    for each in analyses:
+        print_figures(each)
+    return 0 if len(good) == len(analyses) else 2
 
 
 if __name__ == "__main__":

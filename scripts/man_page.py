@@ -2,7 +2,10 @@
 """Prints the manual page mlgimp(1), with the options that `bin/mlgimp -help` lists; `make install` calls it."""
 import re
 import subprocess
+import sys
+from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 import options_doc
 
 HEAD = r""".TH MLGIMP 1 "" "mlgimp {version}" "User Commands"

@@ -13,8 +13,10 @@ import contextlib
 import io
 import json
 import os
+import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command
 
 from mlgimp.errors import ResultError

@@ -9,8 +9,10 @@ they are slices through the tip's axis, stress_xx.png, _zz and _xz, and there is
 """
 
 import argparse
+import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
 
 from mlgimp import fields, movie, pictures, results

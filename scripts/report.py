@@ -9,10 +9,13 @@ import html
 import io
 import itertools
 import math
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
+from command import pictures
 
 import numpy as np
-
-from command import pictures
 
 MOST_POINTS = 300  # of a curve; more are thinned out
 MARKERS = "os^Dv*PX"

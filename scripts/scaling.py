@@ -17,9 +17,11 @@ the largest number of ranks counted; with fewer than 16 a rank has too few neigh
 import argparse
 import sys
 from math import log2, sqrt
+from pathlib import Path
 
-from bench import Run, block, case
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, whole_number_from
+from bench import Run, block, case
 
 LATENCY, BANDWIDTH = 2e-6, 10e9  # s, bytes/s
 POINT_SECONDS = 60e-9            # one core, default scheme, from `make bench`

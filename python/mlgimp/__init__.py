@@ -8,11 +8,15 @@
 All values are SI; curves and the analysis of unloadings are in the units of the laboratory (um, mN, GPa), which their names say.
 """
 
+from .needs import need
+
+need("numpy", "scipy", "h5py")  # before the modules that import them
+
 from .errors import Error, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read
 from .indentation import indent
-from .load_depth import read_measured
+from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "run"]
+__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "read_tests", "run"]

@@ -10,6 +10,7 @@ class ResultError(Error):
 
     def __init__(self, path, problem):
         super().__init__(f"{path}: {problem}")
+        self.problem = problem
 
 
 class RunError(Error):

@@ -16,8 +16,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from . import checks, load_depth
+from . import checks, cycles, hints, load_depth
 from .errors import Error, RunError
+from .needs import need
 from .options import named, read_options
 from .program import execute, show_bar
 from .results import read_summary
@@ -71,7 +72,8 @@ class Fit:
 
     def plot(self):
         """Returns the picture of the measured curve, the first run and the best one, as a matplotlib Figure."""
-        from . import pictures  # matplotlib only where something is drawn
+        need("matplotlib")  # only where something is drawn
+        from . import pictures
         drawn = (("first guess", self.folder / "run_001", "0.6"), ("fit", self.best, "C1"))
         runs = [(label, load_depth.read_run(run), colour) for label, run, colour in drawn]
         return pictures.compared(self.measured, runs)
@@ -88,6 +90,7 @@ def fit(measured, case, vary, *, ranks=1, runs=None, evaluations=30, output_dir=
     more: options of the program for all runs.
     The folder output_dir (output/fit_CASE) gets the runs, fit.csv with a row for each, and fit.json with the constants.
     """
+    hints.check_names(more, hints.arguments(fit))
     more = named(more)
     ranks, evaluations = checks.whole("ranks", ranks, 1), checks.whole("evaluations", evaluations, 1)
     at_once = max(1, (os.cpu_count() or 1) // ranks) if runs is None else checks.whole("runs", runs, 1)
@@ -144,7 +147,7 @@ def variables(names, case):
 
 def largest_cycle(curve):
     """The cycle of a curve that reaches the largest load."""
-    return max(load_depth.find_cycles(curve), key=lambda cycle: curve.load[cycle.start])
+    return max(cycles.find_cycles(curve), key=lambda cycle: curve.load[cycle.start])
 
 
 def part_means(distance, load, edges):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from . import checks, load_depth, oliver_pharr, results
 from .errors import Error
+from .needs import need
 
 
 def read(folder):
@@ -60,8 +61,8 @@ class Results:
         """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
 
         constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3, and of a tip that
-        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, and `warnings` says what makes the
-        figures doubtful.
+        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, `warnings` says what makes the
+        figures doubtful, and `expected_error` by how large a share of itself each may be off because of the `cells`.
         """
         return oliver_pharr.analyse(self.curve(), oliver_pharr.checked_constants(**constants))
 
@@ -74,7 +75,8 @@ class Results:
         window: (xmin, xmax, ymin, ymax) in m, also as a text with commas, or "near" for the finest level.
         out: a folder, into which they are written as NAME.png and closed.
         """
-        from . import pictures  # matplotlib only where something is drawn
+        need("matplotlib")  # only where something is drawn
+        from . import pictures
         from .gallery import gallery
         drawn = gallery(self.folder, frame, window)
         for name in names:
@@ -89,5 +91,6 @@ class Results:
 
     def movie(self, path, component="von_mises_stress", window=None):
         """Writes a movie of all frames to path, which ends in .gif or .mp4; component: xx, yy, xy, von_mises_stress, ..."""
+        need("matplotlib")
         from .movie import movie
         movie(self.folder, path, component, window)

@@ -62,7 +62,8 @@ def movie(directory, path, component="von_mises_stress", window=None):
         with writer.saving(figure, str(path), DOTS_PER_INCH):
             for number in numbers:
                 panel = fields.read_panel(directory, number)
-                axes.clear()  # with the boxes, which may follow the contact
+                for drawn in (*axes.images, *axes.patches):  # with the boxes, which may follow the contact; the colour bar stays
+                    drawn.remove()
                 fields.draw_field(axes, panel, component, bounds, scale, units)
                 axes.set_title(panel.title)
                 writer.grab_frame()

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
-from . import checks
+from . import checks, hints
 from . import options as text
 from .errors import Error, RunError
 from .folder import read
@@ -20,7 +20,7 @@ PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lie
 # For Open MPI in containers and on machines with few cores; what the user has set counts more.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # Open MPI 4, 5
-BAR = 30  # characters
+BAR, LEAST_BAR = 30, 5  # characters that a bar has, and less than which it is left out
 MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
 
 
@@ -38,11 +38,20 @@ def run(options, ranks=1, *, progress=None, **more):
     """
     if not isinstance(options, (str, os.PathLike, Mapping)):
         raise checks.refusal("options", options, "the path of an options file, or a dict of options")
+    hints.check_names(more, hints.arguments(run))
     values = {**text.named(options if isinstance(options, Mapping) else {"options_file": options}), **text.named(more)}
     for name in {"options_file", "output_dir"} & values.keys():
         checks.path(name, values[name])
-    execute(values, ranks, is_watched() if progress is None else progress, warn)
+    try:
+        execute(values, ranks, is_watched() if progress is None else progress, warn)
+    except RunError as problem:
+        raise hints.of_unread(problem, hints.arguments(run), option_names()) if is_about(problem, more) else problem from None
     return read(output_folder(values))
+
+
+def is_about(problem, names):
+    """Whether the program has ended because nothing reads one of these options."""
+    return any(f"-{name}: nothing reads this option" in str(problem) for name in names)
 
 
 def output_folder(options):
@@ -73,6 +82,12 @@ def execute(options, ranks=1, progress=False, tell=lambda line: None):
     status = watch(process, progress, keep)
     if status != 0:
         raise RunError(line_of_failure(lines, status))
+
+
+def option_names():
+    """Returns the names of all options that the program's -help lists, without dashes; NAME_ stands for a material, body or load."""
+    listed = subprocess.run([find_program(), "-help"], capture_output=True, text=True, env={**ENVIRONMENT, **os.environ}, stdin=subprocess.DEVNULL)
+    return re.findall(r"^  -(\w+):? <", listed.stdout, re.M)
 
 
 def warn(line):
@@ -151,6 +166,9 @@ def show_progress(piece):
 
 
 def show_bar(done, count, words):
-    """Prints a bar over the last one in the same line."""
-    full = BAR * done // count
-    print(f"\r[{'#' * full}{'.' * (BAR - full)}] {words}   ", end="", flush=True)
+    """Prints a bar over the last one in the same line; bar and words are cut to what the terminal's line has room for."""
+    room = shutil.get_terminal_size().columns - 1  # the last column takes some terminals to the next line
+    bar = min(BAR, room - len(f"[] {words}"))
+    full = BAR * done // count * bar // BAR
+    line = f"[{'#' * full}{'.' * (bar - full)}] {words}" if bar >= LEAST_BAR else words
+    print("\r" + f"{line}   "[:room], end="", flush=True)

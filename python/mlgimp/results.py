@@ -109,6 +109,17 @@ def box_at(summary, level, time, last):
     return (before[-1]["lower"], before[-1]["upper"]) if before[-1]["active"] else None
 
 
+def finest_cells(summary, times):
+    """Returns the edge (m) of the finest cells at times (s), [times], without those of levels that rest; NaN where it is not known."""
+    sizes = np.full(len(times), np.nan)
+    for level, each in enumerate(summary.get("levels", [])):
+        moves = [move for move in summary.get("regrids", []) if move["level"] == level]
+        begins = np.array([move["time"] for move in moves])
+        is_active = np.array([not moves, *(move["active"] for move in moves)])
+        sizes[is_active[np.searchsorted(begins, times)]] = each.get("cell_size", np.nan)
+    return sizes
+
+
 def numbered_frames(directory):
     """Returns {number: path} of the frames points_FFFFFF.h5 of a result folder, in the order of their numbers."""
     frames = sorted(Path(directory).glob("points_[0-9]*.h5"), key=number_in)

@@ -8,9 +8,9 @@ import numpy as np
 from .checks import Rule
 from .errors import Error
 
-Tip = namedtuple("Tip", "name area epsilon beta")
+Tip = namedtuple("Tip", "name area epsilon beta ball", defaults=(0.0,))
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
-depth; and beta(nu) of the stiffness, nu None where it is not known."""
+depth; beta(nu) of the stiffness, nu None where it is not known; and how high (um) the ball at its end is, if it is a cone."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
@@ -53,10 +53,29 @@ def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4):
     if kind in PYRAMIDS:
         faces, half_angle = PYRAMIDS[kind]
     tangent = math.tan(math.radians(half_angle))
-    if kind == "cone":  # with a radius a hyperboloid
-        return Tip(kind, lambda h: np.pi * np.maximum(h, 0) * (tangent**2 * h + 2 * tip_radius), 0.72, lambda nu: hay(tangent, nu))
+    if kind == "cone":
+        return Tip(kind, lambda h: np.pi * section_radius(h, half_angle, tip_radius) ** 2, 0.72, lambda nu: hay(tangent, nu),
+                   ball_height(half_angle, tip_radius))
     return Tip(kind, np.vectorize(lambda h: pyramid_area(h, tangent, faces, tip_radius), otypes=[float]), 0.75,
                lambda nu: BETA_OF_FACES.get(faces, 1.0))
+
+
+def ball_height(half_angle, tip_radius):
+    """Returns how high (um) the ball at the end of a rounded cone is: there the flanks are tangent to it; degrees, um."""
+    return tip_radius * (1 - math.sin(math.radians(half_angle)))
+
+
+def section_radius(h, half_angle, tip_radius):
+    """Returns the radius (um) of a rounded cone's section at distances h (um) from its end, 0 where they are below zero.
+
+    The end is a ball of the tip radius R (um), to which the cone of the half angle a (degrees) is tangent. The apex of the cone by
+    itself would lie R (1/sin a - 1) beyond the ball's end, from which depths count. The same is half the width of a wedge whose
+    edge is a cylinder.
+    """
+    angle, h = math.radians(half_angle), np.maximum(h, 0)
+    ball = np.sqrt(np.maximum(h * (2 * tip_radius - h), 0))
+    flank = math.tan(angle) * (h + tip_radius * (1 / math.sin(angle) - 1))
+    return np.where(h < ball_height(half_angle, tip_radius), ball, flank)
 
 
 def tip_of_function(coefficients):

@@ -163,6 +163,8 @@ WORDS = {
     "not positive": (["m.csv", "case.opts", "-vary", "E", "-m_youngs_modulus", "-1"], "number > 0"),
     "beyond the limits": (["m.csv", "case.opts", "-vary", "nu", "-m_poissons_ratio", "0.495"], "must begin in"),
     "runs": (["m.csv", "case.opts", "-vary", "E", "-runs", "0"], "-runs 0"),
+    "no such test": (["m.csv", "case.opts", "-vary", "E", "-test", "2"], "there is no test 2; there are 1"),
+    "zero": (["m.csv", "case.opts", "-vary", "E", "-zero_load", "x"], "-zero_load x: must be a number, or auto"),
     "unit": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:inch"], "-depth h:inch"),
     "no column": (["m.csv", "case.opts", "-vary", "E", "-depth", "h:nm"], "no column h"), "empty": (["empty.csv", "case.opts", "-vary", "E"], "is empty"),
     "a jump": (["jump.csv", "case.opts", "-vary", "E"], "5 rows of its unloading"),

@@ -32,6 +32,17 @@ def test_indent(tmp_path, monkeypatch, expect):
     np.testing.assert_array_equal(again.history["load"], test.history["load"][:len(again.history["load"])])
 
 
+@pytest.mark.parametrize("cells", [4, 5, 6])
+def test_expected_errors_hold(tmp_path, expect, cells):
+    """Of few cells and a small block, where they are large: Young's modulus that was given, and hardness as of 24 cells."""
+    groups = indentation.indentation_options("j2", **METAL, poissons_ratio=0.33, hardening_modulus=1e9, depth=200e-9, cells=cells, block=15, tolerance=0.05, options={"frames": 0})
+    options.write_options(tmp_path / "case.opts", groups)
+    row, = mlgimp.read(harness.run({"options_file": tmp_path / "case.opts"}).folder).oliver_pharr()
+    expect("cells in contact", row["cells"], near=cells, tolerance=1.1)
+    for name, right in (("modulus_GPa", 70), ("hardness_GPa", 1.675), ("true_hardness_GPa", 1.475), ("true_modulus_GPa", 70)):
+        expect(f"error of {name}, of that expected", abs(row[name] / right - 1) / row["expected_error"][name], at_most=1.0)
+
+
 def test_flow_stress_of_a_metal():
     """That of johnson_cook is Ludwik's, less what the metal softens up to its temperature; a law that is not known is hard."""
     rise = indentation.TABOR * (90e6 + 292e6 * indentation.STRAIN ** 0.31)
@@ -94,6 +105,14 @@ def test_what_indent_refuses(tmp_path, case, line):
     assert not (tmp_path / "case.opts").exists()
 
 
+def test_contact_of_a_rounded_tip_under_a_load():
+    """On the ball at its end it is that of a ball; a sharp cone's would be 15 times smaller here, and the cells with it."""
+    constants = {"youngs_modulus": 70e9, "poissons_ratio": 0.3}
+    ball, cone, sharp = (indentation.size_of_contact(indentation.shape_of(*shape), constants, None, 1e-6) for shape in (
+        ("sphere", "axisymmetric", None, 20e-6, 0), ("cone", "axisymmetric", 60, None, 20e-6), ("cone", "axisymmetric", 60, None, 0)))
+    assert cone == pytest.approx(ball, rel=1e-12) and ball / sharp == pytest.approx(15.3, rel=0.01)
+
+
 def test_numbers_of_any_type():
     """Those of numpy, also as arrays without dimensions, give the same case as those of Python."""
     plain = indentation.indentation_options("j2", youngs_modulus=2.0**36, yield_stress=4e8, depth=0.125e-2, cells=5, unload=False)
@@ -111,6 +130,29 @@ def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
         with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
             mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7, overwrite=before)
         assert (tmp_path / "indentation.opts").exists() == before
+
+
+@pytest.mark.parametrize("name, value, right", [
+    ("E", 70e9, "youngs_modulus"), ("e", 70e9, "youngs_modulus"), ("nu", 0.3, "poissons_ratio"), ("rho", 2700, "density"), ("sigma_y", 4e8, "yield_stress"),
+    ("tolerence", 0.1, "tolerance"), ("young_modulus", 70e9, "youngs_modulus"), ("half_angel", 70, "half_angle"), ("rank", 2, "ranks"), ("np", 2, "ranks"),
+    ("max_depth", 1e-7, "depth"), ("Blocks", 20, "block"), ("model", "j2", "law")])
+def test_names_that_may_have_meant_an_argument(tmp_path, name, value, right):
+    """Before anything is missing or written."""
+    with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be {right}$"):
+        mlgimp.indent("j2", file=tmp_path / "case.opts", **{name: value})
+    assert not (tmp_path / "case.opts").exists()
+
+
+@pytest.mark.parametrize("name, value, hint", [
+    ("friction", 0.2, "it may be options={'indenter_friction': ...}"), ("mu", 0.2, "it may be options={'indenter_friction': ...}"),
+    ("damping", 1e7, "it may be options={'damping': ...}"), ("history_interval", 10, "it may be options={'history_interval': ...}"),
+    ("dampng", 1e7, "it may be options={'damping': ...}"), ("yeld_stress", 1e8, "it may be yield_stress"), ("melting_temp", 900, "it may be melting_temperature"),
+    ("hardening_strain", 0.1, "another law or kind of hardening has it"), ("foo", 1, "it may be one of law, tip, depth, load, file, .*, or a constant of the law")])
+def test_names_that_the_program_does_not_know(tmp_path, monkeypatch, name, value, hint):
+    """Its own hint names options of the specimen, which a caller has never seen."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: nothing reads this option in this case; {hint}$"):
+        mlgimp.indent("j2", **METAL, depth=1e-7, **{name: value})
 
 
 def test_the_file_of_a_run_that_failed_stays(tmp_path, monkeypatch):

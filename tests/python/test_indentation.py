@@ -24,8 +24,9 @@ CONE = tips.make_tip("cone", half_angle=70.3)
 TAN = math.tan(math.radians(70.3))
 
 
-def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None):
-    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [])
+def curve(depth, load, area=None, tip=CONE, poisson=0.3, time=None, is_run=False):
+    cells, block = (np.full(len(depth), 8.0), np.full(len(depth), 20.0)) if is_run else (None, None)
+    return Curve("test", time, np.array(depth, float), np.array(load, float), area, tip, poisson, False, [], cells, block)
 
 
 def metal(top=0.5, load=10.0, final=0.42, exponent=1.4, rows=400, lowest=0.0, first=0.0):
@@ -122,6 +123,34 @@ def test_areas(expect):
     expect("depth of an area", tips.depth_of(CONE, CONE.area(0.7), 2), near=0.7, tolerance=1e-4)
 
 
+def ball_and_cone(h, degrees, radius):
+    """The radius of a section of a ball with a tangent cone, by construction: the tangent point is where the ball's slope is the cone's."""
+    angle = math.radians(degrees)
+    touch, across = radius - radius * math.sin(angle), radius * math.cos(angle)
+    return math.sqrt(radius**2 - (radius - h) ** 2) if h < touch else across + (h - touch) * math.tan(angle)
+
+
+@pytest.mark.parametrize("degrees, radius", [(30, 1.0), (60, 200.0), (70.3, 0.1), (45, 5.0)])
+def test_rounded_cone_is_a_ball_with_a_tangent_cone(expect, degrees, radius):
+    """The conosphere of a laboratory; Rockwell's tip has 60 degrees and 200 um. One of many faces is the same."""
+    heights = radius * np.array([0, 0.01, 0.05, 0.1, 0.3, 0.5, 1, 3, 20])
+    area = tips.make_tip("cone", half_angle=degrees, tip_radius=radius).area(heights)
+    exact = np.array([math.pi * ball_and_cone(h, degrees, radius) ** 2 for h in heights])
+    expect("area", np.max(np.abs(area[1:] / exact[1:] - 1)), at_most=1e-12)
+    pyramid = tips.make_tip("pyramid", half_angle=degrees, faces=400, tip_radius=radius).area(heights)
+    expect("pyramid of 400 faces", np.max(np.abs(pyramid[1:] / exact[1:] - 1)), at_most=1e-3)
+    assert area[0] == pyramid[0] == 0 == tips.make_tip("cone", half_angle=degrees, tip_radius=radius).area(-radius)
+    end = tips.ball_height(degrees, radius) * (1 + np.array([-1e-9, 1e-9]))
+    expect("step from the ball to the flank", np.ptp(tips.section_radius(end, degrees, radius)) / radius, at_most=1e-8)
+
+
+def test_contact_on_the_ball_of_a_cone():
+    """For a tip of 30 degrees the beta of the cone is 1.39, and the contact is that of a ball."""
+    tip = tips.make_tip("cone", half_angle=30, tip_radius=1)
+    rows = [oliver_pharr.analyse(curve(*metal(top=top, final=0.84 * top), tip=tip), Constants(beta=beta))[0] for top, beta in ((0.3, None), (0.3, 1), (1.0, None))]
+    assert ["on the ball" in row["warnings"] for row in rows] == [True, False, False]
+
+
 def test_pile_up(expect):
     """A true area twice that of the cone at the largest depth: the rim is higher than the surface by (sqrt 2 - 1) of the depth."""
     depth, load = metal()
@@ -176,12 +205,12 @@ def test_curves_that_cannot_be(expect):
 
 # ---- cycles and holds ----
 
-def cycles_of(loads):
-    """A test with unloadings to a tenth from several loads; all unloadings are alike but for their size."""
+def cycles_of(loads, lowest=0.1):
+    """A test with unloadings to a tenth, or another share, from several loads; all unloadings are alike but for their size."""
     parts, last = [], 0.0
     for load in loads:
         top = 0.5 * math.sqrt(load / 10)
-        depth, force = metal(top, load, 0.84 * top, lowest=0.1, first=last)
+        depth, force = metal(top, load, 0.84 * top, lowest=lowest, first=last)
         up = depth[:400] >= last
         parts.append((depth[:400][up], force[:400][up]))
         parts.append((depth[400:], force[400:]))
@@ -198,6 +227,105 @@ def test_each_cycle_has_its_row(expect):
     expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
     expect("hardness is the same", np.ptp([row["hardness_GPa"] for row in rows]) / rows[0]["hardness_GPa"], at_most=1e-4)
     expect("work that is plastic", np.ptp([row["plastic_share"] for row in rows]), at_most=2e-3)
+
+
+@pytest.mark.parametrize("is_run", [False, True])
+def test_small_unloadings_count(expect, is_run):
+    """Ten, of which the first has a five hundredth of the largest load."""
+    loads = 100 / 2.0 ** np.arange(9, -1, -1)
+    rows = oliver_pharr.analyse(curve(*cycles_of(loads), is_run=is_run))
+    assert [row["cycle"] for row in rows] == list(range(1, 11))
+    expect("loads", np.max(np.abs(np.array([row["load_mN"] for row in rows]) / loads - 1)), at_most=1e-6)
+
+
+def slow(random, size):
+    """Noise of unit deviation that hardly changes from row to row: what it was 50 rows before counts by a third."""
+    kept, noise = math.exp(-1 / 50), random.normal(size=size)
+    for row in range(1, size):
+        noise[row] = kept * noise[row - 1] + math.sqrt(1 - kept**2) * noise[row]
+    return noise
+
+
+@pytest.mark.parametrize("share, noise", [(0.001, np.random.Generator.normal), (0.003, np.random.Generator.normal), (0.005, slow)])
+@pytest.mark.parametrize("hold", [0, 200])
+@pytest.mark.parametrize("seed", range(5))
+def test_unloadings_in_noise(share, noise, hold, seed):
+    """Noise of a share of the largest load: those unloadings that fall by ten times as much are found, and none from less than three
+    times it; slow noise that is as high as the lesser peaks may hide them, but makes no others."""
+    loads = 10 / 2.0 ** np.arange(9, -1, -1)
+    depth, load = cycles_of(loads)
+    ends = np.flatnonzero(np.diff(np.sign(np.diff(depth)))) + 1
+    depth, load = (np.insert(each, np.repeat(ends, hold), np.repeat(each[ends], hold)) for each in (depth, load))
+    random, rows = np.random.default_rng(seed), len(depth)
+    noisy = [0.05 * share, 10 * share] * np.column_stack([noise(random, size=rows) for _ in "hP"])
+    found = load_depth.find_cycles(curve(*(np.column_stack([depth, load]) + noisy).T))
+    tops = [load[cycle.start] for cycle in found]
+    assert np.count_nonzero(loads > 100 * share / 0.9) <= len(tops) <= (10 if noise is slow else np.count_nonzero(loads > 30 * share))
+    if noise is not slow:
+        np.testing.assert_allclose(tops, loads[-len(tops):], rtol=0.05, atol=30 * share)
+
+
+def test_partial_unloadings(expect):
+    """To 0.8 of the load, where a lesser share of the load is left for the fit."""
+    loads = (2, 4, 6, 8, 10)
+    rows = oliver_pharr.analyse(curve(*cycles_of(loads, lowest=0.8)))
+    assert len(rows) == 5 and not any("left out" in row["warnings"] for row in rows)
+    expect("stiffness", rows[-1]["stiffness_mN_per_um"] / (10 * 1.4 / (0.16 * 0.5)) - 1, near=0, tolerance=0.01)
+
+
+def test_a_reload_that_stops_early():
+    """Two unloadings, of which the second begins in elastic contact, where load over area is no hardness."""
+    depth, load = metal(lowest=0.1)
+    down, back = slice(399, None), slice(None, 500, -1)
+    depth, load = (np.concatenate([each[:399], each[down], each[back], each[501:]]) for each in (depth, load))
+    first, second = oliver_pharr.analyse(curve(depth, load))
+    assert first["warnings"] == "" and "here the contact is elastic" in second["warnings"] and second["load_mN"] < 8
+
+
+def test_relaxations_are_no_unloadings():
+    """Steps of the depth with holds in which the load relaxes by a tenth, with noise of the depth."""
+    depth = np.concatenate([np.append(np.linspace(top - 0.1, top, 100), np.full(200, top)) for top in (0.1, 0.2, 0.3, 0.4)])
+    load = 40 * depth**2 * np.tile(np.append(np.ones(100), 1 - 0.1 * (1 - np.exp(-np.linspace(0, 5, 200)))), 4)
+    back = metal(top=0.4, load=load[-1], final=0.35)
+    depth, load = np.append(depth, back[0][400:]), np.append(load, back[1][400:])
+    for seed in range(5):
+        noise = 2e-4 * np.random.default_rng(seed).normal(size=len(depth))
+        assert len(load_depth.find_cycles(curve(depth + noise, load))) == 1
+
+
+def test_an_unloading_that_cannot_be_fitted():
+    """It has its number and its loads, and the others have their figures and numbers."""
+    depth, load = cycles_of((1, 2, 5))
+    few = np.ones(len(depth), bool)
+    top = int(np.argmax(load > 2 - 1e-9))
+    few[top + 1:top + 400] = np.arange(399) % 80 == 79
+    rows = oliver_pharr.analyse(curve(depth[few], load[few]))
+    assert [row["cycle"] for row in rows] == [1, 2, 3] and list(rows[1]) == list(rows[0]) == list(oliver_pharr.COLUMNS)
+    assert math.isnan(rows[1]["hardness_GPa"]) and abs(rows[1]["load_mN"] - 2) < 1e-6 and math.isfinite(rows[2]["hardness_GPa"])
+    assert re.match("left out: the load falls from 2 to 0.2 mN, and [0-4] rows of the unloading lie between", rows[1]["warnings"])
+
+
+def test_waves_of_a_run_are_no_unloadings(capsys):
+    """A staircase under the tip that goes on, and a ringing tip under load control, of which there is a note."""
+    depth, load = metal(rows=2000)
+    stairs = load * (1 + 0.15 * np.sin(2 * math.pi * depth / 0.02))
+    assert len(load_depth.find_cycles(curve(depth, stairs, is_run=True))) == 1
+    ring = np.sin(np.linspace(0, 40 * math.pi, 2000)) * np.linspace(0, 1, 2000)
+    depth[:2000] += 0.01 * ring
+    load[:2000] *= 1 + 0.05 * ring
+    ringing = curve(depth, load, is_run=True)
+    assert len(load_depth.find_cycles(ringing)) == 1
+    [note] = load_depth.notes_on_waves(ringing)
+    assert "times by less than 0.2 of itself while the tip goes back, which is taken for waves" in note
+    assert list(load_depth.notes_on_waves(curve(*metal(), is_run=True))) == []
+
+
+def test_an_unloading_that_rings():
+    """Of a run: a wave in the unloading does not part it in two."""
+    depth, load = metal(rows=1000, lowest=0.05)
+    load[1000:] *= 1 + 0.2 * np.sin(np.linspace(0, 10 * math.pi, 999))
+    [cycle] = load_depth.find_cycles(curve(depth, load, is_run=True))
+    assert cycle.end > 1800
 
 
 def test_ringing_before_is_no_cycle():
@@ -302,6 +430,31 @@ def test_run_to_files(tmp_path, capsys, expect):
     expect("stiffness", cycle["stiffness_mN_per_um"] / STIFFNESS - 1, near=0, tolerance=2e-3)
     expect("beta", cycle["beta"], near=1.067, tolerance=5e-4)
     assert np.ptp(plt.imread(folder / "indentation.png")) > 0.5
+
+
+def test_expected_errors(tmp_path, capsys):
+    """Of runs, by how many cells are in contact; measured curves have none."""
+    [row] = oliver_pharr.analyse(curve(*metal(), is_run=True))
+    assert row["cells"] == 8 and row["expected_error"]["hardness_GPa"] == pytest.approx(0.7 / 8) and row["expected_error"]["true_area_um2"] == pytest.approx(1.3 / 8)
+    assert row["expected_error"]["modulus_GPa"] == pytest.approx(0.7 / 8 + 1.09 / 20) and set(row["expected_error"]) < set(row)
+    [measured] = oliver_pharr.analyse(curve(*metal()))
+    assert math.isnan(measured["cells"]) and measured["expected_error"] is None and list(measured) == list(oliver_pharr.COLUMNS)
+    folder = write_run(tmp_path / "run", CONE_OPTIONS)
+    table = np.genfromtxt(folder / "history.csv", delimiter=",", names=True)
+    half = np.where(table["depth"] > 0, 6e-7, 0)
+    lines = (folder / "history.csv").read_text().splitlines()
+    place = lines[0].split(",").index("contact_half_width")
+    lines[1:] = [",".join([*line.split(",")[:place], repr(float(width)), *line.split(",")[place + 1:]]) for line, width in zip(lines[1:], half)]
+    (folder / "history.csv").write_text("\n".join(lines) + "\n")
+    summary = json.loads((folder / "summary.json").read_text()) | {"levels": [{"lower": [0, 0], "upper": [1, 1], "cell_size": 4e-7}, {"lower": [0, 0], "upper": [1, 1], "cell_size": 1e-7}]}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    main([str(folder)])
+    printed = capsys.readouterr().out
+    [cycle] = json.loads((folder / "indentation.json").read_text())["curves"][0]["cycles"]
+    [written] = csv.DictReader(open(folder / "indentation.csv"))
+    assert cycle["cells"] == pytest.approx(6) and cycle["expected_error"]["load_mN"] == pytest.approx(0.7 / 6)
+    assert cycle["expected_error"]["modulus_GPa"] == pytest.approx(0.7 / 6 + 1.09 * 6e-7 / 1e-5)  # the tip is on the axis
+    assert re.search(r"^  hardness  .* GPa \+- 12 %$", printed, re.M) and float(written["expected_error_true_hardness_GPa"]) == pytest.approx(1.3 / 6)
 
 
 def test_slow_run(tmp_path, expect):

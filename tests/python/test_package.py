@@ -17,7 +17,7 @@ from matplotlib import animation
 
 import harness
 import mlgimp
-from mlgimp import fields, movie, options, pictures, results, surface
+from mlgimp import fields, movie, options, pictures, program, results, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -176,6 +176,24 @@ def test_movie_shows_the_boxes_of_each_frame(pressed, tmp_path, monkeypatch):
     assert np.diff(seen) == pytest.approx([seen[1] - seen[0]] * (len(seen) - 1)) and seen[1] > seen[0]
 
 
+def test_movie_has_a_colour_bar_in_each_frame(pressed, tmp_path, monkeypatch):
+    """With its label and numbers, and with more than one colour."""
+    seen = []
+
+    def grab(writer):
+        axes, = (each for each in writer.fig.axes if each.images)
+        bar, = axes.child_axes
+        writer.fig.canvas.draw()
+        image = np.asarray(writer.fig.canvas.buffer_rgba())
+        x, y = (slice(*np.sort(ends).astype(int)) for ends in np.transpose(bar.get_window_extent().get_points()))
+        colours = np.unique(image[::-1][y, x].reshape(-1, 4), axis=0)
+        seen.append((bar.get_ylabel(), len(bar.get_yticklabels()) > 2, len(colours) > 50, len(axes.images), len(axes.patches)))
+    monkeypatch.setattr(movie.GifWriter, "grab_frame", grab)
+    monkeypatch.setattr(movie.GifWriter, "finish", lambda self: None)
+    movie.movie(pressed[0].folder, tmp_path / "m.gif")
+    assert len(seen) == len(pressed[0].frames) > 3 and set(seen) == {("von Mises stress (kPa)", True, True, 1, 2)}
+
+
 def test_paint():
     """Rectangles cover the dots that they touch, the stretched ones beneath; what lies outside is cut off."""
     points = {"position": np.array([[1.5, 0.5], [3.0, 1.0], [9.0, 9.0]]), "half_size": np.array([[0.5, 0.5], [2.0, 1.0], [1.0, 1.0]])}
@@ -216,6 +234,17 @@ def test_boxes_that_follow():
 def test_the_programs_line(tmp_path, changes, line, ranks):
     with pytest.raises(mlgimp.RunError, match=f"^{line}[^\n]*$"):
         mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, ranks, **changes)
+
+
+def test_names_that_may_have_meant_another(tmp_path):
+    """Of arguments before the run, of options where the program does not read them."""
+    for name in ("rank", "np"):
+        with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be ranks$"):
+            mlgimp.run(PRESS, **{name: 2})
+    with pytest.raises(mlgimp.RunError, match="-friction: nothing reads this option in this case; it may be indenter_friction$"):
+        mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, friction=0.2)
+    with pytest.raises(mlgimp.Error, match="^evaluation: there is no such argument; it may be evaluations$"):
+        mlgimp.fit(None, None, "E", evaluation=3)
 
 
 def test_warnings_are_warnings(tmp_path):
@@ -275,6 +304,18 @@ def test_capitals_of_options(tmp_path, monkeypatch):
 def test_bar(capsys):
     show_bar(1, 3, "1 of 3")
     assert capsys.readouterr().out == "\r[##########....................] 1 of 3   "
+
+
+@pytest.mark.parametrize("columns", [20, 40, 60, 72, 80, 83, 120, None])
+def test_bar_stays_in_its_line(capsys, monkeypatch, columns):
+    """A line of the terminal's width would begin a new one each time; where the width is not known it is 80."""
+    monkeypatch.setenv("COLUMNS", str(columns or 0))
+    monkeypatch.setattr(sys, "__stdout__", None)  # no terminal
+    for depth, load, percent, left in (("1.234e-07", "1.234e-3", "7", "1234"), ("9.99e-05", "1.234e-7", "100", "0")):
+        program.show_progress(f"\rstep 12  depth {depth} m  load {load} N  ... {percent} %  {left} s left")
+        begin, line = capsys.readouterr().out.split("\r")
+        assert begin == "" and len(line) < (columns or 80) and f"{percent} %"[:10] in line
+        assert ("]" in line) == ((columns or 80) >= 60) and ("s left" in line) == ((columns or 80) >= 60)
 
 
 # ---- options ----

@@ -181,3 +181,47 @@ def test_no_home(made):
         done = subprocess.run([sys.executable, harness.ROOT / "scripts" / script, *words], capture_output=True, text=True,
                               env={**environment, "HOME": "/dev/null/none"})
         assert (done.returncode, done.stderr) == (0, "")
+
+
+# ---- Pythons without the modules ----
+
+SCRIPTS = sorted(path.name for path in (harness.ROOT / "scripts").glob("*.py") if "numpy" in path.read_text() or "command" in path.read_text())
+IMPORT = f"import sys; sys.path.insert(0, {str(harness.ROOT / 'python')!r}); import mlgimp"
+
+
+def without(words, hidden, folder):
+    """What Python prints to standard error where modules cannot be imported, in the way that a text says, or without any packages."""
+    if hidden is None:
+        return subprocess.run([sys.executable, "-I", "-S", *words], capture_output=True, text=True, cwd=folder)
+    for name, problem in hidden.items():
+        (folder / f"{name}.py").write_text(f"raise {problem}")
+    return subprocess.run([sys.executable, *words], capture_output=True, text=True, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)})
+
+
+@pytest.mark.parametrize("hidden, problem", [
+    (None, "has no module numpy: take"), ({"numpy": "ModuleNotFoundError(\"No module named 'numpy'\", name='numpy')"}, "has no module numpy: take"),
+    ({"h5py": "ImportError('\\n\\nlibhdf5.so: not found\\nREAD THIS')"}, r"has no module h5py that works \(libhdf5.so: not found\): take"),
+    ({"matplotlib": "ImportError('no')"}, r"has no module matplotlib that works \(no\): take")], ids=["no packages", "no numpy", "a broken h5py", "a broken matplotlib"])
+@pytest.mark.parametrize("script", ["plot.py", "indentation.py", "bench.py"])
+def test_a_python_without_modules(tmp_path, hidden, problem, script):
+    done = without([harness.ROOT / "scripts" / script, "made"], hidden, tmp_path)
+    assert done.returncode == 1 and done.stdout == ""
+    assert re.fullmatch(rf"error: {re.escape(sys.executable)} {problem} /usr/bin/python3 [^\n]* -m pip install numpy scipy h5py matplotlib\n", done.stderr), done.stderr
+
+
+def test_all_scripts_of_a_python_without_modules(tmp_path):
+    assert len(SCRIPTS) > 8
+    for script in SCRIPTS:
+        done = without([harness.ROOT / "scripts" / script], None, tmp_path)
+        assert re.fullmatch(r"error: [^\n]* has no module numpy: [^\n]*\n", done.stderr), (script, done.stderr)
+
+
+def test_the_package_in_a_python_without_modules(tmp_path):
+    """One line where nothing catches it, an ImportError to catch, and other errors with their traceback."""
+    done = without(["-c", IMPORT], None, tmp_path)
+    assert done.returncode == 1 and re.fullmatch(r"error: [^\n]* has no module numpy: [^\n]*\n", done.stderr)
+    done = without(["-c", f"try:\n  {IMPORT}\nexcept ImportError as problem: print(problem)\n1/0"], None, tmp_path)
+    assert "has no module numpy" in done.stdout and "Traceback" in done.stderr and "ZeroDivisionError" in done.stderr
+    drawn = f"{IMPORT}; mlgimp.Results('.').plot('energy')"
+    done = without(["-c", drawn], {"matplotlib": "ImportError('no')"}, tmp_path)
+    assert re.fullmatch(r"error: [^\n]* has no module matplotlib that works [^\n]*\n", done.stderr), done.stderr

@@ -220,7 +220,7 @@ private:
   std::vector<PushedNode> held_nodes_; ///< by sides in the step
   bool pushes_beyond_ = true;          ///< contact in the step may have pushed nodes of the coarser level
   bool is_coupled_ = false, measures_noise_ = false;
-  std::vector<FaceForce> applied_;       ///< by loads in the step
+  std::vector<FaceForce> applied_; ///< by loads in the step
   Budgets budgets_;
   LevelFailure failure_;
   double time_ = 0;

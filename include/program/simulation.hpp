@@ -16,6 +16,9 @@
 namespace mlgimp
 {
 
+/// Steps between looks at what all ranks must know: speeds, balance, failures, rows.
+inline constexpr int kControlInterval = 10;
+
 class Simulation
 {
 public:

@@ -10,7 +10,7 @@ import numpy as np
 from . import checks, cycles, results, tables, tips, zeros
 from .cycles import find_cycles
 from .errors import ResultError
-from .tables import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument
+from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of
 
 Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block", defaults=(None, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
@@ -147,10 +147,10 @@ def read_tests(path, depth="depth:um", load="load:mN", time=None, *, zero_depth=
 
 def measured_tests(path, depth, load, time=None, zero_depth=0, zero_load=0):
     """Returns the tests in a text with columns as functions without arguments that return a Curve or raise a ResultError."""
-    columns = [tables.column_of("depth", depth, DEPTH_UNITS), tables.column_of("load", load, LOAD_UNITS)]
+    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
     if columns[0].name == columns[1].name:
         raise ResultError(path, f"depth and load are the same column, {columns[0].name}")
-    columns += [tables.column_of("time", time, TIME_UNITS)] if time is not None else []
+    columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
     given = {"zero_depth": zero_depth, "zero_load": zero_load}
     given = {name: zeros.checked(name, value, column.factor) for (name, value), column in zip(given.items(), columns)}
     tests = tables.read_tests(checks.path("path", path), columns)

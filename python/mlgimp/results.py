@@ -157,7 +157,7 @@ def read_frame(path):
     try:
         with h5py.File(path, "r") as file:
             groups = sorted((name for name in file if name.startswith("level_")), key=number_in)
-            levels = [{name: data[()] for name, data in file[group].items()} for group in groups]
+            levels = [{name: data[()] for name, data in file[group].items() if name != "vertex"} for group in groups]  # that is for ParaView
             if not levels:
                 raise KeyError("no group level_0")
             for group, level in zip(groups, levels):

@@ -16,7 +16,7 @@
 namespace mlgimp
 {
 
-static const std::string kVertices = "/vertices"; ///< group of a frame, with a dataset for each level
+static const std::string kVertex = "vertex"; ///< dataset of a level
 
 std::string FrameWriter::FileName(int number) const
 {
@@ -102,11 +102,11 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
 }
 
 /// A number for each point, 0, 1, 2, ..., of the vertex that shows it: see MakeXdmf.
-static void AddVertices(H5Writer &file, const std::string &level, const Slab &slab)
+static void AddVertices(H5Writer &file, const std::string &group, const Slab &slab)
 {
   std::vector<int> numbers(slab.count);
   std::iota(numbers.begin(), numbers.end(), static_cast<int>(slab.start));
-  file.Dataset(kVertices + level, H5T_NATIVE_INT, 1, slab, numbers.data());
+  file.Dataset(group + "/" + kVertex, H5T_NATIVE_INT, 1, slab, numbers.data());
 }
 
 std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
@@ -120,7 +120,6 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
   file.Attribute("/", budgets.contact_area.name, {budgets.contact_area.value[0]}); // there may be no row of the history now
-  file.Group(kVertices);
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
     const PointArrays points = hierarchy.At(l).PointStore().Arrays();
@@ -200,11 +199,11 @@ std::string FrameWriter::MakeXdmf(const std::vector<FrameField> &fields) const
     for (std::size_t l = 0; l < frame.counts.size(); ++l) {
       const auto n = frame.counts[l];
       if (n == 0) continue;
-      const std::string level = "/level_" + std::to_string(l), place = frame.file + ":" + level + "/";
+      const std::string place = frame.file + ":/level_" + std::to_string(l) + "/";
       xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
           << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n
           << "\" NodesPerElement=\"1\"><DataItem Dimensions=\"" << n << "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">"
-          << frame.file << ":" << kVertices << level << "</DataItem></Topology>\n"
+          << place << kVertex << "</DataItem></Topology>\n"
           << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
           << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
       for (const FrameField &field : fields) {

@@ -80,7 +80,7 @@ def check_frame(expect, result, path, name):
     with h5py.File(path) as file:
         points = int(result.history["points"][-1])
         level = file["level_0"]
-        expect.that(f"{name}: datasets", set(level) == set(DATASETS))
+        expect.that(f"{name}: datasets", set(level) == {*DATASETS, "vertex"})
         for dataset, (components, kind) in DATASETS.items():
             shape = (points,) if components == 1 else (points, components)
             expect.that(f"{name}: {dataset}", level[dataset].shape == shape and level[dataset].dtype == kind,
@@ -131,7 +131,7 @@ def vertices_of(folder, item):
     """Whether a DataItem is 0, 1, 2, ..., as many as there are points."""
     place, _, dataset = item.text.partition(":")
     with h5py.File(folder / place) as file:
-        points = len(file[dataset.replace("/vertices", "")]["id"])
+        points = len(file[dataset.replace("/vertex", "")]["id"])
         return numpy.array_equal(file[dataset][:], numpy.arange(points))
 
 

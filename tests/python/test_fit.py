@@ -10,7 +10,7 @@ import fit
 import harness
 from mlgimp import fitting
 from mlgimp.errors import Error
-from test_indentation import CONE_OPTIONS, curve
+from made_curves import CONE_OPTIONS, curve
 from test_scripts import HISTORY
 
 pytestmark = pytest.mark.fast

@@ -8,9 +8,9 @@ import pytest
 
 import harness
 import mlgimp
+from made_curves import CONE, GOOD, cycles_of, main, metal, refusal, text_of
 from mlgimp import load_depth, oliver_pharr
 from mlgimp.load_depth import Column
-from test_indentation import CONE, CONE_OPTIONS, GOOD, cycles_of, main, metal, refusal, text_of, write_run
 
 pytestmark = pytest.mark.fast
 
@@ -187,6 +187,38 @@ def test_columns_that_are_alike(tmp_path, names, found):
     np.testing.assert_allclose(load_depth.read_measured(tmp_path / "m.csv", "1:nm", "Load:mN").depth, depth)
 
 
+def test_marks_within_quotes(tmp_path):
+    """Names as instruments give them, with the unit behind a comma."""
+    depth, load = metal()
+    rows = [f'"{d}","{p}"\n' for d, p in zip(depth, load)]
+    (tmp_path / "m.csv").write_text('"Depth, um","Load, mN"\n' + "".join(rows))
+    read = load_depth.read_measured(tmp_path / "m.csv", "Depth, um:um", "Load, mN:mN")
+    assert np.allclose(read.load, load[-len(read.load):])
+    (tmp_path / "m.csv").write_text('Depth of 2" disk,Load\n' + "".join(f'"{d},{p}\n' for d, p in zip(depth, load)))  # quotes that do not close
+    assert np.array_equal(load_depth.read_measured(tmp_path / "m.csv", "1:um", "2:mN").load, read.load)
+
+
+def test_names_with_units(tmp_path):
+    """A column is found by its name without the unit behind it, and told with it where there is none of a name."""
+    file = tmp_path / "curve.csv"
+    file.write_text(text_of(*metal(), head="Depth (um),Load (mN)\n"))
+    named = load_depth.read_measured(file, "Depth:um", "load:mN")
+    np.testing.assert_allclose(named.depth, metal()[0], rtol=1e-8)
+    with pytest.raises(mlgimp.Error, match=r"there are Depth \(um\), Load \(mN\)$"):
+        load_depth.read_measured(file, "h:um", "Load:mN")
+    with pytest.raises(mlgimp.Error, match="in um"):
+        load_depth.read_measured(file, "Depth:nm", "Load:mN")
+
+
+def test_a_wrong_name_is_told_the_right_ones():
+    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
+    with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
+    with pytest.raises(mlgimp.Error, match="load=None: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", None)
+
+
 # ---- several tests in a file ----
 
 def block(number, depth, load, head="F\th\tt"):
@@ -263,7 +295,7 @@ def test_a_batch_with_tests_that_failed(tmp_path, capsys):
     assert "b.csv" in refusal(*words[1:4], "--tip", "vickers") and not (tmp_path / "indentation.csv").exists()
 
 
-# ---- zeros ----
+# ---- zeros and the approach ----
 
 def with_approach(exponent, zero_depth=0.25, zero_load=-0.8, noise=0.01, seed=1, rows=600):
     """Depth (um) and load (mN) of a free tip over `zero_depth`, a loading with an exponent to 0.5 um and 10 mN, and an unloading."""
@@ -310,32 +342,6 @@ def test_zeros_that_cannot_be_found(tmp_path):
     assert "--zero-load: surface: must be a number, or auto" in refusal(tmp_path / "m.csv", "--zero-load", "surface").replace("argument ", "")
 
 
-def test_measured_curves_have_no_cells(tmp_path, capsys):
-    """A curve whose unloading is a line has no cells that could be smaller."""
-    depth, load = metal(exponent=1)
-    (tmp_path / "m.csv").write_text(text_of(depth, load))
-    main([str(tmp_path / "m.csv"), "--tip", "vickers"])
-    printed = capsys.readouterr().out
-    assert "the exponent is at its limit 1" in printed and "cell" not in printed
-
-
-def test_marks_within_quotes(tmp_path):
-    """Names as instruments give them, with the unit behind a comma."""
-    depth, load = metal()
-    rows = [f'"{d}","{p}"\n' for d, p in zip(depth, load)]
-    (tmp_path / "m.csv").write_text('"Depth, um","Load, mN"\n' + "".join(rows))
-    read = load_depth.read_measured(tmp_path / "m.csv", "Depth, um:um", "Load, mN:mN")
-    assert np.allclose(read.load, load[-len(read.load):])
-    (tmp_path / "m.csv").write_text('Depth of 2" disk,Load\n' + "".join(f'"{d},{p}\n' for d, p in zip(depth, load)))  # quotes that do not close
-    assert np.array_equal(load_depth.read_measured(tmp_path / "m.csv", "1:um", "2:mN").load, read.load)
-
-
-def test_one_column_for_both_is_refused(tmp_path):
-    (tmp_path / "m.csv").write_text(text_of(*metal()))
-    with pytest.raises(mlgimp.Error, match="depth and load are the same column, depth"):
-        load_depth.read_measured(tmp_path / "m.csv", "depth:um", "depth:mN")
-
-
 def test_rows_of_the_approach(tmp_path, expect):
     """A tip that comes from farther over the surface than it goes into it; a load that is not zeroed does no work there."""
     depth, load = metal()
@@ -346,92 +352,6 @@ def test_rows_of_the_approach(tmp_path, expect):
     assert len(read.depth) == 800 and read.depth[0] == pytest.approx(-0.005) and "199 rows of the approach" in read.notes[0]
     assert row["warnings"] == ""
     expect("total work", row["total_work_nJ"] / (10 * 0.5 / 3), near=1, tolerance=1e-3)
-
-
-def test_names_with_units(tmp_path):
-    """A column is found by its name without the unit behind it, and told with it where there is none of a name."""
-    file = tmp_path / "curve.csv"
-    file.write_text(text_of(*metal(), head="Depth (um),Load (mN)\n"))
-    named = load_depth.read_measured(file, "Depth:um", "load:mN")
-    np.testing.assert_allclose(named.depth, metal()[0], rtol=1e-8)
-    with pytest.raises(mlgimp.Error, match=r"there are Depth \(um\), Load \(mN\)$"):
-        load_depth.read_measured(file, "h:um", "Load:mN")
-    with pytest.raises(mlgimp.Error, match="in um"):
-        load_depth.read_measured(file, "Depth:nm", "Load:mN")
-
-
-def test_a_wrong_name_is_told_the_right_ones():
-    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
-        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
-    with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
-        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
-    with pytest.raises(mlgimp.Error, match="load=None: must be a text COLUMN:UNIT"):
-        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", None)
-
-
-def test_measured_beside_a_run(tmp_path, capsys, expect):
-    """In nm and uN, with drift and rows written twice; the tip is that of the run."""
-    folder = write_run(tmp_path / "run", CONE_OPTIONS)
-    depth, load = (np.repeat(each, 2) for each in metal())
-    times = np.repeat(np.arange(len(depth) // 2), 2) * 0.1
-    np.savetxt(tmp_path / "m.csv", np.column_stack([times, 1e3 * depth + 0.05 * times, 1e3 * load]), delimiter=",", header="t,h,F", comments="")
-    main([str(folder), str(tmp_path / "m.csv"), "--depth", "h:nm", "--load", "F:uN", "--time", "t:s", "--drift", "0.05"])
-    assert capsys.readouterr().out.count("  hardness") == 2
-    run, measured = (each["cycles"][0] for each in json.loads((folder / "indentation.json").read_text())["curves"])
-    for name in ("load_mN", "stiffness_mN_per_um", "hardness_GPa", "reduced_modulus_GPa"):
-        expect(name, measured[name] / run[name] - 1, near=0, tolerance=5e-3)
-    assert measured["modulus_GPa"] == pytest.approx(run["modulus_GPa"], rel=5e-3)  # with the run's Poisson's ratio
-
-
-@pytest.fixture
-def drawn(monkeypatch):
-    """The figures that the command draws."""
-    figures = []
-    monkeypatch.setitem(main.__wrapped__.__globals__, "save", lambda figure, path: figures.append(figure))
-    return figures
-
-
-def dots(axes):
-    """(x, y) of the markers of axes."""
-    return [tuple(np.ravel(line.get_data())) for line in axes.lines]
-
-
-@pytest.mark.parametrize("names", [("run", "m.csv"), ("run", *(f"measured_specimen_{k}.csv" for k in range(4)))])
-def test_picture_of_curves_with_an_unloading_each(tmp_path, drawn, names):
-    """Hardness and modulus stand in panels of their own, by curve: by name where there is room, else by number."""
-    write_run(tmp_path / "run", CONE_OPTIONS)
-    for name in names[1:]:
-        (tmp_path / name).write_text(text_of(*metal()))
-    main([str(tmp_path / name) for name in names])
-    _, hardness, modulus = drawn[0].axes
-    cycles = [each["cycles"][0] for each in json.loads((tmp_path / "run" / "indentation.json").read_text())["curves"]]
-    for axes, name in ((hardness, "hardness_GPa"), (modulus, "modulus_GPa")):
-        assert dots(axes) == [(k, cycle[name]) for k, cycle in enumerate(cycles, start=1)]
-        assert axes.get_ylabel() == name.replace("_GPa", " (GPa)")
-    legend = [text.get_text() for text in drawn[0].axes[0].get_legend().get_texts()]
-    if len(names) == 2:
-        assert [label.get_text() for label in modulus.get_xticklabels()] == list(names) and set(names) < set(legend)
-    else:
-        assert modulus.get_xlabel() == "curve" and "2: measured_specimen_0.csv" in legend
-
-
-def test_picture_over_depth(tmp_path, drawn):
-    """Where a curve has several unloadings; one that cannot be fitted, or another curve that has no figures, does not stop it."""
-    (tmp_path / "a.csv").write_text(text_of(*cycles_of((1, 2, 5))))
-    (tmp_path / "b.csv").write_text(text_of(*(each[:300] for each in metal())))
-    with pytest.raises(SystemExit):
-        main([str(tmp_path / "a.csv"), str(tmp_path / "b.csv"), "--tip", "vickers"])
-    _, hardness, modulus = drawn[0].axes
-    [line] = hardness.lines
-    assert len(line.get_xdata()) == 3 and line.get_xdata()[-1] == pytest.approx(0.5 * 0.5**0.5) and modulus.get_xlabel() == "depth (µm)"
-
-
-def test_units_of_no_solid_are_told(tmp_path, capsys):
-    """Depths in nm read as um make a hardness of 1e-6 of it, loads in mN read as N one of 1000 times it."""
-    (tmp_path / "m.csv").write_text(text_of(*metal()))
-    for unit, told in (("N", True), ("mN", False)):
-        main([str(tmp_path / "m.csv"), "--tip", "berkovich", "--depth", "depth:um", "--load", f"load:{unit}"])
-        assert ("is that of no solid" in capsys.readouterr().out) == told
 
 
 # ---- refusals ----
@@ -463,3 +383,9 @@ def test_measured_files(tmp_path, name):
 def test_times_that_fall(tmp_path):
     np.savetxt(tmp_path / "m.csv", np.column_stack([np.arange(799)[::-1], *metal()]), delimiter=",", header="time,depth,load", comments="")
     assert "time falls in data row 2" in refusal(tmp_path / "m.csv", "--tip", "berkovich", "--time", "time:s")
+
+
+def test_one_column_for_both_is_refused(tmp_path):
+    (tmp_path / "m.csv").write_text(text_of(*metal()))
+    with pytest.raises(mlgimp.Error, match="depth and load are the same column, depth"):
+        load_depth.read_measured(tmp_path / "m.csv", "depth:um", "depth:mN")

@@ -14,7 +14,7 @@ import harness
 import plot
 import scaling
 from mlgimp import results
-from test_indentation import GOOD
+from made_curves import GOOD
 from test_scripts import HISTORY, write_results
 
 pytestmark = pytest.mark.fast

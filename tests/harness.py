@@ -199,6 +199,11 @@ class Expectations:
         print(("ok    " if good else "FAIL  ") + line, flush=True)
 
 
+def given_by_contact(history):
+    """The work of contact on points, and what it stored and did between the nodes, an array [rows] in J."""
+    return history["contact_work"] + history["contact_strain_energy"] + history["contact_plastic_work"]
+
+
 def read_csv(path):
     """A CSV with '#' comments and a header as a dict of lists of floats."""
     with open(path) as file:

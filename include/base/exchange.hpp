@@ -17,7 +17,9 @@ inline constexpr PetscMPIInt kFewRanks = 8; ///< among so many a message to each
 /// Who may send something to whom in an exchange among few ranks, as far as all of them know it: a bit for each pair.
 using SendPattern = std::uint64_t;
 inline constexpr SendPattern kAnyToAny = ~SendPattern(0);
-inline SendPattern Sends(PetscMPIInt from, PetscMPIInt to) { return SendPattern(1) << (kFewRanks * from + to); }
+inline constexpr SendPattern Sends(PetscMPIInt from, PetscMPIInt to) { return SendPattern(1) << (kFewRanks * from + to); }
+inline constexpr SendPattern kFirstToAll = 0xff;                  ///< those from the first rank
+inline constexpr SendPattern kAllToFirst = 0x0101010101010101ULL; ///< those to it
 
 /// Sends records of `bytes` each, one after the other in `outgoing`: the k-th to ranks[k], which do not fall. What comes is
 /// ordered by the ranks it comes from. Collective.
@@ -39,6 +41,17 @@ template <class Record> PetscErrorCode GatherRecords(MPI_Comm comm, const std::v
   std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
   all->resize(static_cast<std::size_t>(starts.back()) / sizeof(Record));
   PetscCallMPI(MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all->data(), counts.data(), starts.data(), MPI_BYTE, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Copies a list from the first rank to all. Collective.
+template <class Record> PetscErrorCode BroadcastList(MPI_Comm comm, std::vector<Record> *list)
+{
+  int count = static_cast<int>(list->size());
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(&count, 1, MPI_INT, 0, comm));
+  list->resize(count);
+  PetscCallMPI(MPI_Bcast(list->data(), static_cast<int>(count * sizeof(Record)), MPI_BYTE, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -123,6 +123,14 @@ public:
   /// Points of each level, in all and on the rank that has most. Collective.
   PetscErrorCode CountPoints(std::vector<double> *total, std::vector<double> *largest);
 
+  /// The patches of a level in the order of their numbers, [patches][kOfPatch], on the first rank, and how they come back on any
+  /// number of ranks. Collective.
+  PetscErrorCode GatherPatches(int l, std::vector<double> *numbers) const;
+  PetscErrorCode RestorePatches(int l, const std::vector<double> &numbers);
+  static constexpr int kOfPatch = 17;
+  double PatchDrift() const { return patch_drift_; }
+  void SetPatchDrift(double cells) { patch_drift_ = cells; }
+
 private:
   PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
@@ -141,6 +149,8 @@ private:
   IndexBox ZoneOf(int l, const Box &near, double drift) const;
   bool NeedsBalance(int l, double total, double largest) const;
   PetscErrorCode Rebalance(int l);
+  int LevelAt(Vec3 x, int now) const;
+  PetscErrorCode AssignPatches(bool to_levels);
   PetscErrorCode FindContact(double time, double next_look, ContactPlace *place);
   PetscErrorCode MoveLevels(const BoxPlan &next);
   PetscErrorCode SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active);
@@ -164,6 +174,7 @@ private:
   CopyState copies_;
   TipTrack tip_;
   FollowState follow_;
+  double patch_drift_ = 0; ///< cells of their level that patches may have moved since they were last looked at
 };
 
 } // namespace mlgimp

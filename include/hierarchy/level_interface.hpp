@@ -48,6 +48,9 @@ public:
 
   /// The coarser level's nodes by place, for its contact in a step that has come to FineToCoarse.
   SharedNode *Shared() { return shared_.data(); }
+  /// Mass that the finer level's points give its interface nodes by their hats, by place, as of the last step: such nodes are
+  /// light where both levels' points give them little. Infinite where it is not known yet, 0 elsewhere.
+  const double *FinerMasses() const { return finer_masses_.data(); }
   /// Takes what contact on the coarser level leaves to the finer level's points; they get it in the next step. Collective on all.
   PetscErrorCode TakeContact();
 
@@ -55,7 +58,7 @@ public:
   NodeBlend BlendOf(Index node) const override;
   int BlockOf(Index coarse) const override;
   double MassOf(Index coarse) const override;
-  double MovedMassOf(Index coarse) const override { return std::max(MassOf(coarse), coarse_->LeastMass(coarse)); }
+  void ForEachDonor(Index coarse, const DonorWork &work) const override;
   Vec3 FreePart(Index coarse, Vec3 change) const override;
   void Push(Index coarse, Vec3 change_of_velocity) override;
   PetscErrorCode Spread(std::vector<PushedNode> *pushed) override;
@@ -76,9 +79,10 @@ public:
   /// The same as numbers for a restart, [interface nodes][kState], on the first rank; empty where there has been no step.
   /// Collective on all.
   PetscErrorCode GatherState(std::vector<double> *state) const;
-  void RestoreState(const std::vector<double> &state);
+  /// Collective on all.
+  PetscErrorCode RestoreState(const std::vector<double> &state);
   static constexpr int kState =
-      9; ///< of an interface node: the coarse force, the impulse of coarse contact, and what is left of it
+      10; ///< of an interface node: the coarse force, the impulse of coarse contact, what is left of it, and its finer mass
   std::size_t InterfaceNodes() const;
 
   /// What the border adds up on this rank.
@@ -120,8 +124,19 @@ private:
   }
   void ListOwned();
   void ListBand();
+  void ListDonors();
   void ListHeldAxes();
-  BlendNode Blend(Index node, std::map<Index, int> &place, bool grows);
+  BlendNode Blend(Index node);
+  int Know(Index at);
+  PetscErrorCode FindReaders();
+  PetscErrorCode ShareDonors();
+  PetscErrorCode SendFinerMasses();
+  /// Calls work(k, weight) for the known nodes that the motion of one of them hangs on, itself among them.
+  template <class Work> void ForEachDonorOf(int k, Work work) const
+  {
+    if (own_[k] != 0) work(k, own_[k]);
+    for (int d = first_donor_[k]; d < first_donor_[k + 1]; ++d) work(donors_[d].on, donors_[d].weight);
+  }
   bool FineContactMeets() const;
   bool MeetsContact() const;
   PetscErrorCode ShareContact();
@@ -142,38 +157,44 @@ private:
     double *const first = &array[static_cast<std::size_t>(velocity_size_) * k];
     return {first, first + velocity_size_ / 2};
   }
-  void Prolong(double dt);
+  void Prolong();
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;
   int ratio_ = 2, dim_ = 2, velocity_size_ = 4;
   double blend_width_ = kBlendWidth;
-  bool knows_hats_ = false; ///< this rank has the sums of all fine nodes in the hats of interface nodes that its band hangs on
-  std::vector<InterfaceNode> known_;     ///< interface nodes that this rank advances, and then others that its band hangs on
-  int owned_ = 0;                        ///< those that it advances
-  int advanced_ = 0;                     ///< those whose motion it works out: all known ones where it knows hats
-  std::map<Index, int> owned_place_;     ///< in known_
-  std::map<Index, int> advanced_place_;  ///< in known_
-  std::vector<BlendNode> band_;          ///< of owned fine nodes
-  std::vector<BlendNode> hats_;          ///< of those that interface nodes get sums from
-  std::vector<unsigned char> held_axes_; ///< [advanced_] bit per axis held by a side
+  std::vector<InterfaceNode> known_; ///< interface nodes that this rank advances, and then others that its band hangs on
+  int owned_ = 0;                    ///< those that it advances
+  std::map<Index, int> place_;       ///< in known_
+  std::vector<BlendNode> band_;      ///< of owned fine nodes
+  /// A node that a light one hangs on, see light_nodes.hpp.
+  struct Donor {
+    int on; ///< among the known
+    double weight;
+  };
+  std::vector<double> own_;      ///< [known_]: the part of a node's motion that does not hang on others
+  std::vector<int> first_donor_; ///< [known_ + 1]
+  std::vector<Donor> donors_;
+  std::vector<std::vector<PetscMPIInt>> readers_;      ///< of coarse_nodes_: the ranks that know them
+  std::vector<unsigned char> held_axes_;               ///< [owned_] bit per axis held by a side
   std::vector<CoupledNode> coarse_nodes_, fine_nodes_; ///< the latter in the order of band_
   std::vector<std::ptrdiff_t> held_coarse_;
   CoupledPlaces fine_places_;
   SFHandle exchange_;                 ///< interface nodes to other ranks that know them
   SFHandle down_, up_;                ///< coarse nodes to interface nodes, and those of their owners to coarse nodes
-  std::vector<NodeSums> coarse_sums_; ///< [advanced_]: of the coarse points
-  std::vector<double> least_masses_;  ///< [advanced_], see LeastMassOf
-  std::vector<Vec3> previous_force_;  ///< [advanced_]
-  std::vector<Vec3> contact_, left_;  ///< [advanced_]: impulse of contact on the coarse level; what fine points lack of it
+  std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
+  std::vector<Vec3> previous_force_;  ///< [owned_]
+  std::vector<Vec3> contact_, left_;  ///< [owned_]: impulse of contact on the coarse level; what fine points lack of it
   std::vector<SharedNode> shared_;    ///< by place on the coarse level
-  std::vector<SharedNode> to_share_;  ///< [advanced_]
+  std::vector<double> finer_masses_;  ///< likewise, see FinerMasses
+  std::vector<double> by_hats_;       ///< [owned_]: the same
+  std::vector<SharedNode> to_share_;  ///< [owned_]
   int clear_steps_ = 0;               ///< coarse steps in a row in which contact could push no interface node
   UnitHandle shared_unit_, up_unit_, state_unit_;
-  std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted
+  std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted; owned_mass: the same by hats alone
   std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep
   std::vector<double> pushed_;   ///< [known_][velocity_size_]: what contact on the finer level adds to it
-  std::vector<double> mean_;     ///< [advanced_][velocity_size_]: mean v and sum of dv over substeps
+  std::vector<double> mean_;     ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   Budgets budgets_;
 };

@@ -81,6 +81,9 @@ struct Budgets {
   VectorBudget gravity_impulse{"gravity_impulse", Adds::kTotal, Shown::kColumn};
   VectorBudget damping_impulse{"damping_impulse", Adds::kTotal, Shown::kColumn};
   ScalarBudget penetration{"penetration", Adds::kLargestEver, Shown::kColumn};
+  /// By `pressure`, contact_half_width to the power of the contact's axes: levels add up as areas do.
+  ScalarBudget contact_width_power{"contact_width_power", Adds::kNow, Shown::kNowhere},
+      contact_axes{"contact_axes", Adds::kLargest, Shown::kNowhere};
   ScalarBudget contact_cells{"contact_cells", Adds::kLargestEver, Shown::kNowhere}; ///< in contact_half_width, of its level
   ScalarBudget penetration_cells{"penetration_cells", Adds::kLargestEver, Shown::kNowhere}; ///< of the level that it was on
   ScalarBudget peak_pressure{"peak_pressure", Adds::kLargest, Shown::kColumn};
@@ -105,6 +108,10 @@ struct Budgets {
   VectorBudget tip{"tip", Adds::kNow, Shown::kLaterColumn};                       ///< of the indenter, set in the sums
   ScalarBudget friction_work{"friction_work", Adds::kTotal, Shown::kLaterColumn}; ///< heat
   ScalarBudget friction_force{"friction_force", Adds::kNow, Shown::kLaterColumn}; ///< set in the sums
+  ScalarBudget contact_plastic_work{"contact_plastic_work", Adds::kTotal,
+                                    Shown::kLaterColumn}; ///< likewise, part of plastic_work
+  ScalarBudget contact_strain_energy{"contact_strain_energy", Adds::kNow,
+                                     Shown::kLaterColumn}; ///< between the nodes; part of strain_energy
   /// Set in the sums of a slow test, see QuasiStaticWatch.
   ScalarBudget load_quasi_static{"load_quasi_static", Adds::kNow, Shown::kSlowColumn};
 
@@ -120,8 +127,8 @@ struct Budgets {
   VectorBudget momentum_adrift{"momentum_adrift", Adds::kTotal, Shown::kTransfers};
   ScalarBudget contact_steps{"contact_steps", Adds::kCount, Shown::kSummary};
   ScalarBudget contact_set_updates{"contact_set_updates", Adds::kCount, Shown::kSummary};
-  ScalarBudget contact_fallbacks{"contact_fallbacks", Adds::kCount, Shown::kSummary};
-  ScalarBudget clamped_sizes{"clamped_half_sizes", Adds::kCount, Shown::kSummary}; ///< counted once a step
+  ScalarBudget contact_fallbacks{"contact_fallbacks", Adds::kCount, Shown::kSummary}; ///< 0: kept for those who read it
+  ScalarBudget clamped_sizes{"clamped_half_sizes", Adds::kCount, Shown::kSummary};    ///< counted once a step
   /// Work of the stress on growth of volume that points did not take, as the mean over their cell replaced it.
   ScalarBudget averaging_work{"averaging_work", Adds::kTotal, Shown::kSummary};
 
@@ -147,6 +154,8 @@ struct Budgets {
   const Budget *end() const { return begin() + sizeof(Budgets) / sizeof(Budget); }
 
   double Viscous() const { return short_wave_dissipation + xpic_dissipation + averaging_work; }
+  /// What contact has given to bodies: work on points, and between the nodes.
+  double GivenByContact() const { return contact_work + contact_strain_energy + contact_plastic_work; }
   double Dissipated() const { return Viscous() + plastic_work + damping_work + friction_work; }
   /// Adds another part's.
   void Add(const Budgets &part);

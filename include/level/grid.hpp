@@ -129,6 +129,12 @@ public:
     return at[0] + lattice_.stride[1] * static_cast<std::ptrdiff_t>(at[1]) +
            lattice_.stride[2] * static_cast<std::ptrdiff_t>(at[2]);
   }
+  /// The local node at a place.
+  Index NodeAt(std::ptrdiff_t place) const
+  {
+    const int x = ghosted_.Size(0), y = ghosted_.Size(1);
+    return ghosted_.lower + Index{static_cast<int>(place % x), static_cast<int>(place / x % y), static_cast<int>(place / x / y)};
+  }
   double Coordinate(int axis, int index) const { return geometry_.lower[axis] + index * geometry_.spacing; }
   Index Nearest(Vec3 x) const { return geometry_.Nearest(x); }
   /// The block that holds a node, which is also its owner's rank in Comm(); -1 outside the grid.
@@ -164,6 +170,24 @@ public:
   PetscErrorCode ShareRates(bool projection, bool strain_rate);
   /// Copies the owners' velocities to the ghosts, where more than shared sums has made them.
   PetscErrorCode BroadcastVelocity();
+  /// The same of a number for each node, by place. Collective on the grid's ranks.
+  PetscErrorCode BroadcastNumbers(double *numbers);
+
+  /// Calls work(k, place) for each other rank that has a local node too: the k-th of those with nodes in common, in the order
+  /// of ranks, and the node's place in its arrays.
+  template <class Work> void ForEachCopy(Index node, Work work) const
+  {
+    for (std::size_t k = 0; k < neighbours_.size(); ++k)
+      if (neighbours_[k].second.Contains(node)) work(k, PlaceInBlock(neighbours_[k].first, node));
+  }
+  std::size_t Neighbours() const { return neighbours_.size(); }
+  /// Those of lower rank.
+  std::size_t LowerNeighbours() const { return lower_neighbours_; }
+  /// Numbers for each of them, and theirs. Collective on the grid's ranks.
+  PetscErrorCode SendToNeighbours(const std::vector<std::vector<double>> &outgoing, std::vector<std::vector<double>> *incoming)
+  {
+    return shared_.Send(outgoing, incoming);
+  }
 
   /// The values of a node as one unit of communication.
   MPI_Datatype SumsUnit() const { return sums_unit_; }
@@ -195,6 +219,8 @@ private:
   int cell_size_ = 0; ///< materials that a cell has sums of
   SFHandle halo_;
   SharedNodes shared_;
+  std::vector<std::pair<int, IndexBox>> neighbours_; ///< blocks with nodes in common, and their nodes with ghosts
+  std::size_t lower_neighbours_ = 0;
   UnitHandle sums_unit_, velocity_unit_;
   std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };

@@ -3,8 +3,10 @@
 
 #include "level/contact/contact.hpp"
 #include "level/events.hpp"
+#include "level/light_nodes.hpp"
 #include "level/model.hpp"
 #include "level/points.hpp"
+#include "level/surface.hpp"
 
 #include <memory>
 
@@ -85,8 +87,11 @@ public:
     SetCoupledPlaces(std::move(places));
   }
   /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
-  /// level's; none where there is no such level.
-  void SetBorders(BorderNodes *coarser, SharedNode *finer) { border_ = coarser, shared_ = finer; }
+  /// level's, and what its points give these; none where there is no such level.
+  void SetBorders(BorderNodes *coarser, SharedNode *finer, const double *finer_masses)
+  {
+    border_ = coarser, shared_ = finer, finer_masses_ = finer_masses;
+  }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
   PetscErrorCode GatherForcesOf(const std::vector<int> &points, double sign);
@@ -159,12 +164,20 @@ public:
   /// but do not count in any budget.
   Points &CopyStore(int origin) { return copies_[origin]; }
   const Grid &Mesh() const { return *grid_; }
+  Grid &Mesh() { return *grid_; }
+  const LightNodes &Light() const { return light_; }
   const LevelGeometry &Geometry() const { return geometry_; }
+  Surface &BodySurface() { return surface_; }
+  /// Half as long again as half of a point's face, m.
+  double LongestPatch() const { return 0.375 * geometry_.grid.spacing; }
+  void SeedSurface() { surface_.Seed(*grid_, geometry_.sides, points_.Arrays(), model_.geometry, LongestPatch()); }
+  const Surface &BodySurface() const { return surface_; }
+  /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
+  bool PatchesDue() const { return patches_due_; }
+  void WantPatches() { patches_due_ = true; }
+  void TakePatchesDue() { patches_due_ = false; }
   const Model &Physics() const { return model_; }
   const NodalSettings &Nodal() const { return nodal_; }
-  /// See nodes.hpp; of any node of the level's grid, and of a local one by place.
-  double LeastMass(Index node) const { return LeastMassOf(*grid_, nodal_, model_.geometry.HasHoop(), node); }
-  double LeastMass(std::ptrdiff_t place) const { return least_masses_[place]; }
   const LevelFailure &Failure() const { return failure_; }
   /// All that the level adds up on this rank but what SumPoints does.
   Budgets &Totals() { return budgets_; }
@@ -189,6 +202,12 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode ExchangeRates(double dt, double xpic);
+  void NoteStrains();
+  PetscErrorCode LetSurfaceFlow(double dt);
+  PetscErrorCode PrepareSurface();
+  PetscErrorCode MoveSurface(bool rates, double dt);
+  double HeldByContact(Vec3 x, bool flows);
+  PetscErrorCode AddWorkOfLoads(bool rates, double dt);
   /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
   double NoiseEnergy();
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
@@ -211,11 +230,19 @@ private:
   ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
-  std::vector<double> least_masses_;      ///< by place, see LeastMasses, kg
-  std::vector<double> later_masses_;      ///< the same of nodes whose motion no other level has a part in, else 0
+  Surface surface_;
+  NearPoints near_;
+  std::vector<Surface::CornerMotion> corners_;              ///< of the surface in the step
+  std::unordered_map<std::int64_t, double> pressed_around_; ///< share of PressedColumn by key, in the step
+  bool flows_ = false;                                      ///< contact has touched metal in the step
+  std::vector<std::pair<int, double>> flowing_;             ///< points near it, and their plastic strains before
+  std::vector<ColumnStrain> under_columns_;                 ///< their parts in columns, strains to come
+  bool patches_due_ = true;
+  LightNodes light_;
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
+  const double *finer_masses_ = nullptr;
   std::vector<PushedNode> pushed_;     ///< by contact in the step
   std::vector<PushedNode> held_nodes_; ///< by sides in the step
   bool pushes_beyond_ = true;          ///< contact in the step may have pushed nodes of the coarser level
@@ -227,6 +254,7 @@ private:
   TipReport tip_;
   double contact_room_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
   Vec3 contact_tip_{};      ///< with which it was found, m
+  Vec3 tip_end_{};          ///< at the end of the step, m
   LevelClock clock_;
   int sort_interval_ = 50;
 };

@@ -14,6 +14,8 @@
 namespace mlgimp
 {
 
+class LightNodes;
+
 enum class BoundaryKind { kFree, kSymmetry, kFixed };
 
 /// The sides of the domain as a level's grid sees them.
@@ -52,10 +54,6 @@ struct BoundaryConditions {
 
 /// Of the mass of a full cell of the lightest material: nodes with less are empty, and the forces on them are lost.
 inline constexpr double kEmptyNode = 1e-24;
-/// Of the mass of a full node, what nodes have at least in the motion that moves and strains points, see LeastMasses. Loads under
-/// cones are the same within 0.2 % from 1e-3 to 1e-2; with 1e-2 a steep cone can lose the surface of a soft metal.
-inline constexpr double kLeastMass = 1e-3;
-
 /// Settings of the nodal update.
 struct NodalSettings {
   Vec3 gravity{};         ///< m/s2
@@ -98,9 +96,10 @@ struct CoupledNode {
 
 /// Nodes of a level, with ghosts, whose velocities a neighbouring level has a part in.
 struct CoupledPlaces {
-  std::vector<std::ptrdiff_t> held; ///< places of those whose velocity the other level alone makes
-  std::vector<Index> blended;       ///< those that both make
-  double reach = 0;                 ///< of contact: these follow the motion where the indenter is no farther, m
+  std::vector<std::ptrdiff_t> held;      ///< places of those whose velocity another level alone makes
+  std::vector<std::ptrdiff_t> interface; ///< those among them that move with nodes of the next finer level
+  std::vector<Index> blended;            ///< those that both make
+  double reach = 0;                      ///< of contact: these follow the motion where the indenter is no farther, m
 };
 
 /// An owned node and a part of the change of its velocity in the step, m/s.
@@ -112,12 +111,12 @@ struct PushedNode {
 
 /// The second velocity of nodes that contact pushes is ahead of what points have got of dv by this part of dv: contact asks how
 /// faces move with the new velocity, and points strained by that of points alone lag behind, so that noise of a bar under a punch
-/// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns. Of dv it is
-/// what the motion feels, see RestrainLightNodes: a flat surface on a line of nodes else splits its last two layers of points.
+/// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
+/// Nodes that hang on others have none: a flat surface on a line of nodes else splits its last two layers of points.
 inline constexpr double kPushedAhead = 0.1, kRubbedAhead = 0.3;
 /// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
 std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
-                                                    const std::vector<double> &least_masses);
+                                                    const LightNodes &light);
 
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
 /// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
@@ -142,29 +141,6 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
 
-/// Mass that a node has at least in the motion that points are moved and strained by, kg: kLeastMass of a full node's, in
-/// proportion to the radius in axisymmetry. Forces on a node that points have just reached grow like their reach, and its mass
-/// like the square of that: what body, contact and tractions leave of each other would give it a velocity without bound, for
-/// contact, which reckons with it, and for strain by the new velocity.
-double LeastMassOf(const Grid &grid, const NodalSettings &settings, bool hoop, Index node);
-/// The same of all local nodes by place.
-std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop);
-
-/// The part of a change of velocity dv = dt f/m that a node's motion lacks by its least mass M: 1 - m/M of lighter nodes.
-inline double LackOf(double least_mass, double mass) { return mass < least_mass ? 1 - mass / least_mass : 0; }
-
-/// What the motion lacks of dv along an axis, of a node that had the velocity p/m: body forces are as small as the mass is.
-inline double Lacking(const NodalSettings &settings, double dt, double lack, int axis, double change, double old)
-{
-  return lack * (change - dt * (settings.gravity[axis] - settings.damping * old));
-}
-
-/// The velocities of nodes become p/m + dv m/max(m, M), but with all that body forces do, that of the motion; the changes dv, by
-/// which points get momentum, stay. Not where M is zero: where another level has a part in the velocity, that part and its own
-/// are held back before they meet.
-void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                        const std::vector<double> &least_masses);
-
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);
 
@@ -182,18 +158,20 @@ void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &co
 
 /// What the second velocities of a level's nodes take beside sums.
 struct SecondVelocityPlan {
-  const std::vector<double> &least_masses;      ///< by place, kg
-  const std::vector<double> &later_masses;      ///< the same, 0 where another level has a part in the motion, kg
   const std::vector<std::ptrdiff_t> &held;      ///< places where the second velocity is the new one
   const std::vector<std::ptrdiff_t> &following; ///< where it is the new one and what the second extrapolation would change of it
   double xpic;                                  ///< share of XPIC in the step
   bool exchange;                                ///< adds up the kinetic energy that points get from forces, see AddExchange
 };
 
-/// Divides the sums in `rates` by the mass: second velocity, projected velocity (2 v - mean for XPIC of order 2, v for
-/// order 1), smooth strain rate. The second velocity takes part in XPIC as the points' velocities do; without a second
-/// extrapolation it is the new velocity itself. Adds up the impulse of sides on the projected velocities.
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
+/// Divides the sums in `rates` by the mass: second velocity, mean of the points' velocities for XPIC, smooth strain rate; at
+/// sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
+void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                  const SecondVelocityPlan &plan, Budgets &budgets);
+
+/// Makes of the means, on all nodes with those that hang on others, the projected velocity (2 v - mean for XPIC of order 2, v for
+/// order 1). The second velocity takes part in XPIC as the points' velocities do; without a second extrapolation it is the new
+/// velocity itself.
+void FinishRates(const Grid &grid, const NodalSettings &settings, const SecondVelocityPlan &plan);
 
 } // namespace mlgimp

@@ -34,6 +34,10 @@ public:
   PetscErrorCode Create(MPI_Comm comm, std::vector<Common> with);
   /// Leaves the sums over all ranks in the chosen components. Collective.
   PetscErrorCode Sum(const std::vector<NodalField> &fields);
+  /// The ranks with nodes in common, in their order.
+  std::vector<PetscMPIInt> Ranks() const;
+  /// Sends numbers to each of these ranks, as many as there are, and receives theirs. Collective.
+  PetscErrorCode Send(const std::vector<std::vector<double>> &outgoing, std::vector<std::vector<double>> *incoming);
 
 private:
   PetscErrorCode Exchange(int numbers);

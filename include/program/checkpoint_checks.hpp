@@ -28,7 +28,7 @@ std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, do
 /// The layout of a level among so many ranks.
 std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const std::vector<double> &owners,
                         const GridGeometry &grid, std::size_t ranks);
-/// per_column: unknowns of a column, of which the first is the pressure.
+/// per_column: numbers of a column, of which the first is a pressure.
 std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures, int per_column);
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name);
 

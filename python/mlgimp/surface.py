@@ -19,13 +19,13 @@ def surface_of(points):
 
 
 def frame_of_largest_load(directory):
-    """Returns the number of the frame whose load is the largest."""
+    """Returns the number of the frame nearest to the time of the largest load: at a turn, loads of rows are means over their steps."""
     history = results.read_history(directory)
     times = {number: results.read_time(path) for number, path in results.numbered_frames(directory).items()}
     if not times:
         raise ResultError(directory, "no results here (there is no points_*.h5)")
-    loads = np.interp(list(times.values()), history["time"], history["load"])
-    return list(times)[int(np.argmax(loads))]
+    largest = history["time"][np.argmax(history["load"])]
+    return list(times)[int(np.argmin(np.abs(np.array(list(times.values())) - largest)))]
 
 
 def read_surface(directory, number=None):

@@ -42,13 +42,13 @@ int LevelInterface::BlockOf(Index coarse) const
 
 double LevelInterface::MassOf(Index coarse) const
 {
-  const auto place = owned_place_.find(coarse);
-  return place == owned_place_.end() ? 0 : coarse_sums_[place->second].mass + sums_[place->second].mass;
+  const auto place = place_.find(coarse);
+  return place == place_.end() || place->second >= owned_ ? 0 : coarse_sums_[place->second].mass + sums_[place->second].mass;
 }
 
 Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
 {
-  const unsigned char held = held_axes_[owned_place_.at(coarse)];
+  const unsigned char held = held_axes_[place_.at(coarse)];
   for (int axis = 0; axis < dim_; ++axis)
     if (held >> axis & 1) change[axis] = 0;
   return change;
@@ -56,10 +56,15 @@ Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
 
 void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
 {
-  const NodeVelocity to = VelocityIn(pushed_, owned_place_.at(coarse));
-  const double felt = MassOf(coarse) / MovedMassOf(coarse);
-  for (int axis = 0; axis < dim_; ++axis)
-    to.velocity[axis] = felt * change_of_velocity[axis], to.change[axis] = change_of_velocity[axis];
+  const NodeVelocity to = VelocityIn(pushed_, place_.at(coarse));
+  for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
+}
+
+void LevelInterface::ForEachDonor(Index coarse, const DonorWork &work) const
+{
+  const auto place = place_.find(coarse);
+  if (place == place_.end()) return work(coarse, 1);
+  ForEachDonorOf(place->second, [&](int k, double weight) { work(known_[k].at, weight); });
 }
 
 /// Whether contact on the finer level may push nodes that move with interface nodes; the same on all ranks.
@@ -86,7 +91,7 @@ PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
   PetscFunctionBeginUser;
   if (!FineContactMeets()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BroadcastVelocity(&pushed_));
-  for (int k = 0; k < advanced_; ++k) {
+  for (int k = 0; k < owned_; ++k) {
     const NodeVelocity by = VelocityIn(pushed_, k), mean = VelocityIn(mean_, k);
     for (int axis = 0; axis < dim_; ++axis) {
       coarse_sums_[k].momentum[axis] += coarse_sums_[k].mass * by.change[axis];
@@ -99,10 +104,12 @@ PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
     PushedNode one{node.node, {}};
     Vec3 motion{};
     for (int a = 0; a < node.count; ++a) {
-      const NodeVelocity by = VelocityIn(pushed_, node.interface[a]);
-      const double weight = (1 - node.beta) * node.weight[a];
-      for (int axis = 0; axis < dim_; ++axis)
-        one.change[axis] += weight * by.change[axis], motion[axis] += weight * by.velocity[axis];
+      const double part = (1 - node.beta) * node.weight[a];
+      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
+        const NodeVelocity by = VelocityIn(pushed_, k);
+        for (int axis = 0; axis < dim_; ++axis)
+          one.change[axis] += part * weight * by.change[axis], motion[axis] += part * weight * by.velocity[axis];
+      });
     }
     if (one.change == Vec3{}) continue;
     const NodeVelocity to = fine_->Mesh().Velocity(node.node);
@@ -118,15 +125,15 @@ PetscErrorCode LevelInterface::TakeContact()
   std::vector<Vec3> before; // the impulses in whose place new ones have come
   PetscFunctionBeginUser;
   for (const SharedNode &node : to_share_) before.push_back(node.impulse);
-  for (int k = 0; k < advanced_; ++k) contact_[k] = left_[k] = {};
+  for (int k = 0; k < owned_; ++k) contact_[k] = left_[k] = {};
   if (!coarse_->ContactAwake() || IsClear()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
-  for (int k = 0; k < advanced_; ++k) {
+  for (int k = 0; k < owned_; ++k) {
     const double mass = coarse_sums_[k].mass + sums_[k].mass;
     contact_[k] = to_share_[k].impulse;
     if (mass > 0) left_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
-    if (k < owned_) budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
+    budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -39,6 +39,8 @@ Budgets Hierarchy::SumBudgets()
                            sum.damping_work - sum.external_work;
     for (const auto &transfer : transfers_) sum.exchange_energy -= transfer->Totals().transfer_strain_energy;
   }
+  sum.strain_energy += sum.contact_strain_energy;
+  sum.plastic_work += sum.contact_plastic_work;
   sum.viscous_work = sum.Viscous();
   sum.dissipated_energy = sum.Dissipated();
   sum.failed = DescribeFailure().empty() ? 0 : 1;

@@ -59,6 +59,8 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (auto &transfer : transfers_) PetscCall(transfer->Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
   for (auto &level : levels_) PetscCall(level->Sort());                       // seeds come row by row
+  if (model_->indenter)
+    for (auto &level : levels_) level->SeedSurface();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,12 +169,14 @@ void Hierarchy::CoupleNodes(int l)
   std::vector<CoupledNode> nodes;
   CoupledPlaces places;
   if (!CoupledByNodes()) return;
-  levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr);
+  levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr,
+                         IsActive(l + 1) ? borders_[l]->FinerMasses() : nullptr);
   if (l > 0) nodes = borders_[l - 1]->FineNodes(), places = borders_[l - 1]->FinePlaces();
   if (IsActive(l + 1)) {
     const LevelInterface &finer = *borders_[l];
     nodes.insert(nodes.end(), finer.CoarseNodes().begin(), finer.CoarseNodes().end());
-    places.held.insert(places.held.end(), finer.HeldCoarseNodes().begin(), finer.HeldCoarseNodes().end());
+    places.interface = finer.HeldCoarseNodes();
+    places.held.insert(places.held.end(), places.interface.begin(), places.interface.end());
   }
   levels_[l]->SetCoupledNodes(std::move(nodes), std::move(places));
 }
@@ -182,6 +186,7 @@ PetscErrorCode Hierarchy::Reconnect(bool keeps_state)
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, keeps_state));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
+  for (auto &level : levels_) level->WantPatches();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,7 +194,7 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
 {
   PetscFunctionBeginUser;
   PetscCall(RenewInterface(b, false));
-  borders_[b]->RestoreState(state);
+  PetscCall(borders_[b]->RestoreState(state));
   const bool last = b + 2 == Levels(); // until then the next border has places of the layout before
   for (int l = 0; last && l < Levels(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -197,7 +202,14 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
 
 PetscErrorCode Hierarchy::Advance(double time, double dt)
 {
+  constexpr double kMostDrift = 0.5; // cells
+  bool due = false;
   PetscFunctionBeginUser;
+  for (const auto &level : levels_) due = due || level->PatchesDue();
+  if (model_->indenter && (due || patch_drift_ > kMostDrift)) PetscCall(AssignPatches(patch_drift_ > kMostDrift));
+  double drift = 0;
+  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(settings_.ratio, l) * levels_[l]->Clock().drift_per_step);
+  patch_drift_ += drift;
   if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1) {
     PetscCall(AdvanceLevel(0, time, dt, 0));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -242,6 +254,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
     for (auto &transfer : transfers_) transfer->LookAnew();
     level.LookForContact();
   }
+  if ((level.Steps() + 1) % kSplitInterval == 0) level.BodySurface().Split(level.LongestPatch(), model_->geometry);
   PetscCall(level.EndStep());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -84,7 +84,7 @@ IndexBox LevelInterface::Around() const
 void LevelInterface::ListOwned()
 {
   const Grid &mesh = fine_->Mesh(), &coarse = coarse_->Mesh();
-  known_.clear(), coarse_nodes_.clear(), held_coarse_.clear(), owned_place_.clear();
+  known_.clear(), coarse_nodes_.clear(), held_coarse_.clear(), place_.clear();
   if (coarse.Participates())
     ForEachInterface(coarse.Ghosted(), [&](Index node) {
       held_coarse_.push_back(coarse.Place(node));
@@ -100,57 +100,70 @@ void LevelInterface::ListOwned()
     }
     ForEachInterface(near, [&](Index node) {
       if (BlockOf(node) != block) return;
-      owned_place_[node] = static_cast<int>(known_.size());
-      known_.push_back({node, block, static_cast<int>(known_.size())});
+      const int k = Know(node);
+      known_[k].place = k;
     });
   }
   owned_ = static_cast<int>(known_.size());
 }
 
+/// The number of an interface node, which becomes known.
+int LevelInterface::Know(Index at)
+{
+  const auto [found, is_new] = place_.insert({at, static_cast<int>(known_.size())});
+  if (is_new) known_.push_back({at, BlockOf(at), -1});
+  return found->second;
+}
+
 void LevelInterface::ListBand()
 {
   const Grid &mesh = fine_->Mesh();
-  std::map<Index, int> place = owned_place_; // of interface nodes among those known here
-  band_.clear(), fine_nodes_.clear(), fine_places_ = {}, hats_.clear();
+  band_.clear(), fine_nodes_.clear(), fine_places_ = {};
   fine_places_.reach = (2 + ratio_) * mesh.Geometry().spacing; // the nodes of both levels that a segment pushes
   if (!mesh.Participates()) return;
   ForEach(Intersection(mesh.Owned(), MassNodes()), [&](Index node) {
     if (Beta(node) >= 1) return;
-    band_.push_back(Blend(node, place, true));
+    band_.push_back(Blend(node));
     fine_nodes_.push_back({band_.back().node});
   });
   ForEach(Intersection(mesh.Ghosted(), MassNodes()), [&](Index node) {
     const double beta = Beta(node);
     if (beta == 0) fine_places_.held.push_back(mesh.Place(node));
     if (beta > 0 && beta < 1) fine_places_.blended.push_back(node);
-    if (beta < 1 && knows_hats_) hats_.push_back(Blend(node, place, false));
   });
-  advanced_ = knows_hats_ ? static_cast<int>(known_.size()) : owned_;
-  if (!knows_hats_) hats_ = band_, place = owned_place_;
-  advanced_place_ = std::move(place);
+}
+
+/// Those that light ones among the known may hang on become known too.
+void LevelInterface::ListDonors()
+{
+  for (std::size_t k = 0, count = known_.size(); k < count; ++k) {
+    IndexBox near{known_[k].at, known_[k].at + Index{1, 1, 1}};
+    for (int axis = 0; axis < dim_; ++axis) near.lower[axis] -= LightNodes::kReach, near.upper[axis] += LightNodes::kReach;
+    ForEachInterface(near, [&](Index node) { Know(node); });
+  }
+  own_.assign(known_.size(), 1.0);
+  first_donor_.assign(known_.size() + 1, 0);
+  donors_.clear();
 }
 
 /// The axes that sides hold of the interface nodes that this rank works out.
 void LevelInterface::ListHeldAxes()
 {
-  held_axes_.assign(advanced_, 0);
-  for (int k = 0; k < advanced_; ++k)
+  held_axes_.assign(owned_, 0);
+  for (int k = 0; k < owned_; ++k)
     for (int axis = 0; axis < dim_; ++axis)
       if (coarse_->Geometry().sides.Constrains(known_[k].at, axis)) held_axes_[k] |= 1 << axis;
 }
 
-/// The weights of a fine node on interface nodes known here; where the list `grows`, others become known.
-BlendNode LevelInterface::Blend(Index node, std::map<Index, int> &place, bool grows)
+/// The weights of a fine node on interface nodes, which become known.
+BlendNode LevelInterface::Blend(Index node)
 {
   const NodeBlend all = BlendOf(node);
   const IndexBox around = Around();
   BlendNode blend{fine_->Mesh().Place(node), all.beta, 0, {}, {}};
   for (int a = 0; a < all.count; ++a) {
-    const Index at = all.node[a];
-    if (!around.Contains(at) || !IsInterface(at) || (!grows && !place.count(at))) continue;
-    const auto [found, is_new] = place.insert({at, static_cast<int>(known_.size())});
-    if (is_new) known_.push_back({at, BlockOf(at), -1});
-    blend.interface[blend.count] = found->second;
+    if (!around.Contains(all.node[a]) || !IsInterface(all.node[a])) continue;
+    blend.interface[blend.count] = Know(all.node[a]);
     blend.weight[blend.count++] = all.weight[a];
   }
   return blend;
@@ -169,7 +182,7 @@ PetscErrorCode LevelInterface::FindPlaces()
   for (int k = owned_; k < static_cast<int>(known_.size()); ++k)
     list.push_back({known_[k].at, known_[k].block, RankIn(comm), k, 0});
   PetscCall(ExchangeRecords(comm, &list, [](const Question &one) { return one.block; }));
-  for (Question &one : list) one.place = owned_place_.at(one.at);
+  for (Question &one : list) one.place = place_.at(one.at);
   PetscCall(ExchangeRecords(comm, &list, [](const Question &one) { return one.from; }));
   for (const Question &one : list) known_[one.known].place = one.place;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -210,13 +223,69 @@ PetscErrorCode LevelInterface::CreateTransfer(int count, SFHandle *transfer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Tells the owners of coarse nodes which ranks know them. Collective on all.
+PetscErrorCode LevelInterface::FindReaders()
+{
+  struct Reader {
+    Index at;
+    PetscMPIInt to, from;
+  };
+  const Grid &coarse = coarse_->Mesh();
+  std::vector<Reader> list;
+  PetscFunctionBeginUser;
+  for (const InterfaceNode &node : known_) list.push_back({node.at, coarse.OwnerOfNode(node.at), RankIn(world_)});
+  PetscCall(ExchangeRecords(world_, &list, [](const Reader &one) { return one.to; }));
+  readers_.assign(coarse_nodes_.size(), {});
+  std::map<std::ptrdiff_t, std::size_t> number;
+  for (std::size_t k = 0; k < coarse_nodes_.size(); ++k) number[coarse_nodes_[k].node] = k;
+  for (const Reader &one : list) readers_[number.at(coarse.Place(one.at))].push_back(one.from);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Tells the ranks that know light interface nodes what these hang on in this step. Collective on all.
+PetscErrorCode LevelInterface::ShareDonors()
+{
+  struct Link {
+    Index node, on;
+    double weight;
+    PetscMPIInt to;
+  };
+  const Grid &coarse = coarse_->Mesh();
+  std::vector<Link> list;
+  PetscFunctionBeginUser;
+  for (std::size_t k = 0; k < coarse_nodes_.size(); ++k) {
+    const std::ptrdiff_t place = coarse_nodes_[k].node;
+    if (!coarse_->Light().IsLight(place)) continue;
+    coarse_->Light().ForEachDonor(place, [&](std::ptrdiff_t on, double weight) {
+      for (const PetscMPIInt reader : readers_[k]) list.push_back({coarse.NodeAt(place), coarse.NodeAt(on), weight, reader});
+    });
+  }
+  PetscCall(ExchangeRecords(world_, &list, [](const Link &one) { return one.to; }));
+  std::fill(own_.begin(), own_.end(), 1.0);
+  if (list.empty() && donors_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  std::vector<std::vector<Donor>> donors(known_.size());
+  for (const Link &one : list) {
+    const int k = place_.at(one.node);
+    if (one.node == one.on)
+      own_[k] = one.weight;
+    else if (const auto on = place_.find(one.on); on != place_.end()) // what only copies in the ring hang on is of no interest
+      donors[k].push_back({on->second, one.weight});
+  }
+  donors_.clear();
+  for (std::size_t k = 0; k < donors.size(); ++k) {
+    donors_.insert(donors_.end(), donors[k].begin(), donors[k].end());
+    first_donor_[k + 1] = static_cast<int>(donors_.size());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode LevelInterface::AddTraffic(int level, double factor, std::vector<BlockTraffic> *traffic) const
 {
   const double node_bytes = sizeof(NodeSums) + sizeof(double) * velocity_size_;
   std::map<int, double> bytes; // by the coarse block; the fine one is this rank's
   std::vector<BlockTraffic> own, all;
   PetscFunctionBeginUser;
-  for (int k = 0; k < advanced_; ++k) bytes[coarse_->Mesh().BlockOfNode(known_[k].at)] += factor * node_bytes;
+  for (int k = 0; k < owned_; ++k) bytes[coarse_->Mesh().BlockOfNode(known_[k].at)] += factor * node_bytes;
   for (const auto &[coarse, sum] : bytes) own.push_back({level, coarse, RankIn(fine_->Mesh().Comm()), sum});
   PetscCall(GatherRecords(world_, own, &all));
   std::sort(all.begin(), all.end(),

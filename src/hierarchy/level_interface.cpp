@@ -9,9 +9,6 @@
 namespace mlgimp
 {
 
-/// Of a full cell: nodes with less mass may lose it within a step, and get nothing of what acted on them in the step before.
-static constexpr double kLeastExpecting = 1e-3;
-
 PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine, int ratio, double blend_width)
 {
   PetscFunctionBeginUser;
@@ -22,25 +19,27 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   blend_width_ = blend_width;
   dim_ = fine.Geometry().grid.dim;
   velocity_size_ = NodeLayout::Velocity(dim_);
-  knows_hats_ = 2 * (ratio - 1) < kHaloWidth;
   ListOwned();
   ListBand();
+  ListDonors();
   ListHeldAxes();
+  PetscCall(FindReaders());
   if (fine.Mesh().Participates()) PetscCall(CreateExchange());
-  PetscCall(CreateTransfer(advanced_, &down_));
+  PetscCall(CreateTransfer(owned_, &down_));
   PetscCall(CreateTransfer(owned_, &up_));
-  coarse_sums_.assign(advanced_, {});
-  least_masses_.clear();
-  for (int k = 0; k < advanced_; ++k) least_masses_.push_back(coarse.LeastMass(known_[k].at));
-  previous_force_.assign(advanced_, {});
-  contact_.assign(advanced_, {});
+  coarse_sums_.assign(owned_, {});
+  previous_force_.assign(owned_, {});
+  contact_.assign(owned_, {});
   left_ = contact_;
-  to_share_.assign(advanced_, {});
+  to_share_.assign(owned_, {});
   shared_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, {});
+  by_hats_.assign(owned_, 0.0);
+  finer_masses_.assign(shared_.size(), 0.0);
+  for (const std::ptrdiff_t place : held_coarse_) finer_masses_[place] = HUGE_VAL;
   PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
   PetscCall(up_unit_.Create(sizeof(UpRecord) / sizeof(double)));
   PetscCall(state_unit_.Create(kState));
-  mean_.assign(static_cast<std::size_t>(velocity_size_) * advanced_, 0.0);
+  mean_.assign(static_cast<std::size_t>(velocity_size_) * owned_, 0.0);
   sums_.assign(known_.size(), {});
   velocity_.assign(velocity_size_ * known_.size(), 0.0);
   pushed_ = velocity_;
@@ -52,13 +51,14 @@ PetscErrorCode LevelInterface::CoarseToFine()
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
   const auto keep_forces = [&] {
-    for (int k = 0; k < advanced_; ++k) std::copy_n(coarse_sums_[k].force, 3, previous_force_[k].begin());
+    for (int k = 0; k < owned_; ++k) std::copy_n(coarse_sums_[k].force, 3, previous_force_[k].begin());
   };
   keep_forces();
   PetscCall(PetscSFBcastBegin(down_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(down_, coarse.SumsUnit(), coarse.Sums(), coarse_sums_.data(), MPI_REPLACE));
   if (!has_previous_) keep_forces();
   has_previous_ = true;
+  PetscCall(ShareDonors());
   std::fill(mean_.begin(), mean_.end(), 0.0);
   for (SharedNode &node : to_share_) node = {};
   if (!coarse_->ContactAwake()) std::fill(contact_.begin(), contact_.end(), Vec3{});
@@ -72,8 +72,8 @@ PetscErrorCode LevelInterface::Advance(int substep, double dt)
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Restrict());
   AdvanceInterface(substep, dt);
-  if (!knows_hats_) PetscCall(BroadcastVelocity(&velocity_));
-  Prolong(dt);
+  PetscCall(BroadcastVelocity(&velocity_));
+  Prolong();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,27 +88,29 @@ PetscErrorCode LevelInterface::BroadcastVelocity(std::vector<double> *array)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, and the other nodal sums in the same way.
+/// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, of which light nodes give what hangs on others to these.
 PetscErrorCode LevelInterface::Restrict()
 {
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
   std::fill(sums_.begin(), sums_.end(), NodeSums{});
-  for (const BlendNode &node : hats_) {
+  for (const BlendNode &node : band_) {
     const NodeSums &from = mesh.Sums()[node.node];
     if (from.mass == 0) continue;
     for (int a = 0; a < node.count; ++a) {
-      NodeSums &to = sums_[node.interface[a]];
-      const double weight = (1 - node.beta) * node.weight[a];
-      to.mass += weight * from.mass;
-      to.owned_mass += weight * from.owned_mass;
-      for (int axis = 0; axis < 3; ++axis) {
-        to.momentum[axis] += weight * from.momentum[axis];
-        to.force[axis] += weight * from.force[axis];
-      }
+      const double part = (1 - node.beta) * node.weight[a];
+      sums_[node.interface[a]].owned_mass += part * from.mass;
+      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
+        NodeSums &to = sums_[k];
+        to.mass += part * weight * from.mass;
+        for (int axis = 0; axis < 3; ++axis) {
+          to.momentum[axis] += part * weight * from.momentum[axis];
+          to.force[axis] += part * weight * from.force[axis];
+        }
+      });
     }
   }
-  if (knows_hats_ || !mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFReduceBegin(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
   PetscCall(PetscSFReduceEnd(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,38 +118,35 @@ PetscErrorCode LevelInterface::Restrict()
 
 /// old = (p^c + p^f)/m, dv = (dt (F_k + f^f) + J/r)/m with m = m^c + m^f, F_k = f^c + (k/r)(f^c - f^c of the step before) and J
 /// the impulse that contact on the coarse level had in the last step, and what fine points lack of it; then p^c += m^c dv, as the
-/// coarse points will get dv. The velocity is that of the motion, old + dv m/max(m, M).
+/// coarse points will get dv.
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->Nodal().mass_cutoff;
-  for (int k = 0; k < advanced_; ++k) {
-    const double counts = k < owned_ ? 1 : 0; // in the budgets of one rank only
+  for (int k = 0; k < owned_; ++k) {
     NodeSums &coarse = coarse_sums_[k];
     const NodeSums &fine = sums_[k];
     const NodeVelocity now = VelocityIn(velocity_, k), mean = VelocityIn(mean_, k);
     const double mass = coarse.mass + fine.mass;
     std::fill_n(now.velocity, velocity_size_, 0.0);
     if (mass <= cutoff) continue;
-    const double lack = LackOf(least_masses_[k], mass);
-    const bool expects = mass > kLeastExpecting / kEmptyNode * cutoff;
     for (int axis = 0; axis < dim_; ++axis) {
-      const double ahead = expects * extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
+      const double ahead = extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
       const double old = (coarse.momentum[axis] + fine.momentum[axis]) / mass;
-      const double contact = expects * (contact_[k][axis] + left_[k][axis]) / ratio_;
+      const double contact = (contact_[k][axis] + left_[k][axis]) / ratio_;
       double dv = (dt * (coarse.force[axis] + ahead + fine.force[axis]) + contact) / mass;
-      budgets_.stagger_impulse[axis] += counts * (dt * ahead + contact);
+      budgets_.stagger_impulse[axis] += dt * ahead + contact;
       const bool held = held_axes_[k] >> axis & 1;
       if (held) {
         const double at = coarse_->Geometry().sides.HeldVelocity(known_[k].at, axis), lacks = at - (old + dv);
-        budgets_.support_impulse[axis] += counts * mass * lacks;
-        budgets_.external_work += at * lacks * mass * counts;
+        budgets_.support_impulse[axis] += mass * lacks;
+        budgets_.external_work += at * lacks * mass;
         dv = at - old;
       } else {
         to_share_[k].finer_push[axis] += contact / mass;
-        to_share_[k].impulse[axis] += expects * contact_[k][axis] / ratio_;
+        to_share_[k].impulse[axis] += contact_[k][axis] / ratio_;
       }
       coarse.momentum[axis] += coarse.mass * dv;
-      now.velocity[axis] = old + dv - (held ? 0 : Lacking(coarse_->Nodal(), dt, lack, axis, dv, old));
+      now.velocity[axis] = old + dv;
       now.change[axis] = dv;
       mean.velocity[axis] += now.velocity[axis] / ratio_;
       mean.change[axis] += dv;
@@ -156,26 +155,23 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
 }
 
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i, where v is that of the motion.
-void LevelInterface::Prolong(double dt)
+void LevelInterface::Prolong()
 {
   for (const BlendNode &node : band_) {
-    const auto [to, change] = fine_->Mesh().Velocity(node.node);
-    const double lack = LackOf(fine_->LeastMass(node.node), fine_->Mesh().Sums()[node.node].mass);
-    for (int axis = 0; axis < dim_; ++axis)
-      to[axis] -= Lacking(fine_->Nodal(), dt, lack, axis, change[axis], to[axis] - change[axis]);
-    for (int c = 0; c < velocity_size_; ++c) {
-      double sum = 0;
-      for (int a = 0; a < node.count; ++a)
-        sum += node.weight[a] * velocity_[static_cast<std::size_t>(velocity_size_) * node.interface[a] + c];
-      to[c] = (1 - node.beta) * sum + node.beta * to[c];
-    }
+    double *const to = fine_->Mesh().Velocity(node.node).velocity;
+    for (int c = 0; c < velocity_size_; ++c) to[c] *= node.beta;
+    for (int a = 0; a < node.count; ++a)
+      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
+        const double part = (1 - node.beta) * node.weight[a] * weight, *const from = VelocityIn(velocity_, k).velocity;
+        for (int c = 0; c < velocity_size_; ++c) to[c] += part * from[c];
+      });
   }
 }
 
 PetscErrorCode LevelInterface::ShiftForces(bool from_fine)
 {
   const Grid &coarse = coarse_->Mesh();
-  std::vector<NodeSums> shift(advanced_, NodeSums{});
+  std::vector<NodeSums> shift(owned_, NodeSums{});
   PetscFunctionBeginUser;
   if (!from_fine) {
     PetscCall(PetscSFBcastBegin(down_, coarse.SumsUnit(), coarse.Sums(), shift.data(), MPI_REPLACE));
@@ -184,8 +180,18 @@ PetscErrorCode LevelInterface::ShiftForces(bool from_fine)
     PetscCall(Restrict());
     std::copy_n(sums_.begin(), shift.size(), shift.begin());
   }
-  for (int k = 0; k < advanced_; ++k)
+  for (int k = 0; k < owned_; ++k)
     for (int axis = 0; axis < dim_; ++axis) coarse_sums_[k].force[axis] += shift[k].force[axis];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// To the coarse level, with its ghosts.
+PetscErrorCode LevelInterface::SendFinerMasses()
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscSFReduceBegin(up_, MPIU_REAL, by_hats_.data(), finer_masses_.data(), MPI_REPLACE));
+  PetscCall(PetscSFReduceEnd(up_, MPIU_REAL, by_hats_.data(), finer_masses_.data(), MPI_REPLACE));
+  if (coarse_->Mesh().Participates()) PetscCall(coarse_->Mesh().BroadcastNumbers(finer_masses_.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,6 +199,8 @@ PetscErrorCode LevelInterface::FineToCoarse()
 {
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
+  for (int k = 0; k < owned_; ++k) by_hats_[k] = sums_[k].owned_mass;
+  PetscCall(SendFinerMasses());
   clear_steps_ = MeetsContact() ? 0 : clear_steps_ + 1;
   if (!IsClear()) {
     PetscCall(ShareContact());
@@ -210,7 +218,7 @@ PetscErrorCode LevelInterface::ShareContact()
   const Grid &coarse = coarse_->Mesh();
   std::vector<UpRecord> outgoing(owned_), incoming(shared_.size());
   PetscFunctionBeginUser;
-  for (int k = 0; k < advanced_; ++k) to_share_[k].finer_mass = sums_[k].mass;
+  for (int k = 0; k < owned_; ++k) to_share_[k].finer_mass = sums_[k].mass;
   for (int k = 0; k < owned_; ++k) {
     std::copy_n(VelocityIn(mean_, k).velocity, velocity_size_, outgoing[k].velocity);
     outgoing[k].shared = to_share_[k];
@@ -233,6 +241,7 @@ std::vector<LevelInterface::NodeState> LevelInterface::States() const
     std::copy_n(coarse_sums_[k].force, 3, state.values);
     std::copy_n(contact_[k].begin(), 3, state.values + 3);
     std::copy_n(left_[k].begin(), 3, state.values + 6);
+    state.values[9] = by_hats_[k];
   }
   return states;
 }
@@ -240,10 +249,11 @@ std::vector<LevelInterface::NodeState> LevelInterface::States() const
 /// Of a node that this rank works out.
 void LevelInterface::SetState(const NodeState &state)
 {
-  const int k = advanced_place_.at(state.at);
+  const int k = place_.at(state.at);
   std::copy_n(state.values, 3, coarse_sums_[k].force);
   std::copy_n(state.values + 3, 3, contact_[k].begin());
   std::copy_n(state.values + 6, 3, left_[k].begin());
+  by_hats_[k] = state.values[9];
 }
 
 PetscErrorCode LevelInterface::TakeState(const LevelInterface &before)
@@ -253,16 +263,7 @@ PetscErrorCode LevelInterface::TakeState(const LevelInterface &before)
   has_previous_ = before.has_previous_;
   PetscCall(ExchangeRecords(world_, &states, [&](const NodeState &s) { return fine_->Mesh().Layout().ranks[BlockOf(s.at)]; }));
   for (const NodeState &state : states) SetState(state);
-  if (!knows_hats_ || !fine_->Mesh().Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<double> values(kState * known_.size(), 0.0);
-  for (const NodeState &state : states) std::copy_n(state.values, kState, &values[kState * advanced_place_.at(state.at)]);
-  PetscCall(PetscSFBcastBegin(exchange_, state_unit_, values.data(), values.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(exchange_, state_unit_, values.data(), values.data(), MPI_REPLACE));
-  for (int k = owned_; k < advanced_; ++k) {
-    NodeState copy{known_[k].at, {}};
-    std::copy_n(&values[static_cast<std::size_t>(kState) * k], kState, copy.values);
-    SetState(copy);
-  }
+  if (has_previous_) PetscCall(SendFinerMasses());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -279,17 +280,20 @@ PetscErrorCode LevelInterface::GatherState(std::vector<double> *state) const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void LevelInterface::RestoreState(const std::vector<double> &state)
+PetscErrorCode LevelInterface::RestoreState(const std::vector<double> &state)
 {
   auto next = state.begin();
+  PetscFunctionBeginUser;
   has_previous_ = !state.empty();
-  if (!has_previous_) return;
+  if (!has_previous_) PetscFunctionReturn(PETSC_SUCCESS);
   ForEachInterface(Around(), [&](Index node) {
     NodeState one{node, {}};
     std::copy_n(next, kState, one.values);
     next += kState;
-    if (advanced_place_.count(node)) SetState(one);
+    if (const auto found = place_.find(node); found != place_.end() && found->second < owned_) SetState(one);
   });
+  PetscCall(SendFinerMasses());
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 std::size_t LevelInterface::InterfaceNodes() const

@@ -30,6 +30,9 @@ PetscErrorCode AddRanks(MPI_Comm comm, std::vector<Budgets> *rows)
       for (Budget &row : budgets)
         for (int c = 0; row.IsLargest() == largest && c < row.components; ++c) row.value[c] = *next++;
   }
+  for (Budgets &budgets : *rows)
+    if (budgets.contact_width_power > 0)
+      budgets.contact_half_width = std::pow(budgets.contact_width_power, 1 / budgets.contact_axes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

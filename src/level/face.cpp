@@ -4,8 +4,6 @@
 namespace mlgimp
 {
 
-static Vec3 Cross(Vec3 a, Vec3 b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
-
 Face PointFace(const PointArrays &points, int p, Side side)
 {
   const int dim = points.dim;

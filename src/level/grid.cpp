@@ -123,6 +123,8 @@ PetscErrorCode Grid::CreateSharedNodes()
     const IndexBox common = Intersection(ghosted_, GhostedOf(block));
     if (block == own || common.Empty()) continue;
     with.push_back({block, {}});
+    neighbours_.push_back({block, GhostedOf(block)});
+    lower_neighbours_ += block < own;
     ForEach(common, [&](Index node) { with.back().second.push_back(Place(node)); });
   }
   PetscCall(shared_.Create(comm_, std::move(with)));
@@ -226,6 +228,15 @@ PetscErrorCode Grid::BroadcastVelocity()
   if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFBcastBegin(halo_, velocity_unit_, velocity_, velocity_, MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(halo_, velocity_unit_, velocity_, velocity_, MPI_REPLACE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Grid::BroadcastNumbers(double *numbers)
+{
+  PetscFunctionBeginUser;
+  if (!HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFBcastBegin(halo_, MPIU_REAL, numbers, numbers, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(halo_, MPIU_REAL, numbers, numbers, MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,10 +55,10 @@ void Level::SetCoupledPlaces(CoupledPlaces places)
 {
   coupled_places_ = std::move(places);
   if (!grid_->Participates()) return;
-  least_masses_ = LeastMasses(*grid_, nodal_, model_.geometry.HasHoop());
-  later_masses_ = least_masses_;
-  for (const std::ptrdiff_t place : coupled_places_.held) later_masses_[place] = 0;
-  for (const Index node : coupled_places_.blended) later_masses_[grid_->Place(node)] = 0;
+  std::vector<double> shares(grid_->GhostedNodes(), 1.0);
+  if (border_) ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = border_->BlendOf(node).beta; });
+  for (const std::ptrdiff_t place : coupled_places_.interface) shares[place] = LightNodes::kWithFiner;
+  light_.Create(*grid_, geometry_.sides, nodal_, model_.geometry.HasHoop(), std::move(shares));
 }
 
 void Level::SetPressures(const ContactPressures &pressures)
@@ -118,6 +118,9 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   budgets_.hoop_impulse += dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ShareSums());
+  AddLoadImpulse(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
+  light_.Find(*grid_, finer_masses_);
+  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -136,22 +139,24 @@ PetscErrorCode Level::UpdateNodes(double dt)
 
 PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
+  const int dim = model_.geometry.Dim();
   PetscFunctionBeginUser;
   contact_room_ -= clock_.drift_per_step * geometry_.grid.spacing;
   const bool touched = clock_.contact_awake && group_.Participates() && contact_room_ <= Norm(tip.end - contact_tip_);
   tip_ = {tip.FreeTravel()};
+  tip_end_ = tip.end;
   if (!touched) NoteContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
-  pushed_.clear();
+  pushed_.clear(), pressed_around_.clear(), flows_ = false;
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
   pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
   if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
-  RestrainLightNodes(*grid_, geometry_.sides, nodal_, dt, later_masses_);
+  PetscCall(Logged(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), NodeLayout::Velocity(dim)); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,7 +166,10 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareSums(); }));
+  light_.Find(*grid_, finer_masses_);
+  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
+  PetscCall(light_.Prolong(*grid_, grid_->RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(
       ForEachStore(flops_.gather_rates + flops_.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
@@ -171,18 +179,32 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// rates: momenta after the step are in the grid's rates.
+PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
+{
+  PetscFunctionBeginUser;
+  if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  std::vector<double> motion = MeanMotion(*grid_, rates, nodal_.mass_cutoff);
+  PetscCall(light_.Prolong(*grid_, motion.data(), model_.geometry.Dim()));
+  AddLoadWork(*grid_, applied_, motion, dt, budgets_);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::ExchangeRates(double dt, double xpic)
 {
-  const SecondVelocityPlan plan = {least_masses_, later_masses_, coupled_places_.held,
-                                   following_,    xpic,          is_coupled_ || model_.VolumeAverages() > 0};
+  const SecondVelocityPlan plan = {coupled_places_.held, following_, xpic, is_coupled_ || model_.VolumeAverages() > 0};
+  const int components = NodeLayout::Rates(model_.geometry.Dim());
   PetscFunctionBeginUser;
-  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, least_masses_);
+  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, light_);
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
+  PetscCall(Logged(events_.halo, [&] { return light_.Restrict(*grid_, grid_->RatesArray(), components); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
-  AddLoadWork(*grid_, applied_, true, nodal_.mass_cutoff, dt, budgets_);
+  PetscCall(AddWorkOfLoads(true, dt));
   if (plan.exchange) AddExchange(*grid_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
-  UpdateRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
+  DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
+  PetscCall(Logged(events_.halo, [&] { return light_.Prolong(*grid_, grid_->RatesArray(), components); }));
+  FinishRates(*grid_, nodal_, plan);
   PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -201,6 +223,8 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
+  NoteStrains();
+  PetscCall(PrepareSurface());
   if (rates) grid_->ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     kernels_->GridToPoints(view, first, budgets, failure);
@@ -208,7 +232,9 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) {
     budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
-    AddLoadWork(*grid_, applied_, false, nodal_.mass_cutoff, dt, budgets_);
+    PetscCall(AddWorkOfLoads(false, dt));
+    PetscCall(MoveSurface(false, dt));
+    PetscCall(LetSurfaceFlow(dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ExchangeRates(dt, xpic));
@@ -217,6 +243,8 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->ApplyRates(view, second, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  PetscCall(MoveSurface(true, dt));
+  PetscCall(LetSurfaceFlow(dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,116 +267,6 @@ void Level::BoundDrift(double largest_speed, double dt)
   // Speeds may double before they are measured again, and a body at rest may be set in motion.
   constexpr double kSafety = 2, kSurprise = 0.02; // -, cells a step
   clock_.drift_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
-}
-
-PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
-{
-  const Vec3 x = points.Position(p);
-  const Index node = grid_->Nearest(x);
-  const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->OwnerOfNode(node) : -1;
-  if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
-  return owner;
-}
-
-void Level::PutBack(const std::vector<int> &points)
-{
-  const IndexBox allowed = geometry_.PointNodes();
-  const PointArrays a = points_.Arrays();
-  for (int p : points)
-    for (int axis = 0; axis < a.dim; ++axis) {
-      double &x = a.position[PointArrays::At(p, a.dim) + axis];
-      const double first = grid_->Coordinate(axis, allowed.lower[axis]), last = grid_->Coordinate(axis, allowed.upper[axis] - 1);
-      const double room = 0.5 * geometry_.grid.spacing;
-      if (x >= first - room && x < last + room) continue; // a NaN does not
-      NoteFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
-      x = grid_->Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
-    }
-}
-
-PetscErrorCode Level::Migrate(bool everywhere)
-{
-  const IndexBox allowed = geometry_.PointNodes();
-  PetscMPIInt rank;
-  Migrants migrants;
-  PetscFunctionBeginUser;
-  PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
-  const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  const PointArrays points = points_.Arrays();
-  clock_.drift = 0;
-  for (int p = 0; p < points.count; ++p) {
-    const Index nearest = grid_->Nearest(points.Position(p));
-    Index node = nearest;
-    for (int axis = 0; axis < points.dim; ++axis) {
-      node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
-      if (node[axis] == nearest[axis]) continue;
-      NoteFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, time_);
-      points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
-    }
-    const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);
-    if (owner != rank) migrants.Add(p, owner);
-  }
-  PetscCall(MovePoints(comm, points_, points_, migrants));
-  PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::MigrateCopies()
-{
-  PetscFunctionBeginUser;
-  for (Points &copies : copies_) {
-    Migrants migrants;
-    const PointArrays points = copies.Arrays();
-    for (int p = 0; p < points.count; ++p) migrants.Add(p, OwnerOf(points, p));
-    PetscCall(MovePoints(world_, copies, copies, migrants));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::Repartition(const GridLayout &layout)
-{
-  PetscFunctionBeginUser;
-  PetscCall(SharePressures());
-  PetscCall(CreateGrid(layout));
-  if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
-  coupled_nodes_.clear(), following_.clear();
-  PetscCall(Migrate(true));
-  PetscCall(MigrateCopies());
-  for (Points *store : {&points_, &copies_[0], &copies_[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
-  PetscCall(Sort());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layout)
-{
-  PetscFunctionBeginUser;
-  geometry_ = geometry;
-  PetscCall(Repartition(layout));
-  SetPressures({}); // of columns that are others now
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The points by their nearest nodes, and by their places where these are the same.
-static std::vector<int> SortedByNode(const Grid &grid, const PointArrays &points)
-{
-  std::vector<int> start(grid.GhostedNodes() + 1, 0), key(points.count), order(points.count);
-  for (int p = 0; p < points.count; ++p) {
-    key[p] = static_cast<int>(grid.Place(grid.Nearest(points.Position(p))));
-    ++start[key[p] + 1];
-  }
-  for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-  for (int p = 0; p < points.count; ++p) order[start[key[p]]++] = p;
-  return order;
-}
-
-PetscErrorCode Level::Sort()
-{
-  PetscFunctionBeginUser;
-  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  points_.Reorder(SortedByNode(*grid_, points_.Arrays()));
-  PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)

@@ -1,7 +1,11 @@
 // What a level does with contact in a step, and what it adds up of it.
 #include "level/level.hpp"
 
+#include "level/contact/body.hpp"
+#include "level/contact/segments.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace mlgimp
 {
@@ -11,8 +15,11 @@ void Level::NoteContact(const ContactReport &report, double area)
 {
   budgets_.contact_points = report.local_points;
   budgets_.contact_half_width = report.half_width;
+  budgets_.contact_axes = model_.geometry.kind == GeometryKind::kPlaneStrain ? 1 : 2;
+  budgets_.contact_width_power = area > 0 ? std::pow(report.half_width, budgets_.contact_axes) : 0;
   budgets_.peak_pressure = report.peak_pressure;
   budgets_.contact_area = area;
+  budgets_.contact_strain_energy = report.stored;
   budgets_.contact_coarseness = report.crosses;
 }
 
@@ -85,14 +92,14 @@ void Level::PrepareSharedNodes()
   if (!shared_) return;
   for (CoupledNode &one : coupled_nodes_) {
     SharedNode &node = shared_[one.node];
-    const double mass = grid_->Sums()[one.node].mass + node.finer_mass, felt = 1 - LackOf(least_masses_[one.node], mass);
+    const double mass = grid_->Sums()[one.node].mass + node.finer_mass;
     if (mass <= nodal_.mass_cutoff) node = {}; // the last point has left
     const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_push - expected;
     if (by != Vec3{}) pushed_.push_back({one.node, by});
     one.change = one.change - node.finer_push;
     const NodeVelocity now = grid_->Velocity(one.node);
     for (int axis = 0; axis < grid_->Geometry().dim; ++axis)
-      now.velocity[axis] -= felt * expected[axis], now.change[axis] -= expected[axis];
+      now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
     node.impulse = {};
   }
 }
@@ -103,14 +110,15 @@ void Level::FindFollowing(Vec3 tip)
   following_.clear();
   for (const Index node : coupled_places_.blended) {
     const Vec3 x{grid_->Coordinate(0, node[0]), grid_->Coordinate(1, node[1]), grid_->Coordinate(2, node[2])};
-    if (model_.indenter->Gap(x, tip).distance < coupled_places_.reach) following_.push_back(grid_->Place(node));
+    const std::ptrdiff_t place = grid_->Place(node);
+    if (!light_.IsLight(place) && model_.indenter->Gap(x, tip).distance < coupled_places_.reach) following_.push_back(place);
   }
 }
 
 ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
 {
-  return {*grid_, group_, points_, bodies_, geometry_.sides, *model_.indenter,     model_.geometry,      nodal_.mass_cutoff,
-          time,   dt,     tip,     border_, shared_,         least_masses_.data(), later_masses_.data(), &nodal_};
+  return {*grid_, group_, points_, surface_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff,
+          time,   dt,     tip,     border_,  shared_, &light_};
 }
 
 PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)
@@ -135,6 +143,8 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   contact_room_ = report.room;
+  for (const PressedColumn &one : report.columns) pressed_around_[one.key] = one.share;
+  flows_ = model_.HasMetal();
   contact_tip_ = tip.end;
   NoteContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
@@ -147,7 +157,104 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   budgets_.friction_work += report.friction_work;
   budgets_.contact_steps += report.set_updates > 0;
   budgets_.contact_set_updates += report.set_updates;
-  budgets_.contact_fallbacks += report.fallback;
+  PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static double SmoothStep(double x)
+{
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+/// The part of the motion of a place of the surface that goes with the nodes: where contact presses they are in balance with the
+/// forces in the body on any line of nodes, and points are not; in bodies that flow where it presses all around, as the crest
+/// beside a steep tip, where few points are, runs away with them.
+double Level::HeldByContact(Vec3 x, bool flows)
+{
+  constexpr double kLeast = 0.25, kFade = 0.25; // share of the surface; cells off the indenter
+  double share = 0;
+  if (pressed_around_.empty()) return 0;
+  const double off = model_.indenter->Gap(x, contact_tip_).distance / (kFade * geometry_.grid.spacing);
+  if (off >= 1 || !flows) return 1 - SmoothStep(off);
+  const ContactView view = ViewOfContact(time_, 0, {contact_tip_, contact_tip_});
+  ForEachColumn(view, Locate(*grid_, x, geometry_.grid.dim), [&](std::int64_t key, Index, double hat) {
+    if (const auto found = pressed_around_.find(key); found != pressed_around_.end()) share += hat * found->second;
+  });
+  return SmoothStep((share - kLeast) / (1 - kLeast)) * (1 - SmoothStep(off));
+}
+
+/// Finds how corners of the surface will move, before the points do.
+PetscErrorCode Level::PrepareSurface()
+{
+  const std::size_t corners = 1U << (geometry_.grid.dim - 1);
+  std::vector<NearPoints::Place> places;
+  PetscFunctionBeginUser;
+  if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
+  const ContactView view = ViewOfContact(time_, 0, {tip_end_, tip_end_});
+  const auto by_nodes = [&](const SurfacePatch &patch, Vec3 x) {
+    if (!ContactAwake() || FarFromIndenter(view, x)) return 1.0; // where nodes and points move alike
+    return HeldByContact(x, bodies_.material[bodies_.one_material ? 0 : patch.body]->IsMetal());
+  };
+  corners_.clear();
+  for (const SurfacePatch &patch : surface_.Patches())
+    for (std::size_t c = 0; c < corners; ++c) {
+      corners_.push_back({by_nodes(patch, patch.corner[c]), {}});
+      if (corners_.back().by_nodes < 1) places.push_back({patch.corner[c], patch.body});
+    }
+  if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_.Arrays()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// rates: points that do not average their volume are strained by the second velocity.
+PetscErrorCode Level::MoveSurface(bool rates, double dt)
+{
+  std::vector<NearPoints::Sum> sums;
+  std::vector<char> by_rates;
+  PetscFunctionBeginUser;
+  if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
+  for (std::size_t body = 0; body < model_.bodies.size(); ++body)
+    by_rates.push_back(rates && bodies_.average[bodies_.one_material ? 0 : body] < 0);
+  if (ContactAwake()) PetscCall(near_.Finish(*grid_, points_.Arrays(), &sums));
+  auto next = sums.begin();
+  for (Surface::CornerMotion &corner : corners_)
+    if (corner.by_nodes < 1) corner.sums = *next++;
+  surface_.Move(*grid_, geometry_.sides, by_rates, corners_, nodal_.mass_cutoff, dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The plastic strains of the points of the surface near the indenter, and under which columns they lie, before the step's
+/// strain.
+void Level::NoteStrains()
+{
+  flowing_.clear(), under_columns_.clear();
+  if (!flows_) return;
+  const ContactView view = ViewOfContact(time_, 0, {contact_tip_, contact_tip_});
+  const PointArrays points = points_.Arrays();
+  for (const int p : points_.SurfacePoints()) {
+    if (FarFromIndenter(view, points.Position(p)) || !bodies_.Of(points, p).IsMetal()) continue;
+    flowing_.push_back({p, points.history[PointArrays::At(p, points.history_components)]});
+    ForEachColumn(view, Locate(*grid_, points.Position(p), points.dim), [&](std::int64_t key, Index, double hat) {
+      under_columns_.push_back({key, 0, hat * points.mass[p]});
+    });
+  }
+}
+
+/// Tells contact what they have flowed since.
+PetscErrorCode Level::LetSurfaceFlow(double dt)
+{
+  double work = 0;
+  PetscFunctionBeginUser;
+  if (!flows_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
+  const PointArrays points = points_.Arrays();
+  const std::size_t columns = 1U << (points.dim - 1);
+  for (std::size_t k = 0; k < flowing_.size(); ++k) {
+    const double by = points.history[PointArrays::At(flowing_[k].first, points.history_components)] - flowing_[k].second;
+    for (std::size_t c = k * columns; c < (k + 1) * columns; ++c) under_columns_[c].strain = by * under_columns_[c].weight;
+  }
+  PetscCall(contact_->Flow(ViewOfContact(time_, dt, {contact_tip_, contact_tip_}), under_columns_, &surface_, &work));
+  budgets_.contact_plastic_work += work;
   PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -45,6 +45,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     kernels_->PointsToGrid({*grid_, one, bodies_}, {}, time_, discarded);
   }
   PetscCall(grid_->ShareSums());
+  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -66,19 +66,39 @@ void AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Lo
     }
 }
 
-void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, bool rates, double mass_cutoff, double dt,
-                 Budgets &budgets)
+void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets)
 {
   for (const FaceForce &face : applied)
     ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
-      const NodeSums &node = grid.Sums()[place];
-      if (node.mass <= mass_cutoff) return;
-      const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change;
-      for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
-        const double impulse = dt * weight * face.force[axis], p = node.momentum[axis];
-        budgets.load_impulse[axis] += impulse;
-        budgets.external_work += 0.5 * impulse / node.mass * (p + (rates ? after[axis] : p + node.mass * change[axis]));
-      }
+      if (grid.Sums()[place].mass <= mass_cutoff) return;
+      for (int axis = 0; axis < grid.Geometry().dim; ++axis) budgets.load_impulse[axis] += dt * weight * face.force[axis];
+    });
+}
+
+std::vector<double> MeanMotion(const Grid &grid, bool rates, double mass_cutoff)
+{
+  const int dim = grid.Geometry().dim;
+  std::vector<double> motion(dim * grid.GhostedNodes());
+  ForEach(grid.Ghosted(), [&](Index at) {
+    const std::ptrdiff_t place = grid.Place(at);
+    const NodeSums &node = grid.Sums()[place];
+    if (node.mass <= mass_cutoff) return;
+    const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change;
+    for (int axis = 0; axis < dim; ++axis) {
+      const double p = node.momentum[axis];
+      motion[dim * place + axis] = 0.5 / node.mass * (p + (rates ? after[axis] : p + node.mass * change[axis]));
+    }
+  });
+  return motion;
+}
+
+void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, const std::vector<double> &motion, double dt,
+                 Budgets &budgets)
+{
+  const int dim = grid.Geometry().dim;
+  for (const FaceForce &face : applied)
+    ForEachNodeOf(grid, face, [&](std::ptrdiff_t place, double weight) {
+      for (int axis = 0; axis < dim; ++axis) budgets.external_work += dt * weight * face.force[axis] * motion[dim * place + axis];
     });
 }
 

@@ -1,6 +1,8 @@
 // Loops over the owned nodes of a grid.
 #include "level/nodes.hpp"
 
+#include "level/light_nodes.hpp"
+
 #include <algorithm>
 #include <type_traits>
 
@@ -131,13 +133,12 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
 }
 
 std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
-                                                    const std::vector<double> &least_masses)
+                                                    const LightNodes &light)
 {
   std::map<std::ptrdiff_t, double> ahead;
   for (const PushedNode &one : pushed) {
     double &part = ahead[one.node];
-    const double felt = 1 - LackOf(least_masses[one.node], grid.Sums()[one.node].mass);
-    part = std::max(part, felt * (one.rubbed ? kRubbedAhead : kPushedAhead));
+    if (!light.IsLight(one.node)) part = std::max(part, one.rubbed ? kRubbedAhead : kPushedAhead);
   }
   for (const auto &[node, part] : ahead)
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
@@ -168,7 +169,7 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
     const NodeSums &node = grid.Sums()[coupled.node];
     const double *const change = grid.Velocity(coupled.node).change;
     for (int axis = 0; axis < dim; ++axis)
-      coupled.change[axis] = node.mass > settings.mass_cutoff ? change[axis] - dt * node.force[axis] / node.mass : 0;
+      coupled.change[axis] = change[axis] - (node.mass > settings.mass_cutoff ? dt * node.force[axis] / node.mass : 0);
   }
 }
 
@@ -192,59 +193,22 @@ void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &co
   budgets.exchange_energy += work;
 }
 
-/// Holds the velocities of the second extrapolation at the sides; returns the impulse on the projected velocities.
+/// Holds at the sides the velocities of the second extrapolation and the means that XPIC takes off; returns the impulse on the
+/// latter, N s.
 static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
 {
   const int dim = grid.Geometry().dim;
   Vec3 impulse{};
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
-    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+    double *const velocity = grid.Rates(place), *const mean = velocity + NodeLayout::Projected(dim);
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
       const double held = sides.HeldVelocity(side, axis);
-      if (owned) impulse[axis] += grid.Sums()[place].owned_mass * (held - projected[axis]);
-      velocity[axis] = projected[axis] = held;
+      if (owned) impulse[axis] += grid.Sums()[place].owned_mass * (mean[axis] - held);
+      velocity[axis] = mean[axis] = held;
     }
   });
   return impulse;
-}
-
-double LeastMassOf(const Grid &grid, const NodalSettings &settings, bool hoop, Index node)
-{
-  constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
-  const double share = hoop ? std::max(grid.Coordinate(0, node[0]) / grid.Geometry().spacing, kAtAxis) : 1;
-  return kLeastMass * share * settings.full_mass;
-}
-
-std::vector<double> LeastMasses(const Grid &grid, const NodalSettings &settings, bool hoop)
-{
-  std::vector<double> masses(grid.GhostedNodes());
-  ForEach(grid.Ghosted(), [&](Index node) { masses[grid.Place(node)] = LeastMassOf(grid, settings, hoop, node); });
-  return masses;
-}
-
-/// Calls work(place, lack, dim) for every local node that moves by less than its change of velocity.
-template <class Work>
-static void ForEachLight(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses, Work work)
-{
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
-    const double mass = grid.Sums()[place].mass;
-    if (mass > settings.mass_cutoff && mass < least_masses[place]) work(place, LackOf(least_masses[place], mass), dim);
-  });
-}
-
-void RestrainLightNodes(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                        const std::vector<double> &least_masses)
-{
-  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double lack, auto dim) {
-    const auto [velocity, change] = grid.Velocity(place);
-    for (int axis = 0; axis < dim; ++axis)
-      velocity[axis] -= Lacking(settings, dt, lack, axis, change[axis], velocity[axis] - change[axis]);
-  });
-  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool) {
-    for (int axis = 0; axis < grid.Geometry().dim; ++axis)
-      if (sides.Constrains(side, axis)) grid.Velocity(place).velocity[axis] = sides.HeldVelocity(side, axis);
-  });
 }
 
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
@@ -260,35 +224,15 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 
 /// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
 /// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
-/// as the surface that contact sees. Nodes beside an edge follow by as much as they are full: dv of a few points is large, other
-/// levels have a part in the motion but not in what is taken away, and their points would be strained against their forces.
-static void FollowMotion(const Grid &grid, const NodalSettings &settings, double dt, double least_mass, std::ptrdiff_t node)
+/// as the surface that contact sees.
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::ptrdiff_t node)
 {
-  constexpr double kFull =
-      0.25 / kLeastMass; // of the least mass; with 0.03 the edge of a pillar under a punch still gains energy
   const NodeSums &sums = grid.Sums()[node];
   const auto [motion, change] = grid.Velocity(node);
   double *const velocity = grid.Rates(node);
   const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
-  const double lack = LackOf(least_mass, sums.mass), share = std::min(1.0, sums.mass / (kFull * least_mass));
-  for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
-    const double old = smooths ? sums.momentum[axis] / sums.mass : 0,
-                 own = old + change[axis] - Lacking(settings, dt, lack, axis, change[axis], old);
-    velocity[axis] = smooths ? velocity[axis] + share * (motion[axis] - own) : motion[axis];
-  }
-}
-
-/// Gives XPIC's projection what the motion of light nodes lacks: points get momentum from it. Held ones lack nothing. Not the
-/// second velocity: points strained by a part of dv, which is large there, would make energy where a face rests on a line of
-/// nodes.
-static void ProjectWholeChange(const Grid &grid, const NodalSettings &settings, const std::vector<double> &least_masses)
-{
-  ForEachLight(grid, settings, least_masses, [&](std::ptrdiff_t place, double, auto dim) {
-    const auto [motion, change] = grid.Velocity(place);
-    const NodeSums &node = grid.Sums()[place];
-    double *const projected = grid.Rates(place) + NodeLayout::Projected(dim);
-    for (int axis = 0; axis < dim; ++axis) projected[axis] += node.momentum[axis] / node.mass + change[axis] - motion[axis];
-  });
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+    velocity[axis] = motion[axis] + (smooths ? velocity[axis] - sums.momentum[axis] / sums.mass - change[axis] : 0);
 }
 
 /// Kinetic energy that points on an owned node get from the forces f in a step, dt f/m . (p + P)/2 with P not yet divided.
@@ -299,7 +243,13 @@ template <int dim> static double EnergyOfForces(const NodeSums &node, const doub
   return half_step * power;
 }
 
-void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
+/// The new velocity in place of the second one.
+static void HoldRates(const Grid &grid, const SecondVelocityPlan &plan)
+{
+  for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+}
+
+void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                  const SecondVelocityPlan &plan, Budgets &budgets)
 {
   const bool exchange = plan.exchange;
@@ -307,26 +257,36 @@ void UpdateRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto owned) {
     constexpr int components = NodeLayout::Rates(dim);
     const NodeSums &node = grid.Sums()[place];
-    const double *const updated = grid.Velocity(place).velocity;
-    double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+    double *const rates = grid.Rates(place);
     if (node.mass <= settings.mass_cutoff) {
-      std::fill_n(velocity, components, 0.0);
+      std::fill_n(rates, components, 0.0);
       return;
     }
     const double inverse_mass = 1 / node.mass;
-    if (owned && exchange) energy += EnergyOfForces<dim>(node, velocity, 0.5 * dt * inverse_mass);
-    for (int k = 0; k < components; ++k) velocity[k] *= inverse_mass;
-    for (int axis = 0; plan.xpic > 0 && axis < dim; ++axis) {
-      projected[axis] = settings.xpic_order == 1 ? updated[axis] : 2 * updated[axis] - projected[axis];
-      velocity[axis] += plan.xpic * (projected[axis] - velocity[axis]);
-    }
-    for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
+    if (owned && exchange) energy += EnergyOfForces<dim>(node, rates, 0.5 * dt * inverse_mass);
+    for (int k = 0; k < components; ++k) rates[k] *= inverse_mass;
   });
   budgets.exchange_energy += energy;
-  if (plan.xpic > 0) ProjectWholeChange(grid, settings, plan.later_masses);
-  for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
-  for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, dt, plan.least_masses[node], node);
-  budgets.xpic_side_impulse += plan.xpic * ConstrainRates(grid, sides);
+  HoldRates(grid, plan);
+  for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, node);
+  const Vec3 impulse = ConstrainRates(grid, sides);
+  if (settings.xpic_order == 2) budgets.xpic_side_impulse += plan.xpic * impulse;
+}
+
+void FinishRates(const Grid &grid, const NodalSettings &settings, const SecondVelocityPlan &plan)
+{
+  const double mean = settings.xpic_order == 1 ? 0 : 1;
+  if (plan.xpic > 0 || !settings.second_extrapolation)
+    ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+      const double *const updated = grid.Velocity(place).velocity;
+      double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+      for (int axis = 0; plan.xpic > 0 && axis < dim; ++axis) {
+        projected[axis] = updated[axis] + mean * (updated[axis] - projected[axis]);
+        velocity[axis] += plan.xpic * (projected[axis] - velocity[axis]);
+      }
+      for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
+    });
+  HoldRates(grid, plan);
 }
 
 } // namespace mlgimp

@@ -52,6 +52,33 @@ PetscErrorCode SharedNodes::Exchange(int numbers)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+std::vector<PetscMPIInt> SharedNodes::Ranks() const
+{
+  std::vector<PetscMPIInt> ranks;
+  for (const auto &[rank, nodes] : with_) ranks.push_back(rank);
+  return ranks;
+}
+
+PetscErrorCode SharedNodes::Send(const std::vector<std::vector<double>> &outgoing, std::vector<std::vector<double>> *incoming)
+{
+  PetscFunctionBeginUser;
+  requests_.clear();
+  incoming->resize(with_.size());
+  for (std::size_t k = 0; k < with_.size(); ++k)
+    PetscCallMPI(MPI_Isend(outgoing[k].data(), static_cast<int>(outgoing[k].size()), MPI_DOUBLE, with_[k].first, tag_, comm_,
+                           &requests_.emplace_back()));
+  for (std::size_t k = 0; k < with_.size(); ++k) {
+    MPI_Status status;
+    int count = 0;
+    PetscCallMPI(MPI_Probe(with_[k].first, tag_, comm_, &status));
+    PetscCallMPI(MPI_Get_count(&status, MPI_DOUBLE, &count));
+    (*incoming)[k].resize(count);
+    PetscCallMPI(MPI_Recv((*incoming)[k].data(), count, MPI_DOUBLE, with_[k].first, tag_, comm_, MPI_STATUS_IGNORE));
+  }
+  PetscCallMPI(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SharedNodes::Sum(const std::vector<NodalField> &fields)
 {
   int numbers = 0;

@@ -165,8 +165,6 @@ void ReadOutput(OptionReader &reader, Case *c)
   out.monitor = OnTerminal(reader.Comm());
   reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)"}, &out.monitor);
   reader.Flag({"-contact_monitor", "a line per step about the contact solve"}, &c->model.contact.monitor);
-  reader.Integer({"-contact_serial_unknowns", "fewer contact pressures than this are solved on one rank"}, Closed(1, 2e9),
-                 &c->model.contact.serial_unknowns);
   reader.Integer({"-sort_interval", "steps between sorts of the points"}, Closed(1, 2e9), &c->hierarchy.sort_interval);
   reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid"},
                 {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold);

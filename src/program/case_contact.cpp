@@ -25,34 +25,30 @@ void ReadFriction(OptionReader &reader, ContactSettings *contact)
   contact->friction = friction;
 }
 
-/// Those of PETSc's types that solve the contact equations; others end with PETSc's errors, or never.
+/// Those of PETSc's types that solve the contact equations, whose matrix is never formed; others end with PETSc's errors, or
+/// never.
 const std::vector<std::string> kSolvers = {"cg",     "cr",  "minres", "symmlq", "gmres", "fgmres",
                                            "lgmres", "gcr", "bicg",   "bcgs",   "cgs",   "tfqmr"};
-const std::vector<std::string> kSymmetricSolvers = {"cg", "cr", "minres", "symmlq"},
-                               kSymmetricPreconditioners = {"eisenstat", "icc", "cholesky"};
-const std::vector<std::string> kPreconditioners = {"jacobi", "none", "sor", "eisenstat", "icc", "ilu", "cholesky", "lu", "svd"};
+const std::vector<std::string> kPreconditioners = {"jacobi", "none"};
 
-/// One of the types, where the option is given; with friction none of those that ask for symmetry.
-void CheckType(OptionReader &reader, const std::string &option, std::vector<std::string> types,
-               const std::vector<std::string> &symmetric, bool friction)
+/// One of the types, where the option is given.
+void CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
 {
   std::string text = "default";
-  for (const std::string &type : symmetric)
-    if (friction) types.erase(std::find(types.begin(), types.end(), type));
   if (reader.Text({option, "type of the solver of the contact pressures"}, false, &text) &&
       std::find(types.begin(), types.end(), text) == types.end())
     reader.Refuse(option, text, "one of " + Join(types, ", "));
 }
 
 /// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
-void CheckContactSolver(OptionReader &reader, bool friction)
+void CheckContactSolver(OptionReader &reader)
 {
   constexpr double kLoosest = 1e-3; // with 0.01 loads are 1 % off, with 0.3 a fifth
   double tolerance = 1e-10;
   int iterations = 10000;
   reader.Identify(false);
-  CheckType(reader, "-contact_ksp_type", kSolvers, kSymmetricSolvers, friction);
-  CheckType(reader, "-contact_pc_type", kPreconditioners, kSymmetricPreconditioners, friction);
+  CheckType(reader, "-contact_ksp_type", kSolvers);
+  CheckType(reader, "-contact_pc_type", kPreconditioners);
   reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, {0, kLoosest, true, false}, false,
                 &tolerance);
   reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
@@ -63,15 +59,9 @@ void CheckContactSolver(OptionReader &reader, bool friction)
 
 void ReadContact(OptionReader &reader, ContactSettings *contact)
 {
-  if (contact->method == "pressure" || reader.Help())
-    contact->own_width = reader.Number(
-        {"-contact_width",
-         "half width of the kernel of a contact pressure in cells; 1 is the hat (default: 1; 0.7 under pointed tips on "
-         "elastic bodies in plane strain)"},
-        {0, 1, true, false}, false, &contact->width);
   ReadFriction(reader, contact);
   if (reader.Help() || (contact->method != "pressure" && contact->method != "point_pressure")) return;
-  CheckContactSolver(reader, contact->friction > 0);
+  CheckContactSolver(reader);
 }
 
 } // namespace mlgimp

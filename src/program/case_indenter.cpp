@@ -210,17 +210,6 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   }
 }
 
-/// Half width of the kernels of pressures, cells. In the plane, early contact of elastic bodies with a pointed tip is right with
-/// narrow ones, wherever it stands between columns (docs/verification.md); flat punches have better energies, round tips loads
-/// that converge more evenly, and metals less noise, with wide ones.
-double DefaultContactWidth(const Case &c)
-{
-  constexpr double kNarrow = 0.7, kNear = 1e-3, kBlunt = 0.05; // cells
-  const double h = c.CellSize(c.LevelAtTip());
-  const bool pointed = c.model.indenter->surface->Width(kNear * h) < kBlunt * h;
-  return c.model.geometry.kind == GeometryKind::kPlaneStrain && pointed && !c.model.HasMetal() ? kNarrow : 1;
-}
-
 } // namespace
 
 bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height)
@@ -268,8 +257,6 @@ void ReadIndenter(OptionReader &reader, Case *c)
   if (slow) PlanQuasiStatic(reader, end_time, c);
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();
   if (reader.Help()) return;
-  if (!c->model.contact.own_width) c->model.contact.width = DefaultContactWidth(*c);
-  reader.Chosen("-contact_width", c->model.contact.width);
   CheckIndenterInput(reader, *c, kind);
 }
 

@@ -94,6 +94,9 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
       keys.push_back(static_cast<double>(key));
       pressures.push_back(pressure);
     }
+  std::vector<double> patches;
+  EndOn(hierarchy.GatherPatches(l, &patches));
+  file.List(group + "/patches", first ? patches : std::vector<double>());
   file.List(group + "/pressure_keys", keys);
   file.List(group + "/pressures", pressures);
   for (int origin = 0; origin < 2 && hierarchy.Copies().ready; ++origin)
@@ -127,6 +130,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
     file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
   file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
   file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
+  file.Attribute("/", "patch_drift", {hierarchy.PatchDrift()});
   EndOn(hierarchy.ShareReach());
   file.List("/following",
             RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());

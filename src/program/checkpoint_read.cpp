@@ -31,6 +31,7 @@ private:
   void ReadLevel(const RunState &state, int l);
   void ReadLayout(int l);
   void ReadPoints(const std::string &group, Level &level, Points &points);
+  void ReadPatches(const std::string &group, int l);
   void ReadBorder(int b);
   void CheckWhole(const RunState &state);
   void Settle(const char *place);
@@ -110,7 +111,7 @@ void CheckpointReader::Open()
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched;
+  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched, drift(1);
   std::string then, told, difference;
   std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
@@ -123,6 +124,7 @@ void CheckpointReader::ReadHead(RunState *state)
     if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
     Note(NotFinite(copies, "copies"));
   }
+  if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SetPatchDrift(drift[0]);
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
@@ -269,10 +271,11 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
     Note(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
-    Note(WrongPressures(keys, values, UnknownsPerColumn(case_.model.contact, case_.model.geometry)));
+    Note(WrongPressures(keys, values, NumbersPerColumn(case_.model.contact)));
   Settle("checkpoint_pace");
   ReadLayout(l);
   ReadPoints(group, level, level.PointStore());
+  ReadPatches(group, l);
   for (int origin = 0; origin < 2 && hierarchy_.Copies().ready; ++origin)
     ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
@@ -285,6 +288,15 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   EndOn(level.Migrate(true));
   EndOn(level.MigrateCopies());
   EndOn(level.Sort());
+}
+
+void CheckpointReader::ReadPatches(const std::string &group, int l)
+{
+  std::vector<double> patches;
+  if (FoundList(group + "/patches", &patches)) Note(NotFinite(patches, group + "/patches"));
+  Found(patches.size() % Hierarchy::kOfPatch == 0, group + "/patches");
+  Settle("checkpoint_patches");
+  EndOn(hierarchy_.RestorePatches(l, patches));
 }
 
 void CheckpointReader::ReadBorder(int b)

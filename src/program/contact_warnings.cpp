@@ -89,14 +89,14 @@ std::string OfSteps(const Case &c, const Budgets &budgets, const Watched &watche
          (cells < kEnough ? "more before" : "some 10 to 30 % while it has fewer than ten") + "; try smaller cells there";
 }
 
-/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image. A plate over all of the domain has
-/// none.
+/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
+/// cell away. A plate over all of the domain has none.
 std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (!c.model.indenter || budgets.contact_half_width == 0) return "";
   const Indenter &indenter = *c.model.indenter;
   const Vec3 tip = indenter.Tip(budgets.time);
-  const double reach = budgets.contact_half_width * (1 - kRounding), flat = indenter.surface->Width(0);
+  const double reach = budgets.contact_half_width + 0.5 * c.CellSize(c.LevelAtTip()), flat = indenter.surface->Width(0);
   for (int s = c.model.geometry.HasHoop() ? 2 * indenter.up : 0; s < 2 * indenter.up; ++s) {
     const Side side = static_cast<Side>(s);
     const int axis = AxisOf(side);

@@ -1,5 +1,5 @@
 // mlgimp: multi-level generalized interpolation material point method for indentation and contact.
-#include "level/contact/active_set.hpp"
+#include "level/contact/pressure_solver.hpp"
 #include "program/case.hpp"
 #include "program/command_line.hpp"
 #include "program/errors.hpp"
@@ -45,8 +45,8 @@ int Main(const CommandLine &line, const std::string &program)
   settings.name = line.name;
   ReadCase(reader, &settings);
   if (help) {
-    ActiveSetSolver solver; // lists the options of the contact solver
-    EndOn(solver.Create(PETSC_COMM_SELF, true));
+    PressureSolver solver; // lists the options of the contact solver
+    EndOn(solver.Create());
     return 0;
   }
   Simulation simulation(settings);

@@ -296,10 +296,22 @@ static const std::string &Nearest(const std::string &option, const std::vector<s
                            [&](const auto &a, const auto &b) { return EditDistance(option, a) < EditDistance(option, b); });
 }
 
+/// Options of earlier versions, and why nothing reads them.
+struct RetiredOption {
+  const char *name, *reason;
+};
+constexpr RetiredOption kRetired[] = {
+    {"-contact_width",
+     "contact has a pressure on each segment of the surface, not on columns of cells with kernels of some width"},
+    {"-contact_serial_unknowns",
+     "the contact pressures are solved on one rank, as they take a few products with a sparse matrix"}};
+
 [[noreturn]] static void RefuseUnknown(const std::string &option, const std::vector<std::string> &known)
 {
   if (option.find('=') != std::string::npos)
     Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
+  for (const RetiredOption &retired : kRetired)
+    if (option == retired.name) Refuse(option + ": is not an option any more: " + retired.reason);
   Refuse(Shortened(option) + ": nothing reads this option in this case; the nearest known name is " + Nearest(option, known));
 }
 

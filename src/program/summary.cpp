@@ -181,7 +181,7 @@ std::string Simulation::WriteSummary(const std::string &status)
                {"points_lost", Number(state_.initial_points + created - budgets.points)},
                {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
   json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
-  json["contact_excess"] = Number(budgets.contact_work + budgets.friction_work - budgets.indenter_work);
+  json["contact_excess"] = Number(budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
   if (case_.quasi_static.on) json["quasi_static"] = QuasiStaticJson(case_, watch_);
   if (case_.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state_.moves, case_.Dim());

@@ -36,7 +36,7 @@ std::string OfContact(const Case &c, const Budgets &budgets, const Watched &watc
   constexpr double kMost =
       0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
-  const double given = budgets.contact_work + budgets.friction_work - budgets.indenter_work;
+  const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
   const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (given <= kMost * work) return "";
   return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
@@ -54,7 +54,7 @@ std::string OfContactLoss(const Case &c, const Budgets &budgets, const Watched &
   constexpr double kMost = 0.15; // of the largest work, or what the bodies brought; runs that touch well are seen to take 0.1
   constexpr int kSteps = 100;    // of contact, before which it is all first touch
   if (!c.model.indenter || budgets.contact_steps < kSteps) return "";
-  const double taken = budgets.indenter_work - budgets.contact_work - budgets.friction_work;
+  const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
   const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (taken <= kMost * work) return "";
   return "-indenter: contact has taken " + FormatRounded(taken) + " J, " + FormatRounded(100 * taken / work) +
@@ -219,7 +219,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
-      energy + budgets.dissipated_energy - budgets.external_work - budgets.contact_work - budgets.friction_work;
+      energy + budgets.dissipated_energy - budgets.external_work - budgets.GivenByContact() - budgets.friction_work;
   if (numbers_[kLooked] == 0) numbers_[kHadAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
   raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
   raise(kIndenterWork, std::abs(budgets.indenter_work));

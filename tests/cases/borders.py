@@ -39,7 +39,7 @@ def test_contact_outgrows_its_box(expect, case, half_width, mean, largest):
     expect("largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=largest)
     expect("energy left", energy_left(history), near=0, tolerance=0.005)
     expect("energy left, less that with a box that holds it", energy_left(history) - energy_left(reference.history), near=0, tolerance=0.001)
-    work = (history["contact_work"] + history["exchange_energy"])[-1] / history["indenter_work"][-1]
+    work = (harness.given_by_contact(history) + history["exchange_energy"])[-1] / history["indenter_work"][-1]
     expect("work of contact and exchange over that of the indenter", work, near=1, tolerance=0.002)
     expect("momentum along y less impulses", momentum_left(history, "y"), at_most=1e-9)
 

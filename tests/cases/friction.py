@@ -84,18 +84,19 @@ def test_scratch_in_metal(expect):
     history = harness.run({"indenter_friction": 0, "frames": 0}, file="scratch.opts").history
     work = history["indenter_work"]
     expect("energy less the work, of the work", energy_error(history), at_most=0.01)
-    expect("what contact gave beyond the work, of it", history["contact_work"][-1] / work[-1] - 1, near=0, tolerance=0.01)
+    expect("what contact gave beyond the work, of it", harness.given_by_contact(history)[-1] / work[-1] - 1, near=0, tolerance=0.01)
 
 
-def test_noise_of_an_elastic_surface_is_told():
-    """A tip that slides feeds it, and more with smaller steps: pressures were 9 %, stresses 30 % too high. XPIC takes it."""
+def test_noise_of_an_elastic_surface(expect):
+    """A tip that slides fed it, the more the smaller the steps, as columns let go in turns: it had 2.8 % of the strain energy."""
     slide = {"domain_lower": "0,0", "domain_upper": "36e-6,20e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
              "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700, "bodies": "b",
              "b_lower": "0,0", "b_upper": "36e-6,16e-6", "indenter": "cylinder", "indenter_radius": 20e-6, "indenter_tip": "11e-6,16e-6",
              "indenter_times": "0,20e-9,25e-9,35e-9,185e-9", "indenter_velocities": "20,20,0,0,0", "indenter_velocities_x": "0,0,0,80,80",
              "indenter_friction": 0.3, "damping": 1e7, "end_time": 100e-9, "cfl": 0.1, "frames": 0}
-    said = harness.run(slide).summary["warnings"]
-    assert [line.startswith("-xpic_fraction 0: noise of the points' velocities holds") for line in said] == [True], said
+    result = harness.run(slide)
+    expect("noise of velocities, of the strain energy", result.history["noise_energy"][-1] / result.history["strain_energy"][-1], at_most=0.005)
+    expect.that("nothing is told", result.summary["warnings"] == [], f"{result.summary['warnings']}")
 
 
 def test_sphere_on_the_axis(expect):
@@ -208,8 +209,7 @@ LEVELS = {**SCRATCH, "cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level
 @pytest.mark.parametrize("name", ("scratch on levels", "space"))
 def test_ranks_and_restart(expect, name):
     """From the middle of sliding to the last bit; equations on one rank, and in space on all."""
-    sphere = {**in_space(30, 0.1), "indenter": "sphere", "indenter_radius": 12.0, "checkpoint_interval": 15, "points_per_rank": 1, "end_time": 20,
-              "contact_serial_unknowns": 4}
+    sphere = {**in_space(30, 0.1), "indenter": "sphere", "indenter_radius": 12.0, "checkpoint_interval": 15, "points_per_rank": 1, "end_time": 20}
     case = {"scratch on levels": LEVELS, "space": sphere}[name]
     runs = {ranks: harness.run(case, ranks=ranks) for ranks in (1, 2, 3)}
     history = runs[1].history
@@ -248,9 +248,12 @@ def adhering(poisson):
 
 @pytest.mark.parametrize("poisson", (0.2, 0.3))
 def test_sticking_punch(expect, poisson):
-    """On 4 cells under the punch; verify_sticking_punch has more, and a block without end."""
+    """On 4 cells under the punch. What ends the block takes as much off the compliance of both, so that a punch that sticks is stiffer by
+    what it is on a half space: fine cells agree within 0.1 %, where the ratio of both is 0.8 % off. verify_sticking_punch has more."""
     smooth, sticks = (stiffness(poisson, friction, 32, radius=4.0, cell=1) for friction in (0, "inf"))
-    expect("load of a sticking punch over a smooth one, of the exact ratio", sticks / smooth / adhering(poisson), near=1, tolerance=0.005)
+    half_space = (1 - poisson**2) / (2 * 4.0)
+    exact = 1 / smooth - half_space * (1 - 1 / adhering(poisson))
+    expect("stiffness of a sticking punch, of the exact one beside a smooth one", sticks * exact, near=1, tolerance=0.005)
 
 
 def verify_sticking_punch(study):
@@ -303,7 +306,7 @@ REFUSED = [
     ("minus infinite", {"indenter_friction": "-inf"}, ["-indenter_friction -inf:", ">= 0"]),
     ("a word", {"indenter_friction": "rough"}, ["-indenter_friction rough:", "inf"]),
     ("nothing", {"indenter_friction": ""}, ["-indenter_friction (nothing):", ">= 0"]),
-    ("a solver for symmetric equations", {"indenter_friction": 0.1, "contact_ksp_type": "cg"}, ["-contact_ksp_type cg:", "gmres"]),
+    ("a solver that needs the matrix", {"indenter_friction": 0.1, "contact_pc_type": "lu"}, ["-contact_pc_type lu:", "jacobi"]),
     ("two", {"indenter_friction": "0.1,0.2"}, ["-indenter_friction 0.1,0.2:", ">= 0"]),
     ("fewer speeds than times", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 2 values:", "as many as -indenter_times has: 5"]),
     ("speeds that are none", {"indenter_velocities_x": "0,0,0,0,fast"}, ["-indenter_velocities_x 0,0,0,0,fast:", "numbers"]),

@@ -29,8 +29,11 @@ def segments(level, axisymmetric):
 Pressed = namedtuple("Pressed", "places pressures areas moment")  # moment: root of the mean of r^2 under the pressure
 
 
-def nodal_pressure(result, lower, spacing, width=1, axisymmetric=False):
-    """What presses the columns of the finest level in the last checkpoint: load over area of each that is loaded.
+PADDING, NUMBERS = 3, 4  # layers of nodes beyond a grid; numbers that contact keeps of a column, the first its mean pressure
+
+
+def nodal_pressure(result, lower, spacing, axisymmetric=False):
+    """Mean pressures of the loaded columns of the finest level in the last checkpoint, and the moment of what they show between them.
 
     lower, spacing: of that level's grid.
     """
@@ -39,20 +42,18 @@ def nodal_pressure(result, lower, spacing, width=1, axisymmetric=False):
         places, weights = segments(level, axisymmetric)
         keys, solved, nodes = (level[name][:].ravel() for name in ("pressure_keys", "pressures", "columns"))
     axes = places.shape[1]
-    lower, unknowns = numpy.array(lower)[:axes], dict(zip(keys.astype(int), solved))
+    lower, of_means = numpy.array(lower)[:axes], keys.astype(int) % NUMBERS == 0
+    keys, solved = keys[of_means].astype(int) // NUMBERS, solved[of_means]
+    columns = numpy.stack((keys % int(nodes.sum()), keys // int(nodes.sum())), axis=1)[:, :axes] - PADDING
+    means = dict(zip(map(tuple, columns), solved))
     cell = numpy.floor((places - lower) / spacing).astype(int)
-    corners = [numpy.array(corner) for corner in itertools.product((0, 1), repeat=axes)]
-    columns = [cell + corner for corner in corners]
-    offsets = [numpy.abs(places - lower - spacing * column) / spacing for column in columns]
-    pressure = sum(numpy.prod(numpy.maximum(0, 1 - offset / width), axis=1) *
-                   numpy.array([unknowns.get(at[0] + (nodes.sum() * at[1] if axes > 1 else 0), 0) for at in column])
-                   for column, offset in zip(columns, offsets))
-    area, load = {}, {}
-    for column, offset in zip(columns, offsets):
-        for at, share, force in zip(map(tuple, column), numpy.prod(1 - offset, axis=1) * weights, pressure):
-            area[at], load[at] = area.get(at, 0) + share, load.get(at, 0) + share * force
-    under = sorted(at for at in area if load[at] > 0)
-    return Pressed(lower + spacing * numpy.array(under), numpy.array([load[at] / area[at] for at in under]), numpy.array([area[at] for at in under]),
+    pressure, area = numpy.zeros(len(places)), {}
+    for corner in itertools.product((0, 1), repeat=axes):
+        hat = numpy.prod(1 - numpy.abs(places - lower - spacing * (cell + corner)) / spacing, axis=1)
+        pressure += hat * numpy.array([means.get(tuple(at), 0) for at in cell + corner])
+        for at, share in zip(map(tuple, cell + corner), hat * weights):
+            area[at] = area.get(at, 0) + share
+    return Pressed(lower + spacing * columns, solved, numpy.array([area.get(at, 0) for at in means]),
                    math.sqrt(numpy.average((places**2).sum(axis=1), weights=pressure * weights)))
 
 
@@ -204,42 +205,3 @@ def verify_pyramids(study):
         seen = load_over_depth(case, {"indenter": name}, 3.5, parts)
         study.expect(f"{name}: P/(E* d^2)", seen, near=expected, tolerance=0.05 * expected)
         study.expect(f"{name}: over that of the cone", seen / cone, near=of_cone, tolerance=0.03 * of_cone)
-
-
-# ---- the width of the kernel ----
-
-WEDGE_LOADS = {depth: 9.45e3 * depth * 1e-9 for depth in (50, 100, 200)}  # N by nm, half of the workpiece: tests/reference/wedge_touch.py
-BOTH_HALVES = {"domain_lower": "-31e-6,0", "level_1_lower": "-16e-6,24e-6", "level_2_lower": "-8e-6,32e-6",
-               "workpiece_lower": "-30e-6,0", "boundary_x_lower": "free"}
-CYLINDER = {**BLOCK, **pressed(0.6, 64), "domain_lower": "0,0", "domain_upper": "64,68", "boundary_x_lower": "symmetry",
-            "boundary_y_lower": "symmetry", "block_lower": "0,0", "block_upper": "64,64", "indenter": "cylinder",
-            "indenter_radius": 100, "indenter_tip": "0,64"}
-
-
-def verify_contact_width(study):
-    """Half width of the kernel of a contact pressure
-
-    Wedge of 70.3 degrees on three levels, 125 nm: load against the straight line that finite elements of 31 nm have, for a tip on a
-    column of nodes, a quarter of a cell and half a cell beside it. Cylinder and sphere of Hertz at half widths of six to eight cells.
-    """
-    cells = []
-    for shift in (0, 0.25, 0.5):
-        for width in (1, 0.7, 0.5, 0.35):
-            place = {**BOTH_HALVES, "indenter_tip": f"{shift * 125e-9},40e-6"} if shift else {}
-            history = harness.run({"frames": 0, "contact_width": width, "indenter_max_depth": "210e-9", **place}, file="wedge_3level.opts").history
-            loads = smooth_load(history, numpy.array(list(WEDGE_LOADS)) * 1e-9, 3e-9) / (2 if shift else 1)
-            kept = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
-            cells.append([f"{shift:g} h", f"{width:g}", *(f"{100 * (load / expected - 1):+.1f} %" for load, expected in zip(loads, WEDGE_LOADS.values())),
-                          f"{history['depth'][numpy.argmax(history['load'] > 0)] / 125e-9:.3f}", f"{history['penetration'].max() / 125e-9:.3f}",
-                          f"{kept / history['indenter_work'][-1]:.4f}"])
-    study.table("Wedge", ["tip beside a column", "half width", *(f"load at {depth} nm" for depth in WEDGE_LOADS), "first load, cells", "penetration, cells",
-                          "energy over work"], cells)
-    cells = []
-    for width in (1, 0.7, 0.5, 0.35):
-        flat, curved = harness.run({**CYLINDER, "contact_width": width}), harness.run({**ROUND, "contact_width": width})
-        _, flat_rms, flat_moment = hertz(study.expect, f"cylinder, half width {width:g}", nodal_pressure(flat, (0, 0), 1, width), 100,
-                                         2 * flat.history["load"][-1], (0.02, 0.02, 0.04), plane=True)
-        _, rms, moment = hertz(study.expect, f"sphere, half width {width:g}", nodal_pressure(curved, (0, 44), 1, width, axisymmetric=True), 120,
-                               curved.history["load"][-1], (0.02, 0.02, 0.04))
-        cells.append([f"{width:g}", *(f"{100 * error:.2f} %" for error in (flat_rms, flat_moment, rms, moment))])
-    study.table("Hertz", ["half width", "cylinder: rms error of p_i", "half width of contact", "sphere: rms error of p_i", "half width of contact"], cells)

@@ -82,7 +82,7 @@ def test_what_is_refused_is_not_warned_of():
 
 def test_punch_as_wide_as_a_cell_of_its_level():
     levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
-    case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05}
+    case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05, "indenter_velocities": 20}
     assert "at least as wide" in refusal({**case, "domain_upper": "16,12"})
     assert warnings({**case, **levels}) == []
 
@@ -152,12 +152,12 @@ def test_surface_deep_inside_the_indenter_is_told():
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
-@pytest.mark.parametrize("half_angle, depth, told", [(10, 3.2e-6, 1), (60, 0.8e-6, 0)])
+@pytest.mark.parametrize("half_angle, depth, told", [(10, 8e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
 def test_surface_torn_open_is_told(half_angle, depth, told):
-    """A slender wedge parts the points of a metal and carries nothing any more; the books of its work do not close."""
+    """A slender wedge that goes eight cells deep parts the points of a metal; the books of its work do not close."""
     result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": depth, "frames": 0}, file="wedge_plastic.opts")
     history = result.history
-    excess = history["contact_work"][-1] / history["indenter_work"][-1] - 1
+    excess = harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1
     assert (excess > 0.1) == bool(told), excess
     assert result.stderr.count(WARNING + "-indenter: contact has given") == told, result.stderr
 
@@ -173,12 +173,12 @@ def test_contact_across_a_border_of_levels_is_told(ranks, upper, told):
     assert len(crosses) == told, result.summary["warnings"]
 
 
-def test_elastic_contact_that_gives_more_than_the_indenter_is_told():
-    """A sharp wedge beside the free edge of a body lets the column there go and meets it again in blows."""
+def test_wedge_beside_the_free_edge_of_an_elastic_body(expect):
+    """Its blows once gave the body more than a tenth more than the wedge's work."""
     edge = {**PRESS, "domain_upper": "20,20", "block_upper": "16,16", "boundary_x_lower": "symmetry", "indenter": "wedge", "indenter_half_angle": 45,
             "indenter_velocities": 5}
-    told = WARNING + "-indenter: contact has given the bodies"
-    assert any(line.startswith(told) for line in warnings({**edge, "indenter_tip": "15.5,16"}))
+    history = harness.run({**edge, "indenter_tip": "15.5,16"}).history
+    expect("work given over the indenter's", harness.given_by_contact(history)[-1] / history["indenter_work"][-1], near=1, tolerance=0.03)
     assert warnings({**edge, "indenter_tip": "0,16", "indenter_half_angle": 70, "indenter_max_depth": 0.3}) == []
 
 
@@ -314,7 +314,7 @@ TURNING = {
 
 
 @pytest.mark.parametrize("change, words", [
-    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.02}, "J that no work explains"), ({"left_velocity": "0,0.01"}, "")])
+    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.1}, "J that no work explains"), ({"left_velocity": "0,0.01"}, "")])
 def test_bodies_that_turn_on_few_cells(change, words):
     """Their motion becomes noise, or XPIC takes it for that; not where they fly as they are."""
     said = warnings({**TURNING, **change, "end_time": 300 if words else 50})

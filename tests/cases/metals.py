@@ -20,10 +20,10 @@ COMPRESSION = {
     "indenter_max_depth": 8, "frames": 1, "history_interval": 20}
 
 
-def energy_left(history, given="indenter_work"):
-    """Energies of the body less the work of the indenter, or what contact gave, of that, at the end."""
+def energy_left(history, given=None):
+    """Energies of the body less the work of the indenter, or another that was given [rows] J, of that, at the end."""
     energy = sum(history[name][-1] for name in ("kinetic_energy", "strain_energy", "dissipated_energy"))
-    return energy / history[given][-1] - 1
+    return energy / (history["indenter_work"] if given is None else given)[-1] - 1
 
 
 def pressure_noise(frame, inside, cell):
@@ -73,16 +73,16 @@ def test_punch(expect):
     rms, largest = pressure_noise(frame, below, 1e-6)
     expect("noise of the pressure under the punch without its corner, rms, k", rms / SHEAR_YIELD, at_most=0.25)
     expect("largest of it, k", largest / SHEAR_YIELD, at_most=1.5)
-    expect("energy less what contact gave, of it", energy_left(history, "contact_work"), near=0, tolerance=0.01)
+    expect("energy less what contact gave, of it", energy_left(history, harness.given_by_contact(history)), near=0, tolerance=0.01)
     expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
-    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1,
+    expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1,
            near=0, tolerance=0.03)
     expect("noise of velocities, of the work", history["noise_energy"][-1] / history["indenter_work"][-1], at_most=0.005)
     parts = sum(history[name] for name in ("plastic_work", "viscous_work", "damping_work"))
     expect("works less what is dissipated, of it", numpy.max(numpy.abs(parts - history["dissipated_energy"])) / parts[-1],
            at_most=1e-14)
-    line, = result.summary["warnings"]  # with a quarter of the damping the load is 2.1 % lower
-    assert line.startswith("-damping 6.1e+07: its drag adds some 2.5")
+    line, = result.summary["warnings"]  # with a quarter of the damping the load is 2.3 % lower
+    assert line.startswith("-damping 6.1e+07: its drag adds some 2.8")
 
 
 def test_locking_without_average(expect):
@@ -110,13 +110,13 @@ def test_cone(expect):
     below = (frame["position"][:, 0] < 0.3e-6) & (frame["position"][:, 1] > 25.2e-6)
     expect("noise of the pressure under it, rms, k", pressure_noise(frame, below, 50e-9)[0] / (1e9 / math.sqrt(3)), at_most=0.25)
     expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
-    expect("what contact gave beyond the indenter's work, of it", history["contact_work"][-1] / history["indenter_work"][-1] - 1,
+    expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1,
            near=0, tolerance=0.03)
 
 
 def test_compression(expect):
     """Half as high between frictionless plates: stress sy + H a, and the work of it on the volume."""
-    result = harness.run({**COMPRESSION, "indenter_times": "0,4800", "indenter_velocities": "0,0.00167"})  # inertia: as speed squared
+    result = harness.run({**COMPRESSION, "indenter_times": "0,6400", "indenter_velocities": "0,0.00125"})  # inertia: as speed squared
     history, frame = result.history, result.frame()
     strain = frame["equivalent_plastic_strain"]
     mises = frame["von_mises_stress"] * frame["volume"] / frame["mass"]  # Kirchhoff stress

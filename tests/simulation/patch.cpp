@@ -26,17 +26,18 @@ struct Patch {
 };
 
 struct Forces {
-  double inside = 0; ///< largest nodal force where the node's cells lie within the body, of |sigma| h t
+  double inside = 0; ///< largest nodal force where no node at the rim hangs on the node, of |sigma| h t
   double all = 0;    ///< largest nodal force
   int nodes = 0;     ///< that lie inside
 };
 
-/// True where all cells of a node, widened by half a cell, were in the body before it was mapped by F and shifted.
+/// True where all within three cells of a node was in the body before it was mapped by F and shifted: light nodes at the rim give
+/// their forces to nodes within two.
 bool Inside(const Patch &patch, Vec3 node, Vec3 shift)
 {
   const double *F = patch.F, J = F[0] * F[3] - F[1] * F[2];
   for (int corner = 0; corner < 4; ++corner) {
-    const Vec3 x = node + 1.5 * kH * Vec3{corner % 2 ? 1.0 : -1.0, corner / 2 ? 1.0 : -1.0} - shift;
+    const Vec3 x = node + 3 * kH * Vec3{corner % 2 ? 1.0 : -1.0, corner / 2 ? 1.0 : -1.0} - shift;
     const Vec3 X = {(F[3] * x[0] - F[1] * x[1]) / J, (F[0] * x[1] - F[2] * x[0]) / J};
     if (X[0] < 0 || X[0] > kWidth || X[1] < 0 || X[1] > kHeight) return false;
   }

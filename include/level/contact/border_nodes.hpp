@@ -7,6 +7,7 @@
 #include "base/index.hpp"
 #include "level/nodes.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace mlgimp
@@ -37,9 +38,13 @@ public:
   /// The rank of the finer level that advances a coarser node.
   virtual int BlockOf(Index coarse) const = 0;
 
+  /// Calls work(node, weight) for the coarser nodes that the motion of one of them hangs on where it is light, itself among them.
+  /// Of those that this rank's nodes hang on.
+  using DonorWork = std::function<void(Index, double)>;
+  virtual void ForEachDonor(Index coarse, const DonorWork &work) const = 0;
+
   // Of coarser nodes that this rank advances.
   virtual double MassOf(Index coarse) const = 0;                ///< of the points of both levels, kg; 0 beyond the grid
-  virtual double MovedMassOf(Index coarse) const = 0;           ///< the same, that its motion has at least, see LeastMassOf
   virtual Vec3 FreePart(Index coarse, Vec3 change) const = 0;   ///< what sides leave of a change of velocity
   virtual void Push(Index coarse, Vec3 change_of_velocity) = 0; ///< felt after Spread
   /// Gives the coarser nodes and those that hang on them what they were pushed by, and adds what these felt to `pushed`.

@@ -5,8 +5,10 @@
 #include "level/contact/group.hpp"
 #include "level/contact/settings.hpp"
 #include "level/kernels.hpp"
+#include "level/light_nodes.hpp"
 #include "level/nodes.hpp"
 #include "level/points.hpp"
+#include "level/surface.hpp"
 #include "pointwise/indenter.hpp"
 
 #include <cstdint>
@@ -21,6 +23,7 @@ struct ContactView {
   const Grid &grid;
   const ContactGroup &group;
   Points &points;
+  const Surface &surface;
   const BodyTable &bodies;
   const BoundaryConditions &sides;
   const Indenter &indenter;
@@ -28,11 +31,15 @@ struct ContactView {
   double mass_cutoff; ///< kg
   double time, dt;    ///< s
   TipStep tip{};
-  BorderNodes *border = nullptr;        ///< to the next coarser level, where there is one
-  SharedNode *shared = nullptr;         ///< by place: nodes that also move the next finer level's; none where there is none
-  const double *least_masses = nullptr; ///< by place, see LeastMasses, kg; none where there is none
-  const double *later_masses = nullptr; ///< the same, 0 where velocities are already those of the motion: at borders
-  const NodalSettings *nodal = nullptr; ///< body forces, of which the motion lacks nothing; none where there is none
+  BorderNodes *border = nullptr;     ///< to the next coarser level, where there is one
+  SharedNode *shared = nullptr;      ///< by place: nodes that also move the next finer level's; none where there is none
+  const LightNodes *light = nullptr; ///< that hang on others
+};
+
+/// A column of the grid and the share of its surface, and of that of its neighbours, that presses: the least of them.
+struct PressedColumn {
+  std::int64_t key;
+  double share;
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
@@ -44,9 +51,8 @@ struct ContactReport {
   double friction_work = 0;       ///< heat that slipping makes, -sum tau . s, J
   std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
   double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
-  int local_points = 0;           ///< points under pressure
-  int set_updates = 0;            ///< of the active set; on the group's first rank alone
-  bool fallback = false;          ///< the active set did not settle: row-sum diagonal used; on the group's first rank alone
+  int local_points = 0;           ///< points under pressure; of `pressure` faces that points had at the start
+  int set_updates = 0;            ///< turns of the active set; on the group's first rank alone
   bool solved = true;             ///< false: the linear solver did not converge
   double travel = 0;              ///< of a tip that is free, downward; the same on all ranks, m
   bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
@@ -58,10 +64,18 @@ struct ContactReport {
   bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
+  std::vector<PressedColumn> columns; ///< of `pressure`, where the share is not 0; the same on all ranks of the group
+  double stored = 0; ///< energy of what lies between the nodes, of `pressure`; on the group's first rank alone, J
 };
 
 /// Pressures that were found, and tractions beside them, by the key of their unknown.
 using ContactPressures = std::map<std::int64_t, double>;
+
+/// What points under a column of the grid have flowed in a step. Doubles throughout but for the key.
+struct ColumnStrain {
+  std::int64_t key;
+  double strain, weight; ///< sums of the equivalent plastic strain times mass, and of mass, kg
+};
 
 class Contact
 {
@@ -74,6 +88,12 @@ public:
   virtual void SetPressures(const ContactPressures &) {}
   /// Corrects the velocities (v, dv) of owned nodes. Collective on the group.
   virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
+  /// Lets the surface between the nodes flow by what the points under it have flowed since the last Apply, of which each rank
+  /// knows a part. work: that pressures do on it, on the first rank alone, J. Collective on the group.
+  virtual PetscErrorCode Flow(const ContactView &, std::vector<ColumnStrain>, Surface *, double * /*work*/)
+  {
+    return PETSC_SUCCESS;
+  }
   /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that looks
   /// at the indenter at view.tip.end; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
   virtual PetscErrorCode PressuresOnPoints(const ContactView &, std::vector<double> *pressures)
@@ -90,10 +110,10 @@ PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Co
 inline constexpr double kContactRange = 2.5;
 /// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
 inline constexpr double kPointRange = kContactRange + 1.5;
-/// Mean gap of a column, in cells, beyond which it cannot touch in a step.
+/// Gap of a segment, in cells, beyond which it cannot touch in a step.
 inline constexpr double kCandidateGap = 0.5;
-/// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of columns that
-/// of segments that may be candidates; the other methods look at nodes and at points.
+/// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of segments
+/// that of those that may be candidates; the other methods look at nodes and at points.
 inline double TouchRange(const ContactSettings &settings)
 {
   return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;

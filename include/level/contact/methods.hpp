@@ -6,7 +6,7 @@
 namespace mlgimp
 {
 
-/// One pressure per grid column (docs/method.md): the default.
+/// A pressure on each segment of the surface (docs/method.md): the default.
 std::unique_ptr<Contact> MakePressureContact();
 /// One pressure per material point, gap at its centre: the paper's Eq. 11 as printed, for comparison.
 std::unique_ptr<Contact> MakePointPressureContact();

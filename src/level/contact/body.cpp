@@ -2,14 +2,27 @@
 #include "level/contact/body.hpp"
 
 #include <algorithm>
+#include <cfloat>
 
 namespace mlgimp
 {
 
-bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
+SurfaceSegment SegmentOf(const SurfacePatch &patch, double s, double t, const Geometry &geometry)
+{
+  const Vec3 *const x = patch.corner;
+  const int dim = geometry.Dim();
+  const std::array<double, 4> part = CornerWeights(s, t, dim);
+  Vec3 center{}, along = x[1] - x[0], across = {0, 0, 1};
+  for (int c = 0; c < 1 << (dim - 1); ++c) center = center + part[c] * x[c];
+  if (dim == 3) along = (1 - t) * along + t * (x[2] - x[3]), across = (1 - s) * (x[3] - x[0]) + s * (x[2] - x[1]);
+  const Vec3 normal = Cross(along, across);
+  const double area = std::max(Norm(normal), DBL_MIN);
+  return {center, (1 / area) * normal, area * geometry.OutOfPlane(center[0]), 0.5 * Norm(along)};
+}
+
+bool FarFromIndenter(const ContactView &view, Vec3 x)
 {
   const double range = kPointRange * view.grid.Geometry().spacing;
-  const Vec3 x = points.Position(p);
   const int up = view.geometry.Dim() - 1;
   return view.tip.end[up] - x[up] > range || view.indenter.Gap(x, view.tip.end).distance > range; // no surface is below the tip
 }
@@ -17,31 +30,15 @@ bool FarFromIndenter(const ContactView &view, const PointArrays &points, int p)
 double MassOf(const ContactView &view, Index node)
 {
   const std::ptrdiff_t place = view.grid.Place(node);
-  const double own = view.grid.Sums()[place].mass;
-  return own > view.mass_cutoff && view.shared ? own + view.shared[place].finer_mass : own;
-}
-
-/// One of the two arrays' mass of a node, kg.
-static double LeastMassOf(const ContactView &view, const double *masses, Index node)
-{
-  return masses ? masses[view.grid.Place(node)] : 0;
-}
-
-double MovedMassOf(const ContactView &view, Index node)
-{
-  return std::max(MassOf(view, node), LeastMassOf(view, view.least_masses, node));
+  return view.grid.Sums()[place].mass + (view.shared ? view.shared[place].finer_mass : 0);
 }
 
 Vec3 VelocityOf(const ContactView &view, Index node)
 {
   const NodeVelocity at = view.grid.Velocity(view.grid.Place(node));
-  const double lack = LackOf(LeastMassOf(view, view.later_masses, node), MassOf(view, node));
-  const NodalSettings settings = lack > 0 && view.nodal ? *view.nodal : NodalSettings();
   Vec3 velocity{};
   for (int d = 0; d < view.geometry.Dim(); ++d)
-    velocity[d] = view.sides.Constrains(node, d)
-                      ? view.sides.HeldVelocity(node, d)
-                      : at.velocity[d] - Lacking(settings, view.dt, lack, d, at.change[d], at.velocity[d] - at.change[d]);
+    velocity[d] = view.sides.Constrains(node, d) ? view.sides.HeldVelocity(node, d) : at.velocity[d];
   return velocity;
 }
 
@@ -55,12 +52,11 @@ Vec3 FreePart(const ContactView &view, Index node, Vec3 change)
 void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report)
 {
   const std::ptrdiff_t place = view.grid.Place(node);
-  const double mass = MassOf(view, node), lacks_later = LackOf(LeastMassOf(view, view.later_masses, node), mass),
-               lacks = LackOf(LeastMassOf(view, view.least_masses, node), mass);
+  const double mass = MassOf(view, node);
   const Vec3 taken = FreePart(view, node, impulse), by = (1 / mass) * taken;
   const auto [velocity, change] = view.grid.Velocity(place);
   for (int d = 0; d < view.geometry.Dim(); ++d) {
-    velocity[d] += (1 - lacks + lacks_later) * by[d];
+    velocity[d] += by[d];
     change[d] += by[d];
   }
   if (view.shared) view.shared[place].impulse = view.shared[place].impulse + taken;

@@ -13,9 +13,9 @@ std::vector<std::string> ContactMethods(GeometryKind geometry)
 PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
 {
   PetscFunctionBeginUser;
-  *contact = settings.method == "pressure"         ? MakePressureContact()
-             : settings.method == "point_pressure" ? MakePointPressureContact()
-                                                   : MakeMultimeshContact();
+  if (settings.method == "pressure") *contact = MakePressureContact();
+  if (settings.method == "point_pressure") *contact = MakePointPressureContact();
+  if (settings.method == "multimesh") *contact = MakeMultimeshContact();
   PetscCall((*contact)->Create(settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,7 +35,7 @@ private:
   static void ApplyAtNode(const ContactView &view, Index node, double bounds[3], ContactReport *report)
   {
     const Grid &grid = view.grid;
-    const double mass = MovedMassOf(view, node), x = grid.Coordinate(0, node[0]);
+    const double mass = MassOf(view, node), x = grid.Coordinate(0, node[0]);
     if (MassOf(view, node) <= view.mass_cutoff) return;
     const SurfaceGap gap = view.indenter.Gap({x, grid.Coordinate(1, node[1])}, view.tip.end);
     const double approach = Dot(gap.normal, view.indenter.Velocity(view.time + view.dt) - VelocityOf(view, node));

@@ -1,0 +1,92 @@
+// The surface of bodies in patches that belong to no point: lines in the plane, quadrilaterals in space.
+#pragma once
+
+#include "base/tensor.hpp"
+#include "level/grid.hpp"
+#include "level/near_points.hpp"
+#include "level/nodes.hpp"
+#include "level/points.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// A patch; its corners go round so that the outward normal is (e_y, -e_x) of the edge from the first to the second in the plane,
+/// and that of a right-handed turn in space.
+struct SurfacePatch {
+  std::int64_t number; ///< of the patch at the start that it is part of
+  int path;            ///< which part: 1 is the whole, those of part k are 2 k and 2 k + 1
+  int body;
+  Vec3 corner[4]; ///< m; two in the plane
+  double ring;    ///< radius of the face that it is part of over its own, which areas are taken at; 1 without an axis
+  double flow;    ///< how far it has flowed out of the line of its corners along the indenter's normal, m
+
+  bool operator<(const SurfacePatch &other) const { return number != other.number ? number < other.number : path < other.path; }
+  Vec3 Center(int dim) const
+  {
+    return dim == 2 ? 0.5 * (corner[0] + corner[1]) : 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+  }
+};
+
+/// The weights of a patch's corners at a place in it, from 0 to 1 along its edges from the first corner.
+inline std::array<double, 4> CornerWeights(double s, double t, int dim)
+{
+  if (dim == 2) return {1 - s, s};
+  return {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+}
+
+/// Calls work(index, weight) for the nodes of a cell at a place, with their hats there.
+template <class Work> void ForEachHat(const GridGeometry &grid, Vec3 x, Work work)
+{
+  Index cell{};
+  double part[3] = {};
+  for (int a = 0; a < grid.dim; ++a) {
+    const double from_first = (x[a] - grid.lower[a]) / grid.spacing, below = std::floor(from_first);
+    cell[a] = static_cast<int>(below);
+    part[a] = from_first - below;
+  }
+  for (int c = 0; c < 1 << grid.dim; ++c) {
+    double hat = 1;
+    Index node = cell;
+    for (int a = 0; a < grid.dim; ++a) {
+      const int upper = c >> a & 1;
+      node[a] += upper;
+      hat *= upper ? part[a] : 1 - part[a];
+    }
+    if (hat > 0) work(node, hat);
+  }
+}
+
+/// The patches that lie in a level's part of the domain, on the ranks that own the nodes nearest to their centres.
+class Surface
+{
+public:
+  /// Takes the outer faces of points before the first step, but for those at a side that holds them, in patches of a length at
+  /// most, m.
+  void Seed(const Grid &grid, const BoundaryConditions &sides, const PointArrays &points, const Geometry &geometry,
+            double longest);
+  /// Of corners in their order, [patches][corners].
+  struct CornerMotion {
+    double by_nodes;      ///< the part of it that goes with the nodes
+    NearPoints::Sum sums; ///< where the points take it
+  };
+  /// Moves corners by f u + (1 - f) (what points do): with the motion of the nodes, hats over those that have one,
+  /// u = dt sum_i N_i v_i/sum_i N_i, with v the second velocity for bodies whose points are strained by it, by their number, else
+  /// the new one. Where no point is near, f = 1. Corners at sides stay there.
+  void Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
+            const std::vector<CornerMotion> &motion, double mass_cutoff, double dt);
+  /// Halves what is longer than a length, m.
+  void Split(double longest, const Geometry &geometry);
+
+  const std::vector<SurfacePatch> &Patches() const { return patches_; }
+  std::vector<SurfacePatch> &Patches() { return patches_; }
+
+private:
+  std::vector<SurfacePatch> patches_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,129 @@
+// Seeding, motion and halving of patches.
+#include "level/surface.hpp"
+
+#include "level/face.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+/// Whether a place is at a side of the domain, or beyond it.
+static bool IsAt(const Grid &grid, const BoundaryConditions &sides, Side side, Vec3 x)
+{
+  constexpr double kAt = 1e-6; // cells
+  const double beyond = SignOf(side) * (x[AxisOf(side)] - grid.Coordinate(AxisOf(side), sides.node[side]));
+  return beyond > -kAt * grid.Geometry().spacing;
+}
+
+void Surface::Seed(const Grid &grid, const BoundaryConditions &sides, const PointArrays &points, const Geometry &geometry,
+                   double longest)
+{
+  constexpr int kSides = 6;
+  patches_.clear();
+  for (int p = 0; p < points.count; ++p)
+    for (const Side side : SidesOf{points.dim}) {
+      if (!(points.faces[p] & OuterFaceBit(side))) continue;
+      const Face face = PointFace(points, p, side);
+      if (sides.kind[side] != BoundaryKind::kFree && IsAt(grid, sides, side, face.center)) continue;
+      SurfacePatch patch{kSides * static_cast<std::int64_t>(points.id[p]) + side, 1, points.body[p], {}, 1, 0};
+      Vec3 a = face.half_edge[0], b = face.half_edge[1];
+      if (points.dim == 2) {
+        if (face.area_normal[0] * a[1] - face.area_normal[1] * a[0] < 0) a = -1 * a;
+        patch.corner[0] = face.center - a, patch.corner[1] = face.center + a;
+      } else {
+        if (Dot(face.area_normal, Cross(a, b)) < 0) std::swap(a, b);
+        patch.corner[0] = face.center - a - b, patch.corner[1] = face.center + a - b;
+        patch.corner[2] = face.center + a + b, patch.corner[3] = face.center - a + b;
+      }
+      patches_.push_back(patch);
+    }
+  Split(longest, geometry);
+}
+
+/// The motion of the nodes at a place, dt sum_i N_i v_i/sum_i N_i over those that have one.
+static bool MotionByHats(const Grid &grid, Vec3 x, bool by_rates, double mass_cutoff, double dt, Vec3 *motion)
+{
+  const GridGeometry &geometry = grid.Geometry();
+  const int *const stride = grid.IndexSpace().stride;
+  std::ptrdiff_t first = 0;
+  double hats[8] = {1}, sum = 0;
+  Vec3 total{};
+  for (int a = 0, count = 1; a < geometry.dim; ++a, count *= 2) {
+    const double from_first = (x[a] - geometry.lower[a]) / geometry.spacing, below = std::floor(from_first),
+                 part = from_first - below;
+    const int cell = static_cast<int>(below) - grid.Ghosted().lower[a];
+    if (cell < 0 || cell + 1 >= grid.Ghosted().Size(a)) return false;
+    first += static_cast<std::ptrdiff_t>(stride[a]) * cell;
+    for (int c = 0; c < count; ++c) hats[count + c] = part * hats[c], hats[c] *= 1 - part;
+  }
+  for (int c = 0; c < 1 << geometry.dim; ++c) {
+    const std::ptrdiff_t place = first + (c & 1 ? stride[0] : 0) + (c & 2 ? stride[1] : 0) + (c & 4 ? stride[2] : 0);
+    const double *const v = by_rates ? grid.Rates(place) : grid.Velocity(place).velocity;
+    bool moves = grid.Sums()[place].mass > mass_cutoff;
+    for (int a = 0; a < geometry.dim; ++a) total[a] += hats[c] * v[a], moves = moves || v[a] != 0;
+    if (moves) sum += hats[c];
+  }
+  if (sum > 0) *motion = (dt / sum) * total;
+  return sum > 0;
+}
+
+/// Takes off what the sides hold of the motion of a place at them.
+static void HoldAtSides(const Grid &grid, const BoundaryConditions &sides, Vec3 x, Vec3 *motion)
+{
+  const int dim = grid.Geometry().dim;
+  for (const Side side : SidesOf{dim}) {
+    if (sides.kind[side] == BoundaryKind::kFree || !IsAt(grid, sides, side, x)) continue;
+    for (int a = 0; a < dim; ++a)
+      if (sides.Constrains(side, a)) (*motion)[a] = 0;
+  }
+}
+
+void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
+                   const std::vector<CornerMotion> &motion, double mass_cutoff, double dt)
+{
+  const std::size_t corners = 1U << (grid.Geometry().dim - 1);
+  for (std::size_t k = 0; k < patches_.size(); ++k)
+    for (std::size_t c = 0; c < corners; ++c) {
+      SurfacePatch &patch = patches_[k];
+      const CornerMotion &one = motion[corners * k + c];
+      Vec3 &x = patch.corner[c], by_hats{};
+      const bool near = one.sums.weight > 0;
+      const bool moves = (near && one.by_nodes == 0) || MotionByHats(grid, x, by_rates[patch.body], mass_cutoff, dt, &by_hats);
+      Vec3 by_points = near ? (1 / one.sums.weight) * one.sums.weighted - x : by_hats;
+      HoldAtSides(grid, sides, x, &by_points);
+      const double part = near ? (moves ? one.by_nodes : 0) : 1;
+      x = x + part * by_hats + (1 - part) * by_points;
+    }
+}
+
+void Surface::Split(double longest, const Geometry &geometry)
+{
+  const int dim = geometry.Dim();
+  constexpr double kTorn = 8; // a patch does not grow so far between two looks but beside a point that has failed
+  for (std::size_t k = 0; k < patches_.size();) {
+    const SurfacePatch whole = patches_[k];
+    const Vec3 *const x = whole.corner;
+    const double along = dim == 2 ? Norm(x[1] - x[0]) : std::max(Norm(x[1] - x[0]), Norm(x[2] - x[3])),
+                 across = dim == 2 ? 0 : std::max(Norm(x[3] - x[0]), Norm(x[2] - x[1]));
+    if (!(std::max(along, across) > longest && std::max(along, across) < kTorn * longest)) {
+      ++k;
+      continue;
+    }
+    SurfacePatch first = whole, second = whole;
+    first.path = 2 * whole.path, second.path = first.path + 1;
+    if (along >= across) {
+      first.corner[1] = second.corner[0] = 0.5 * (x[0] + x[1]);
+      if (dim == 3) first.corner[2] = second.corner[3] = 0.5 * (x[3] + x[2]);
+    } else {
+      first.corner[3] = second.corner[0] = 0.5 * (x[0] + x[3]);
+      first.corner[2] = second.corner[1] = 0.5 * (x[1] + x[2]);
+    }
+    for (SurfacePatch *part : {&first, &second})
+      part->ring *= geometry.OutOfPlane(whole.Center(dim)[0]) / geometry.OutOfPlane(part->Center(dim)[0]);
+    patches_[k] = first;
+    patches_.push_back(second);
+  }
+}
+
+} // namespace mlgimp

@@ -1,0 +1,244 @@
+// The pressures of segments: the operator, what it makes of even and uneven pressures, and Coulomb's conditions beside them.
+#include "level/contact/friction.hpp"
+#include "level/contact/pressure_solver.hpp"
+#include "unit/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace mlgimp;
+
+namespace
+{
+
+RandomNumbers Random(11);
+
+/// A flat surface under segments of random length, and what lies under it, on a grid of 16 cells along each axis.
+struct PressedBody {
+  static constexpr double kH = 0.25; // m
+  Grid grid;
+  ContactGroup group;
+  Points points;
+  Surface surface;
+  BodyTable bodies;
+  BoundaryConditions sides;
+  Indenter indenter;
+  Geometry geometry;
+  std::vector<Segment> segments;
+  ContactNodes nodes;
+  SegmentProblem problem;
+
+  ContactView View()
+  {
+    ContactView view{grid, group, points, surface, bodies, sides, indenter, geometry, 0, 0, 1e-3};
+    view.tip.start = view.tip.end = {2, 2, 2};
+    return view;
+  }
+
+  /// Segments across the whole width, with pressures of the last step by columns.
+  PetscErrorCode Create(GeometryKind kind, const ColumnNumbers &before = {})
+  {
+    PetscFunctionBeginUser;
+    geometry.kind = kind;
+    const int dim = geometry.Dim(), up = dim - 1;
+    const GridGeometry shape = {{0, 0, 0}, kH, {16, 16, dim == 3 ? 16 : 1}, 1, dim};
+    GridLayout layout;
+    for (int a = 0; a < 3; ++a) layout.widths[a] = {shape.Nodes(a)};
+    layout.ranks = {0};
+    PetscCall(grid.Create(PETSC_COMM_SELF, shape, layout));
+    PetscCall(group.Create(grid, kAllNodes));
+    ForEach(grid.Owned(), [&](Index node) {
+      const std::ptrdiff_t place = grid.Place(node);
+      grid.Sums()[place].mass = 1 + 0.3 * std::sin(node[0] + 7.0 * node[up]);
+      for (int d = 0; d < dim; ++d) grid.Velocity(place).velocity[d] = Random(-1, 1);
+    });
+    for (int n = 0; n < (dim == 3 ? 200 : 30); ++n) {
+      Segment one{};
+      one.patch = n, one.path = 1;
+      one.area = one.pressed = Random(0.5, 1), one.ring = 1, one.gap = Random(-2e-3, 1e-3), one.modulus = 2e5,
+      one.flow = HUGE_VAL;
+      const std::array<double, 4> part = CornerWeights(Random(0, 1), Random(0, 1), dim);
+      Vec3 first{}, x{};
+      for (int a = 0; a < up; ++a) first[a] = Random(1, 3), one.normal[a] = Random(-0.3, 0.3);
+      first[up] = 2.1, one.normal[up] = -1;
+      one.normal = (1 / Norm(one.normal)) * one.normal;
+      for (int c = 0; c < 1 << up; ++c) {
+        one.corner[c] = first;
+        one.corner[c][0] += 0.4 * kH * (c == 1 || c == 2);
+        if (dim == 3) one.corner[c][1] += 0.4 * kH * (c >= 2);
+        one.corner_part[c] = part[c];
+        x = x + part[c] * one.corner[c];
+      }
+      one.place = Locate(grid, x, dim);
+      segments.push_back(one);
+    }
+    PetscCall(nodes.Gather(View(), NodesOf(View(), segments)));
+    problem.Build(View(), nodes, segments, before, {});
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+};
+
+constexpr GeometryKind kKinds[] = {GeometryKind::kPlaneStrain, GeometryKind::kAxisymmetric, GeometryKind::kSpatial};
+
+double Product(const std::vector<double> &a, const std::vector<double> &b)
+{
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+} // namespace
+
+TEST(Segments, OperatorIsSymmetricAndPositive)
+{
+  for (const GeometryKind kind : kKinds) {
+    PressedBody body;
+    ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
+    const int size = body.problem.Size();
+    ASSERT_GE(size, 30);
+    std::vector<double> diagonal(size), unit(size, 0.0), column(size), a(size), b(size), Aa(size), Ab(size);
+    body.problem.Diagonal(diagonal.data());
+    for (int k = 0; k < size; ++k) {
+      unit[k] = 1;
+      body.problem.Multiply(unit.data(), column.data());
+      EXPECT_NEAR(column[k], diagonal[k], 1e-13 * diagonal[k]);
+      unit[k] = 0;
+    }
+    for (int n = 0; n < 20; ++n) {
+      for (int k = 0; k < size; ++k) a[k] = Random(-1, 1), b[k] = Random(-1, 1);
+      body.problem.Multiply(a.data(), Aa.data());
+      body.problem.Multiply(b.data(), Ab.data());
+      EXPECT_NEAR(Product(a, Ab), Product(b, Aa), 1e-13 * (Product(a, Aa) + Product(b, Ab)));
+      EXPECT_GT(Product(a, Aa), 0);
+    }
+  }
+}
+
+/// An even pressure moves nothing but nodes: the compliance keeps what columns can show. The last step's pressures are such.
+TEST(Segments, EvenPressuresMoveNodesAlone)
+{
+  for (const GeometryKind kind : kKinds) {
+    PressedBody body;
+    ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
+    std::unordered_map<std::int64_t, double> even;
+    for (const SurfaceColumn &column : body.problem.Columns()) even[column.key] = 3;
+    body.problem.Build(body.View(), body.nodes, body.segments, even, {});
+    const std::vector<double> &q = body.problem.Start();
+    std::vector<double> Aq(q.size());
+    body.problem.Multiply(q.data(), Aq.data());
+    std::vector<Vec3> forces, moved;
+    for (int k = 0; k < body.problem.Size(); ++k) forces.push_back(body.problem.ForceOf(k, q) * body.problem.NormalOf(k));
+    body.problem.Spread(forces, &moved);
+    body.problem.Move(&moved);
+    const std::vector<Vec3> motion = body.problem.MotionOf(moved);
+    for (int k = 0; k < body.problem.Size(); ++k) {
+      const double root_area = body.problem.ForceOf(k, q) / q[k];
+      EXPECT_NEAR(q[k] / root_area, 3, 1e-13);
+      EXPECT_NEAR(Aq[k], root_area * Dot(motion[k], body.problem.NormalOf(k)), 1e-12 * std::abs(Aq[k]));
+    }
+    body.problem.Take(body.View(), q, 0);
+    EXPECT_NEAR(body.problem.Shape().stored, 0, 1e-12);
+  }
+}
+
+/// The impulses carry the pressures' momentum, and the energy of uneven pressures is that of the compliance.
+TEST(Segments, TakesTheSolution)
+{
+  for (const GeometryKind kind : kKinds) {
+    PressedBody body;
+    PressureSolver solver;
+    PressureReport report;
+    ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
+    ASSERT_EQ(solver.Create(), PETSC_SUCCESS);
+    std::vector<double> q = body.problem.Start();
+    ASSERT_EQ(solver.Solve(body.problem, {}, 0, &q, &report), PETSC_SUCCESS);
+    EXPECT_TRUE(report.solved && report.pressing > 3 && report.pressing < body.problem.Size());
+    body.problem.Take(body.View(), q, 0);
+    Vec3 given{}, taken{};
+    for (int k = 0; k < body.problem.Size(); ++k) given = given + (1e-3 * body.problem.ForceOf(k, q)) * body.problem.NormalOf(k);
+    for (const Vec3 &impulse : body.problem.Impulses()) taken = taken + impulse;
+    EXPECT_LE(Norm(given - taken), 1e-13 * Norm(given));
+    std::vector<double> Aq(q.size());
+    std::vector<Vec3> forces, moved;
+    body.problem.Multiply(q.data(), Aq.data());
+    for (int k = 0; k < body.problem.Size(); ++k) forces.push_back(body.problem.ForceOf(k, q) * body.problem.NormalOf(k));
+    body.problem.Spread(forces, &moved);
+    body.problem.Move(&moved);
+    const std::vector<Vec3> motion = body.problem.MotionOf(moved);
+    double kinetic = 0;
+    for (std::size_t k = 0; k < motion.size(); ++k) kinetic += 0.5 * Dot(forces[k], motion[k]);
+    const double stored = 0.5 * Product(q, Aq) - kinetic;
+    EXPECT_GT(stored, 0);
+    EXPECT_NEAR(body.problem.Shape().stored, stored, 1e-9 * stored);
+  }
+}
+
+/// The tangents and the normal are a basis like that of the axes; under a level face they are the axes.
+TEST(Friction, TangentsAreABasis)
+{
+  for (int up : {1, 2})
+    for (int trial = 0; trial < 50; ++trial) {
+      Vec3 n = {Random(-1, 1), up == 1 ? 0 : Random(-1, 1), 0};
+      n[up] = -Random(0.05, 1);
+      n = (1 / Norm(n)) * n;
+      for (int a = 0; a < up; ++a) {
+        const Vec3 t = SurfaceTangent(n, a, up);
+        EXPECT_NEAR(Norm(t), 1, 1e-14);
+        EXPECT_NEAR(Dot(t, n), 0, 1e-14);
+        EXPECT_GT(t[a], 0) << "it leans the way of its axis";
+        for (int b = 0; b < a; ++b) EXPECT_NEAR(Dot(t, SurfaceTangent(n, b, up)), 0, 1e-14);
+      }
+    }
+  EXPECT_EQ(SurfaceTangent({0, 0, -1}, 1, 2), (Vec3{0, 1, 0}));
+}
+
+/// A column sticks with less than mu of its pressure, or slips against a traction of mu times it; that makes the heat.
+TEST(Friction, CoulombsConditionsHold)
+{
+  constexpr double kMu = 0.3;
+  for (const GeometryKind kind : kKinds) {
+    PressedBody body;
+    ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
+    const SegmentProblem &problem = body.problem;
+    const int axes = body.geometry.Dim() - 1;
+    const Vec3 way = {1e-3, 0, 0};
+    std::vector<double> q(problem.Size());
+    for (double &one : q) one = std::pow(10, Random(0, 5));
+    Friction friction(kMu);
+    friction.Begin(body.View(), problem, {});
+    friction.Solve(problem, q, way);
+    // Slips of segments, then of columns, weighted by pressures.
+    std::vector<Vec3> forces, moved;
+    for (int k = 0; k < problem.Size(); ++k) forces.push_back(problem.ForceOf(k, q) * problem.NormalOf(k));
+    problem.Spread(forces, &moved);
+    problem.Move(&moved);
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = moved[i] + friction.Motion()[i];
+    const std::vector<Vec3> motion = problem.MotionOf(moved), before = problem.MotionBefore();
+    std::vector<Friction::Ratio> slips(problem.Columns().size());
+    double largest = 0, heat = 0;
+    for (int k = 0; k < problem.Size(); ++k)
+      for (int a = 0; a < axes; ++a)
+        for (int c = 0; c < problem.ColumnsOfEach(); ++c)
+          slips[problem.ColumnOf(k, c)][a] += problem.HatOf(k, c) * problem.ForceOf(k, q) *
+                                              Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way);
+    for (const Friction::Ratio &slip : slips) largest = std::max(largest, std::hypot(slip[0], slip[1]));
+    int sticking = 0, slipping = 0;
+    for (std::size_t j = 0; j < slips.size(); ++j) {
+      const Friction::Ratio &r = friction.Ratios()[j], &s = slips[j];
+      const double size = std::hypot(r[0], r[1]), slip = std::hypot(s[0], s[1]), along = r[0] * s[0] + r[1] * s[1];
+      EXPECT_LE(size, kMu * (1 + 1e-14));
+      if (size < kMu * (1 - 1e-6)) {
+        EXPECT_LE(slip, 1e-7 * largest) << "sticks";
+        ++sticking;
+      } else {
+        EXPECT_LE(along + kMu * slip, 1e-7 * largest) << "pulls against the slip";
+        ++slipping;
+      }
+      heat -= along;
+    }
+    EXPECT_GT(std::min(sticking, slipping), 0);
+    EXPECT_NEAR(friction.Heat(), heat, 1e-7 * heat);
+  }
+}

@@ -206,7 +206,7 @@ private:
   PetscErrorCode LetSurfaceFlow(double dt);
   PetscErrorCode PrepareSurface();
   PetscErrorCode MoveSurface(bool rates, double dt);
-  double HeldByContact(Vec3 x, bool flows);
+  double HeldByContact(Vec3 x, double distance, bool flows);
   PetscErrorCode AddWorkOfLoads(bool rates, double dt);
   /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
   double NoiseEnergy();

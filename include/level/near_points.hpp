@@ -3,6 +3,7 @@
 
 #include "level/grid.hpp"
 #include "level/points.hpp"
+#include "pointwise/region.hpp"
 
 #include <vector>
 

@@ -170,12 +170,12 @@ static double SmoothStep(double x)
 /// The part of the motion of a place of the surface that goes with the nodes: where contact presses they are in balance with the
 /// forces in the body on any line of nodes, and points are not; in bodies that flow where it presses all around, as the crest
 /// beside a steep tip, where few points are, runs away with them.
-double Level::HeldByContact(Vec3 x, bool flows)
+double Level::HeldByContact(Vec3 x, double distance, bool flows)
 {
   constexpr double kLeast = 0.25, kFade = 0.25; // share of the surface; cells off the indenter
   double share = 0;
   if (pressed_around_.empty()) return 0;
-  const double off = model_.indenter->Gap(x, contact_tip_).distance / (kFade * geometry_.grid.spacing);
+  const double off = distance / (kFade * geometry_.grid.spacing);
   if (off >= 1 || !flows) return 1 - SmoothStep(off);
   const ContactView view = ViewOfContact(time_, 0, {contact_tip_, contact_tip_});
   ForEachColumn(view, Locate(*grid_, x, geometry_.grid.dim), [&](std::int64_t key, Index, double hat) {
@@ -191,10 +191,13 @@ PetscErrorCode Level::PrepareSurface()
   std::vector<NearPoints::Place> places;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
-  const ContactView view = ViewOfContact(time_, 0, {tip_end_, tip_end_});
+  const double range = kPointRange * geometry_.grid.spacing;
+  const int up = geometry_.grid.dim - 1;
   const auto by_nodes = [&](const SurfacePatch &patch, Vec3 x) {
-    if (!ContactAwake() || FarFromIndenter(view, x)) return 1.0; // where nodes and points move alike
-    return HeldByContact(x, bodies_.material[bodies_.one_material ? 0 : patch.body]->IsMetal());
+    if (!ContactAwake() || tip_end_[up] - x[up] > range) return 1.0; // no surface is below the tip
+    const double distance = model_.indenter->Gap(x, tip_end_).distance;
+    if (distance > range) return 1.0; // where nodes and points move alike
+    return HeldByContact(x, distance, bodies_.material[bodies_.one_material ? 0 : patch.body]->IsMetal());
   };
   corners_.clear();
   for (const SurfacePatch &patch : surface_.Patches())

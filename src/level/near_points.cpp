@@ -3,6 +3,7 @@
 
 #include "level/surface.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mlgimp
@@ -87,10 +88,18 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, c
   if (first_.size() != grid.GhostedNodes()) first_.assign(grid.GhostedNodes(), kNoInterest);
   for (const std::ptrdiff_t place : marked_) first_[place] = kNoInterest;
   marked_.clear(), moved_.clear();
-  for (const Place &place : places_) Mark(grid, place.x);
+  Box around{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+  for (const Place &place : places_) {
+    Mark(grid, place.x);
+    for (int a = 0; a < 3; ++a) {
+      around.lower[a] = std::min(around.lower[a], place.x[a] - 2 * grid.Geometry().spacing);
+      around.upper[a] = std::max(around.upper[a], place.x[a] + 2 * grid.Geometry().spacing);
+    }
+  }
   if (marked_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int p = 0; p < points.count; ++p) {
     const Vec3 x = points.Position(p);
+    if (!around.Contains(x)) continue;
     const Index cell = CellOf(grid.Geometry(), x);
     if (!grid.Ghosted().Contains(cell)) continue;
     int &first = first_[grid.Place(cell)];

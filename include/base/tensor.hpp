@@ -21,6 +21,13 @@ inline double Norm(Vec3 a) { return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] *
 
 inline double LargestComponent(Vec3 a) { return std::max(a[0], std::max(a[1], a[2])); }
 
+/// 3 x^2 - 2 x^3, from 0 at 0 to 1 at 1, and beyond as there.
+inline double SmoothStep(double x)
+{
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
 /// det F of a tensor stored by rows [dim][dim].
 inline double Determinant(const double *F, int dim)
 {

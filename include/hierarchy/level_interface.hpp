@@ -184,12 +184,13 @@ private:
   SFHandle down_, up_;                ///< coarse nodes to interface nodes, and those of their owners to coarse nodes
   std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
   std::vector<Vec3> previous_force_;  ///< [owned_]
-  std::vector<Vec3> contact_, left_;  ///< [owned_]: impulse of contact on the coarse level; what fine points lack of it
-  std::vector<SharedNode> shared_;    ///< by place on the coarse level
-  std::vector<double> finer_masses_;  ///< likewise, see FinerMasses
-  std::vector<double> by_hats_;       ///< [owned_]: the same
-  std::vector<SharedNode> to_share_;  ///< [owned_]
-  int clear_steps_ = 0;               ///< coarse steps in a row in which contact could push no interface node
+  std::vector<Vec3> contact_,
+      left_;                       ///< [owned_]: impulse of contact on the coarse level; what fine points have not got of it yet
+  std::vector<SharedNode> shared_; ///< by place on the coarse level
+  std::vector<double> finer_masses_; ///< likewise, see FinerMasses
+  std::vector<double> by_hats_;      ///< [owned_]: the same
+  std::vector<SharedNode> to_share_; ///< [owned_]
+  int clear_steps_ = 0;              ///< coarse steps in a row in which contact could push no interface node
   UnitHandle shared_unit_, up_unit_, state_unit_;
   std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted; owned_mass: the same by hats alone
   std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep

@@ -106,14 +106,14 @@ struct CoupledPlaces {
 struct PushedNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
   Vec3 change;
-  bool rubbed = false; ///< tractions of friction are a part of it
+  bool has_traction = false; ///< tractions of friction are a part of it
 };
 
 /// The second velocity of nodes that contact pushes is ahead of what points have got of dv by this part of dv: contact asks how
 /// faces move with the new velocity, and points strained by that of points alone lag behind, so that noise of a bar under a punch
 /// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
 /// Nodes that hang on others have none: a flat surface on a line of nodes else splits its last two layers of points.
-inline constexpr double kPushedAhead = 0.1, kRubbedAhead = 0.3;
+inline constexpr double kPushedAhead = 0.1, kAheadWithTraction = 0.3;
 /// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
 std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
                                                     const LightNodes &light);

@@ -137,9 +137,9 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
       budgets_.stagger_impulse[axis] += dt * ahead + contact;
       const bool held = held_axes_[k] >> axis & 1;
       if (held) {
-        const double at = coarse_->Geometry().sides.HeldVelocity(known_[k].at, axis), lacks = at - (old + dv);
-        budgets_.support_impulse[axis] += mass * lacks;
-        budgets_.external_work += at * lacks * mass;
+        const double at = coarse_->Geometry().sides.HeldVelocity(known_[k].at, axis), by = at - (old + dv);
+        budgets_.support_impulse[axis] += mass * by;
+        budgets_.external_work += at * by * mass;
         dv = at - old;
       } else {
         to_share_[k].finer_push[axis] += contact / mass;

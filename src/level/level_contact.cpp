@@ -161,12 +161,6 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static double SmoothStep(double x)
-{
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
 /// The part of the motion of a place of the surface that goes with the nodes: where contact presses they are in balance with the
 /// forces in the body on any line of nodes, and points are not; in bodies that flow where it presses all around, as the crest
 /// beside a steep tip, where few points are, runs away with them.

@@ -11,12 +11,6 @@ namespace mlgimp
 namespace
 {
 
-double SmoothStep(double x)
-{
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
 int Distance(Index a, Index b)
 {
   int most = 0;

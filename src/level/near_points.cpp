@@ -1,7 +1,7 @@
 // Collecting points near places, and their motion.
 #include "level/near_points.hpp"
 
-#include "level/surface.hpp"
+#include "level/contact/segments.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,6 @@ namespace
 {
 
 constexpr int kNoInterest = -2, kNone = -1;
-
-Index CellOf(const GridGeometry &grid, Vec3 x)
-{
-  Index cell{};
-  for (int a = 0; a < grid.dim; ++a) cell[a] = static_cast<int>(std::floor((x[a] - grid.lower[a]) / grid.spacing));
-  return cell;
-}
 
 /// Cells around one in which points within a cell of a place in it lie.
 IndexBox Around(const Grid &grid, Index cell)
@@ -58,7 +51,7 @@ std::array<double, 9> Change(const double *before, const double *after, int dim)
 
 void NearPoints::Mark(const Grid &grid, Vec3 x)
 {
-  ForEach(Around(grid, CellOf(grid.Geometry(), x)), [&](Index cell) {
+  ForEach(Around(grid, Locate(grid, x, grid.Geometry().dim).cell), [&](Index cell) {
     int &first = first_[grid.Place(cell)];
     if (first == kNoInterest) first = kNone, marked_.push_back(grid.Place(cell));
   });
@@ -100,7 +93,7 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, c
   for (int p = 0; p < points.count; ++p) {
     const Vec3 x = points.Position(p);
     if (!around.Contains(x)) continue;
-    const Index cell = CellOf(grid.Geometry(), x);
+    const Index cell = Locate(grid, x, grid.Geometry().dim).cell;
     if (!grid.Ghosted().Contains(cell)) continue;
     int &first = first_[grid.Place(cell)];
     if (first == kNoInterest) continue;
@@ -117,7 +110,7 @@ NearPoints::Sum NearPoints::SumAt(const Grid &grid, const Place &place) const
   const int dim = grid.Geometry().dim;
   const double inverse_square = 1 / (grid.Geometry().spacing * grid.Geometry().spacing);
   Sum sum;
-  ForEach(Around(grid, CellOf(grid.Geometry(), place.x)), [&](Index cell) {
+  ForEach(Around(grid, Locate(grid, place.x, dim).cell), [&](Index cell) {
     for (int k = first_[grid.Place(cell)]; k >= 0; k = moved_[k].next) {
       const Moved &one = moved_[k];
       const Vec3 d = place.x - one.from;

@@ -138,7 +138,7 @@ std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std:
   std::map<std::ptrdiff_t, double> ahead;
   for (const PushedNode &one : pushed) {
     double &part = ahead[one.node];
-    if (!light.IsLight(one.node)) part = std::max(part, one.rubbed ? kRubbedAhead : kPushedAhead);
+    if (!light.IsLight(one.node)) part = std::max(part, one.has_traction ? kAheadWithTraction : kPushedAhead);
   }
   for (const auto &[node, part] : ahead)
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)

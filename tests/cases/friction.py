@@ -96,7 +96,7 @@ def test_noise_of_an_elastic_surface(expect):
              "indenter_friction": 0.3, "damping": 1e7, "end_time": 100e-9, "cfl": 0.1, "frames": 0}
     result = harness.run(slide)
     expect("noise of velocities, of the strain energy", result.history["noise_energy"][-1] / result.history["strain_energy"][-1], at_most=0.005)
-    expect.that("nothing is told", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+    expect.that("there is no warning", result.summary["warnings"] == [], f"{result.summary['warnings']}")
 
 
 def test_sphere_on_the_axis(expect):

@@ -109,7 +109,7 @@ void PushOwned(const ContactView &view, const NodeImpulse &one, ContactReport *r
     return;
   }
   PushNode(view, one.at, one.share * one.impulse, report);
-  report->pushed.back().rubbed = Norm(one.of_friction) > kRounding * Norm(one.impulse);
+  report->pushed.back().has_traction = Norm(one.of_friction) > kRounding * Norm(one.impulse);
   report->friction_impulse = report->friction_impulse + one.of_friction;
 }
 

@@ -115,7 +115,7 @@ private:
 };
 
 /// What the first rank tells the others of a step. Doubles throughout.
-struct ToldByFirst {
+struct Outcome {
   double travel, limited, solved, half_width, peak, at_border;
 };
 
@@ -136,7 +136,7 @@ public:
     std::vector<PressedPoint> points;
     std::vector<Index> nodes;
     std::vector<Vec3> impulses;
-    ToldByFirst told{0, 0, 1, 0, 0, 1};
+    Outcome outcome{0, 0, 1, 0, 0, 1};
     PetscFunctionBeginUser;
     *report = {};
     const PointArrays arrays = view.points.Arrays();
@@ -147,12 +147,12 @@ public:
     PetscCall(ExchangeRecords(
         view.group.Comm(), &points, [](const PressedPoint &) { return 0; }, kAllToFirst));
     std::sort(points.begin(), points.end(), [](const PressedPoint &a, const PressedPoint &b) { return a.id < b.id; });
-    if (RankIn(view.group.Comm()) == 0) PetscCall(SolveOnFirst(view, std::move(points), &told, &impulses, report));
-    std::vector<double> numbers(&told.travel, &told.travel + sizeof told / sizeof(double));
+    if (RankIn(view.group.Comm()) == 0) PetscCall(SolveOnFirst(view, std::move(points), &outcome, &impulses, report));
+    std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
     PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
-    std::copy(numbers.begin(), numbers.end(), &told.travel);
-    report->travel = told.travel, report->limited = told.limited != 0, report->solved = told.solved != 0;
-    report->half_width = told.half_width, report->peak_pressure = told.peak, report->at_border = told.at_border != 0;
+    std::copy(numbers.begin(), numbers.end(), &outcome.travel);
+    report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
+    report->half_width = outcome.half_width, report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
     PetscCall(nodes_.Push(view, impulses, {}, report));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -201,7 +201,7 @@ private:
     pressed->push_back(point);
   }
 
-  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<PressedPoint> points, ToldByFirst *told,
+  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<PressedPoint> points, Outcome *outcome,
                               std::vector<Vec3> *impulses, ContactReport *report)
   {
     PressureReport found;
@@ -209,7 +209,7 @@ private:
     problem_.Build(view, nodes_, std::move(points));
     if (problem_.Size() == 0) {
       pressures_.clear();
-      if (view.tip.IsFree()) told->travel = view.tip.FreeTravel();
+      if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q;
@@ -228,12 +228,12 @@ private:
       if (q[p] <= 0) continue;
       const PressedPoint &point = problem_.Of()[p];
       const double pressure = pressures_[point.id] = q[p] / std::sqrt(point.area);
-      told->peak = std::max(told->peak, pressure);
+      outcome->peak = std::max(outcome->peak, pressure);
       left = std::min(left, point.left), right = std::max(right, point.right);
     }
-    if (left < right) told->half_width = HalfWidth(left, right, view.tip.start[0], view.grid.Geometry().spacing);
-    told->at_border = nodes_.AreAtBorder();
-    told->travel = found.travel, told->limited = found.limited, told->solved = found.solved;
+    if (left < right) outcome->half_width = HalfWidth(left, right, view.tip.start[0], view.grid.Geometry().spacing);
+    outcome->at_border = nodes_.AreAtBorder();
+    outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     report->local_points = found.pressing, report->set_updates = std::max(found.turns, 1);
     PetscFunctionReturn(PETSC_SUCCESS);
   }

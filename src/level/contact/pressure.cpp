@@ -15,7 +15,7 @@ namespace
 {
 
 /// What the first rank tells the others of a step. Doubles throughout.
-struct ToldByFirst {
+struct Outcome {
   double travel, limited, solved, half_width, reach, crosses, peak, at_border, empty, least_gap, columns;
 };
 
@@ -55,24 +55,24 @@ public:
   {
     std::vector<Segment> segments;
     std::vector<Vec3> impulses, of_friction;
-    ToldByFirst told{};
+    Outcome outcome{};
     double least_gap = kContactRange * view.grid.Geometry().spacing;
     PetscFunctionBeginUser;
     *report = {};
     CollectSegments(view, &segments, &least_gap, &report->penetration);
     PetscCall(nodes_.Gather(view, NodesOf(view, segments)));
     PetscCall(GatherSegments(view, &segments));
-    PetscCallMPI(MPI_Reduce(&least_gap, &told.least_gap, 1, MPI_DOUBLE, MPI_MIN, 0, view.group.Comm()));
+    PetscCallMPI(MPI_Reduce(&least_gap, &outcome.least_gap, 1, MPI_DOUBLE, MPI_MIN, 0, view.group.Comm()));
     if (RankIn(view.group.Comm()) == 0)
-      PetscCall(SolveOnFirst(view, std::move(segments), &told, &impulses, &of_friction, report));
-    std::vector<double> numbers(&told.travel, &told.travel + sizeof told / sizeof(double));
+      PetscCall(SolveOnFirst(view, std::move(segments), &outcome, &impulses, &of_friction, report));
+    std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
     PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
-    std::copy(numbers.begin(), numbers.end(), &told.travel);
-    report->travel = told.travel, report->limited = told.limited != 0, report->solved = told.solved != 0;
-    report->half_width = told.half_width, report->reach = told.reach, report->crosses = told.crosses != 0;
-    report->peak_pressure = told.peak, report->at_border = told.at_border != 0;
-    if (told.empty != 0) report->room = told.least_gap - kCandidateGap * view.grid.Geometry().spacing;
-    PetscCall(ShareColumns(view, static_cast<std::size_t>(told.columns), report));
+    std::copy(numbers.begin(), numbers.end(), &outcome.travel);
+    report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
+    report->half_width = outcome.half_width, report->reach = outcome.reach, report->crosses = outcome.crosses != 0;
+    report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
+    if (outcome.empty != 0) report->room = outcome.least_gap - kCandidateGap * view.grid.Geometry().spacing;
+    PetscCall(ShareColumns(view, static_cast<std::size_t>(outcome.columns), report));
     PetscCall(nodes_.Push(view, impulses, of_friction, report));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -214,17 +214,17 @@ private:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<Segment> segments, ToldByFirst *told,
+  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<Segment> segments, Outcome *outcome,
                               std::vector<Vec3> *impulses, std::vector<Vec3> *of_friction, ContactReport *report)
   {
     PressureReport found;
     PetscFunctionBeginUser;
     problem_.Build(view, nodes_, std::move(segments), means_, strains_);
-    told->solved = 1, told->empty = problem_.Size() == 0;
+    outcome->solved = 1, outcome->empty = problem_.Size() == 0;
     means_.clear(), strains_.clear();
     if (problem_.Size() == 0) {
       ratios_.clear();
-      if (view.tip.IsFree()) told->travel = view.tip.FreeTravel();
+      if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q = problem_.Start();
@@ -236,13 +236,13 @@ private:
     *impulses = problem_.Impulses();
     for (std::size_t k = 0; k < of_friction->size(); ++k) (*impulses)[k] = (*impulses)[k] + (*of_friction)[k];
     const SegmentProblem::Footprint &shape = problem_.Shape();
-    told->at_border = nodes_.AreAtBorder();
-    told->travel = found.travel, told->limited = found.limited, told->solved = found.solved;
-    told->reach = shape.reach, told->crosses = shape.crosses, told->peak = shape.peak;
-    told->half_width = HalfWidth(view, shape.area);
+    outcome->at_border = nodes_.AreAtBorder();
+    outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
+    outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
+    outcome->half_width = HalfWidth(view, shape.area);
     report->area = shape.area, report->stored = shape.stored;
     report->columns = problem_.PressedAround(view);
-    told->columns = static_cast<double>(report->columns.size());
+    outcome->columns = static_cast<double>(report->columns.size());
     report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
     if (settings_.monitor && found.pressing) PetscCall(PrintSolve(view.time, problem_.Size(), found));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -136,6 +136,7 @@ private:
   PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
   PetscErrorCode MeasureMomentum(Vec3 *left);
   PetscErrorCode CorrectMomentum();
+  PetscErrorCode SeedSurface(const std::vector<Seeding> &seedings);
   PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
   PetscErrorCode MapRanks();

@@ -165,12 +165,12 @@ public:
   Points &CopyStore(int origin) { return copies_[origin]; }
   const Grid &Mesh() const { return *grid_; }
   Grid &Mesh() { return *grid_; }
+  void SetBodyGroups(std::vector<int> groups) { node_bodies_.SetGroups(std::move(groups)); }
   const LightNodes &Light() const { return light_; }
   const LevelGeometry &Geometry() const { return geometry_; }
   Surface &BodySurface() { return surface_; }
   /// Half as long again as half of a point's face, m.
   double LongestPatch() const { return 0.375 * geometry_.grid.spacing; }
-  void SeedSurface() { surface_.Seed(*grid_, geometry_.sides, points_.Arrays(), model_.geometry, LongestPatch()); }
   const Surface &BodySurface() const { return surface_; }
   /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
   bool PatchesDue() const { return patches_due_; }
@@ -201,6 +201,7 @@ private:
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
+  PetscErrorCode FindLightNodes();
   PetscErrorCode ExchangeRates(double dt, double xpic);
   void NoteStrains();
   PetscErrorCode LetSurfaceFlow(double dt);
@@ -238,6 +239,7 @@ private:
   std::vector<std::pair<int, double>> flowing_;             ///< points near it, and their plastic strains before
   std::vector<ColumnStrain> under_columns_;                 ///< their parts in columns, strains to come
   bool patches_due_ = true;
+  NodeBodies node_bodies_;
   LightNodes light_;
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;

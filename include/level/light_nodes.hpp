@@ -6,6 +6,7 @@
 // as they were. Without it the velocity f/m of a node that few points have reached has no bound.
 #pragma once
 
+#include "level/node_bodies.hpp"
 #include "level/grid.hpp"
 #include "level/nodes.hpp"
 
@@ -33,8 +34,8 @@ public:
 
   /// Finds the light ones among the nodes that this rank owns from their sums, of which all ghosts must be known.
   /// more: by place, mass that nodes have beside, kg, infinite of those of which it is not known: they are not light, and nothing
-  /// hangs on them. None where it is null.
-  void Find(const Grid &grid, const double *more = nullptr);
+  /// hangs on them. None where it is null. bodies: nodes of different ones do not hang on each other.
+  void Find(const Grid &grid, const NodeBodies &bodies, const double *more = nullptr);
   bool IsLight(std::ptrdiff_t place) const { return number_[place] >= 0; }
 
   /// From points' sums to those of the motion: in place on nodes [ghosted nodes][size], also on ghosts. Collective on the grid's
@@ -89,7 +90,7 @@ private:
   };
   double FullMass(const Grid &grid, Index node) const;
   double MassAt(const Grid &grid, std::ptrdiff_t place) const { return grid.Sums()[place].mass + (more_ ? more_[place] : 0); }
-  void FindDonors(const Grid &grid, Index node, Light *light);
+  void FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light);
   void KeepJoined(std::vector<Near> *nodes) const;
   void FitLinear(std::vector<Near> *nodes, int dim) const;
   int Target(const Grid &grid, std::ptrdiff_t place, Index node);

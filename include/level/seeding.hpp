@@ -4,13 +4,14 @@
 #include "level/grid.hpp"
 #include "level/model.hpp"
 #include "level/points.hpp"
+#include "level/surface.hpp"
 
 #include <functional>
 
 namespace mlgimp
 {
 
-/// A point to be: its body, the tile it stands for, and its number, the same on any number of ranks.
+/// A point to be: its body, the tile where it is, and its number, the same on any number of ranks.
 struct Seed {
   int body;
   Tile tile;
@@ -35,21 +36,34 @@ public:
   void ForEachSeed(const IndexBox &cells, const std::function<void(const Seed &)> &work) const;
 
   /// The nodes nearest to the seeds of one part of the cells, counted from the first of the padding; each rank has another part.
-  PetscErrorCode ListNodes(MPI_Comm comm, std::vector<Index> *nodes) const;
+  void ListNodes(MPI_Comm comm, std::vector<Index> *nodes) const;
 
-  /// Adds the points whose nearest node this rank owns.
+  /// Numbers of the bodies that touch, directly or by others: those have the same [bodies]. Collective on `comm`, for each level.
+  PetscErrorCode JoinTouching(MPI_Comm comm, std::vector<int> *groups) const;
+
+  /// Adds the points of the tiles whose nearest node this rank owns.
   PetscErrorCode Fill(const Grid &grid, Points &points) const;
+  /// Adds the surface of these tiles' bodies, but at sides that hold it: their outer faces with corners on the outlines.
+  void AddPatches(const Grid &grid, Surface *surface) const;
 
   /// One more than the largest number a point of this level can have.
   std::int64_t EndId() const;
 
 private:
   void MakePoint(const Seed &seed, const PointArrays &arrays, int p) const;
-  bool IsInside(std::size_t body, Tile tile) const;
-  void TakeStepsOfCoarser(std::size_t body, Tile &tile) const;
+  PartOfTile Inside(std::size_t body, const Tile &tile, Vec3 origin) const;
+  bool IsInside(std::size_t body, const Tile &tile) const;
+  template <class Work> void ForEachBeside(std::size_t body, const Tile &tile, Work work) const;
+  Tile PointOf(const Seed &seed) const;
+  bool TakeStepsOfCoarser(std::size_t body, Tile &tile) const;
+  IndexBox CellsAround(const Grid &grid) const;
+  bool EndsAt(const Seed &seed, Side side, Vec3 corner) const;
+  Vec3 OnOutline(const Seed &seed, Side side, Vec3 corner) const;
+  void AddPatches(const Seed &seed, Side side, Surface *surface) const;
   bool AtWall(const Seed &seed, Side side) const;
   int FaceBits(const Seed &seed) const;
-  bool Occupied(Vec3 x) const;
+  int BodyAt(Vec3 x) const;
+  IndexBox CellsOf(MPI_Comm comm) const;
   IndexBox Cells() const;
 
   const Model &model_;

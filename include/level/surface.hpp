@@ -65,10 +65,7 @@ template <class Work> void ForEachHat(const GridGeometry &grid, Vec3 x, Work wor
 class Surface
 {
 public:
-  /// Takes the outer faces of points before the first step, but for those at a side that holds them, in patches of a length at
-  /// most, m.
-  void Seed(const Grid &grid, const BoundaryConditions &sides, const PointArrays &points, const Geometry &geometry,
-            double longest);
+  void Add(const SurfacePatch &patch) { patches_.push_back(patch); }
   /// Of corners in their order, [patches][corners].
   struct CornerMotion {
     double by_nodes;      ///< the part of it that goes with the nodes

@@ -69,7 +69,7 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(GeometryKind geo
       {"initial_position", kReal, dim, "m", MergeRule::kMean, false, false}, // for pictures: no equation knows it
       {"body", kInt32, 1, "", MergeRule::kFirst, false, true},
       {"faces", kInt32, 1, "", MergeRule::kBits, false, true},             // bits: see below
-      {"load_share", kReal, loads, "", MergeRule::kLargest, false, false}, // part of the point's face that each load acts on
+      {"load_share", kReal, loads, "", MergeRule::kLargest, false, false}, // area that each load acts on over that of the point's face
       {"history", kReal, history_components, "", MergeRule::kMean, true, false},
   }};
 }

@@ -39,6 +39,13 @@ public:
   virtual bool Contains(Vec3 x, double tolerance = 0) const = 0;
   virtual Box Bounds() const = 0;
   virtual bool IsBox() const { return false; }
+  /// How far a place within the bounds is outside, m; negative inside.
+  virtual double Distance(Vec3 x) const = 0;
+  /// The place of the outline for one near it, a corner of a tile's outer face across an axis. at_edge: whether outer faces
+  /// across other axes end there too.
+  virtual Vec3 OnOutline(Vec3 x, int axis, bool at_edge) const = 0;
+  /// Sharp vertices of the outline between two of its places, from the first on. Of the plane.
+  virtual std::vector<Vec3> Between(Vec3 /*first*/, Vec3 /*last*/) const { return {}; }
 };
 
 std::unique_ptr<Region> CreateBoxRegion(const Box &box);
@@ -55,6 +62,21 @@ std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices);
 struct Tile {
   Vec3 center{}, half_size{};
 };
+
+/// What of a tile lies in a region: its share of the tile's volume, and the sums of places from an origin and of their squares
+/// over it, each place by its own share.
+struct PartOfTile {
+  double share = 0;
+  Vec3 sum{}, squares{};
+  void Add(const PartOfTile &other, double times)
+  {
+    share += times * other.share;
+    sum = sum + times * other.sum, squares = squares + times * other.squares;
+  }
+};
+PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int dim);
+/// A tile of the part's volume with its centre and the proportions of its second moments; `tile` is whole, its centre the origin.
+Tile TileOf(const PartOfTile &part, const Tile &tile, int dim);
 
 /// The edge of the cells of the level that a place belongs to, m.
 using CellSizeAt = std::function<double(Vec3)>;

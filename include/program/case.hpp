@@ -114,10 +114,6 @@ struct Case {
   int Cells(int axis) const { return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size)); }
 };
 
-/// Difference of height between the highest and the lowest place of bodies that are no boxes, along the horizontal axes through
-/// the indenter's tip and no farther from it than half_width, m. Points make steps of such an outline.
-double RiseOfOutline(const Case &c, double half_width);
-
 /// Reads and checks all options of a case. With -help nothing is required and nothing is checked.
 void ReadCase(OptionReader &reader, Case *settings);
 

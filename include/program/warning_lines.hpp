@@ -28,7 +28,6 @@ std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &
 std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfSteps(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched);

@@ -51,6 +51,10 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
     PetscCall(LevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));
   }
+  std::vector<int> groups(model.bodies.size());
+  std::iota(groups.begin(), groups.end(), 0);
+  for (const Seeding &seeding : seedings) PetscCall(seeding.JoinTouching(comm, &groups));
+  for (auto &level : levels_) level->SetBodyGroups(groups);
   PetscCall(CreateInterfaces(first_id));
   PetscCall(MapRanks());
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
@@ -59,8 +63,20 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (auto &transfer : transfers_) PetscCall(transfer->Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
   for (auto &level : levels_) PetscCall(level->Sort());                       // seeds come row by row
-  if (model_->indenter)
-    for (auto &level : levels_) level->SeedSurface();
+  if (model_->indenter) PetscCall(SeedSurface(seedings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
+{
+  PetscFunctionBeginUser;
+  const auto split = [&] {
+    for (auto &level : levels_) level->BodySurface().Split(level->LongestPatch(), model_->geometry);
+  };
+  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
+  split();
+  PetscCall(AssignPatches(true));
+  split();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,7 +107,7 @@ PetscErrorCode Hierarchy::CreateLevel(int l, const Seeding &seeding)
   GridLayout layout;
   std::vector<Index> nodes;
   PetscFunctionBeginUser;
-  PetscCall(seeding.ListNodes(comm_, &nodes));
+  seeding.ListNodes(comm_, &nodes);
   PetscCall(FirstLayout(comm_, RanksOf(comm_), settings_.points_per_rank, nodes, settings_.levels[l].grid, &layout));
   levels_[l] = std::make_unique<Level>(*model_, events_);
   PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));

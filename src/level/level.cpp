@@ -106,6 +106,16 @@ PetscErrorCode Level::PointsToGrid(double time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Finds light nodes from the sums of points, and gives theirs to those that they hang on.
+PetscErrorCode Level::FindLightNodes()
+{
+  PetscFunctionBeginUser;
+  PetscCall(node_bodies_.Find(*grid_, {points_.Arrays(), copies_[0].Arrays(), copies_[1].Arrays()}));
+  light_.Find(*grid_, node_bodies_, finer_masses_);
+  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::GatherForces(double time, double dt)
 {
   PetscFunctionBeginUser;
@@ -119,8 +129,7 @@ PetscErrorCode Level::GatherForces(double time, double dt)
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ShareSums());
   AddLoadImpulse(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
-  light_.Find(*grid_, finer_masses_);
-  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
+  PetscCall(FindLightNodes());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,8 +175,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
   PetscCall(Logged(events_.halo, [&] { return grid_->ShareSums(); }));
-  light_.Find(*grid_, finer_masses_);
-  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
+  PetscCall(FindLightNodes());
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(light_.Prolong(*grid_, grid_->RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));

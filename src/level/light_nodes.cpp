@@ -146,7 +146,7 @@ int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
 
 /// Nodes within two cells at the same sides, so that what these hold stays held; the nearer and the fuller they are, the more
 /// they count. The fit is that of a pattern of full nodes, which is kept, but where some are between light and full.
-void LightNodes::FindDonors(const Grid &grid, Index node, Light *light)
+void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light)
 {
   constexpr double kSame = 1e-9, kMayTake = 1.0 / 32; // of shares; of a node's mass, see below
   constexpr std::size_t kMostFits = 10000;
@@ -164,6 +164,7 @@ void LightNodes::FindDonors(const Grid &grid, Index node, Light *light)
     const double mass = MassAt(grid, place);
     if (mass <= limit_[place] || std::isinf(mass) || at_sides_[place] != at_sides_[light->place]) continue;
     if (share < 1 && std::abs(shares_[place] - share) > kSame) continue;
+    if (!bodies.MayShare(place, light->place)) continue;
     const double fuller = SmoothStep(mass / limit_[place] - 1);
     all_full = all_full && fuller == 1;
     full[k / 64] |= std::uint64_t(1) << k % 64;
@@ -201,7 +202,7 @@ void LightNodes::FindDonors(const Grid &grid, Index node, Light *light)
 /// Where points may be gone within a step of the coarser level, nothing of a node's motion is its own.
 static constexpr double kLeastOwn = 1e-12;
 
-void LightNodes::Find(const Grid &grid, const double *more)
+void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *more)
 {
   more_ = more;
   for (const Light &light : lights_) number_[light.place] = -1;
@@ -214,7 +215,7 @@ void LightNodes::Find(const Grid &grid, const double *more)
     const int number = number_[place] = static_cast<int>(lights_.size());
     const double own = SmoothStep(mass / limit_[place]);
     lights_.push_back({place, own * mass > kLeastOwn * limit_[place] ? own : 0, 0, 0});
-    FindDonors(grid, node, &lights_.back());
+    FindDonors(grid, bodies, node, &lights_.back());
     Target(grid, place, node);
     grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
   });

@@ -1,8 +1,6 @@
 // Seeding, motion and halving of patches.
 #include "level/surface.hpp"
 
-#include "level/face.hpp"
-
 #include <algorithm>
 
 namespace mlgimp
@@ -14,31 +12,6 @@ static bool IsAt(const Grid &grid, const BoundaryConditions &sides, Side side, V
   constexpr double kAt = 1e-6; // cells
   const double beyond = SignOf(side) * (x[AxisOf(side)] - grid.Coordinate(AxisOf(side), sides.node[side]));
   return beyond > -kAt * grid.Geometry().spacing;
-}
-
-void Surface::Seed(const Grid &grid, const BoundaryConditions &sides, const PointArrays &points, const Geometry &geometry,
-                   double longest)
-{
-  constexpr int kSides = 6;
-  patches_.clear();
-  for (int p = 0; p < points.count; ++p)
-    for (const Side side : SidesOf{points.dim}) {
-      if (!(points.faces[p] & OuterFaceBit(side))) continue;
-      const Face face = PointFace(points, p, side);
-      if (sides.kind[side] != BoundaryKind::kFree && IsAt(grid, sides, side, face.center)) continue;
-      SurfacePatch patch{kSides * static_cast<std::int64_t>(points.id[p]) + side, 1, points.body[p], {}, 1, 0};
-      Vec3 a = face.half_edge[0], b = face.half_edge[1];
-      if (points.dim == 2) {
-        if (face.area_normal[0] * a[1] - face.area_normal[1] * a[0] < 0) a = -1 * a;
-        patch.corner[0] = face.center - a, patch.corner[1] = face.center + a;
-      } else {
-        if (Dot(face.area_normal, Cross(a, b)) < 0) std::swap(a, b);
-        patch.corner[0] = face.center - a - b, patch.corner[1] = face.center + a - b;
-        patch.corner[2] = face.center + a + b, patch.corner[3] = face.center - a + b;
-      }
-      patches_.push_back(patch);
-    }
-  Split(longest, geometry);
 }
 
 /// The motion of the nodes at a place, dt sum_i N_i v_i/sum_i N_i over those that have one.

@@ -10,6 +10,13 @@ namespace mlgimp
 namespace
 {
 
+/// The place at a distance from a centre on the way to another one.
+Vec3 AtRadius(Vec3 x, Vec3 center, double radius)
+{
+  const double distance = Norm(x - center);
+  return distance > 0 ? center + (radius / distance) * (x - center) : x;
+}
+
 class BoxRegion : public Region
 {
 public:
@@ -21,6 +28,8 @@ public:
   }
   Box Bounds() const override { return box_; }
   bool IsBox() const override { return true; }
+  double Distance(Vec3 /*x*/) const override { return -HUGE_VAL; }
+  Vec3 OnOutline(Vec3 x, int, bool) const override { return x; } // tiles fill it
 
 private:
   Box box_;
@@ -36,6 +45,8 @@ public:
   }
   bool Contains(Vec3 x, double tolerance) const override { return Norm(x - center_) < radius_ + tolerance; }
   Box Bounds() const override { return bounds_; }
+  double Distance(Vec3 x) const override { return Norm(x - center_) - radius_; }
+  Vec3 OnOutline(Vec3 x, int, bool) const override { return AtRadius(x, center_, radius_); }
 
 private:
   Box bounds_;
@@ -57,6 +68,12 @@ public:
            x[2] < bounds_.upper[2] + tolerance;
   }
   Box Bounds() const override { return bounds_; }
+  double Distance(Vec3 x) const override { return std::hypot(x[0] - center_[0], x[1] - center_[1]) - radius_; }
+  Vec3 OnOutline(Vec3 x, int axis, bool at_edge) const override // tiles end at its bottom and its top
+  {
+    const Vec3 middle{center_[0], center_[1], x[2]};
+    return axis < 2 || at_edge || Norm(x - middle) > radius_ ? AtRadius(x, middle, radius_) : x;
+  }
 
 private:
   Box bounds_;
@@ -79,6 +96,8 @@ public:
     return Box{bounds_.lower - margin, bounds_.upper + margin}.Contains(x) && whole_->Contains(x, tolerance);
   }
   Box Bounds() const override { return bounds_; }
+  double Distance(Vec3 x) const override { return whole_->Distance(x); }
+  Vec3 OnOutline(Vec3 x, int axis, bool at_edge) const override { return whole_->OnOutline(x, axis, at_edge); }
 
 private:
   std::unique_ptr<Region> whole_;
@@ -93,15 +112,26 @@ public:
   /// Counts the edges that a ray to the right crosses; near an edge the tolerance decides.
   bool Contains(Vec3 x, double tolerance) const override
   {
-    bool inside = false, near = false;
+    bool inside = false;
     for (std::size_t k = 0, last = vertices_.size() - 1; k < vertices_.size(); last = k++) {
       const Vec3 a = vertices_[k], b = vertices_[last];
       if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])) inside = !inside;
-      near = near || DistanceToEdge(x, a, b) <= std::abs(tolerance);
     }
-    return near && tolerance != 0 ? tolerance > 0 : inside;
+    const bool near = tolerance != 0 && Nearest(x).distance <= std::abs(tolerance);
+    return near ? tolerance > 0 : inside;
   }
-
+  double Distance(Vec3 x) const override { return (Contains(x, 0) ? -1 : 1) * Nearest(x).distance; }
+  Vec3 OnOutline(Vec3 x, int, bool) const override { return Nearest(x).at; }
+  std::vector<Vec3> Between(Vec3 first, Vec3 last) const override
+  {
+    const std::size_t count = vertices_.size();
+    const Place from = Nearest(first), to = Nearest(last);
+    std::vector<Vec3> on, back;
+    if (from.edge == to.edge) return {};
+    for (std::size_t k = from.edge; k != to.edge; k = (k + 1) % count) on.push_back(vertices_[(k + 1) % count]);
+    for (std::size_t k = from.edge; k != to.edge; k = (k + count - 1) % count) back.push_back(vertices_[k]);
+    return Length(first, on, last) < Length(first, back, last) ? on : back;
+  }
   Box Bounds() const override
   {
     Box box{vertices_.front(), vertices_.front()};
@@ -114,11 +144,28 @@ public:
   }
 
 private:
-  static double DistanceToEdge(Vec3 x, Vec3 a, Vec3 b)
+  /// The nearest place of the outline; edge k goes from vertex k to the next.
+  struct Place {
+    std::size_t edge;
+    Vec3 at;
+    double distance;
+  };
+  Place Nearest(Vec3 x) const
   {
-    const Vec3 edge = b - a, from = x - a;
-    const double place = std::clamp(Dot(from, edge) / std::max(Dot(edge, edge), DBL_MIN), 0.0, 1.0);
-    return Norm(from - place * edge);
+    Place nearest{0, {}, HUGE_VAL};
+    for (std::size_t k = 0; k < vertices_.size(); ++k) {
+      const Vec3 a = vertices_[k], edge = vertices_[(k + 1) % vertices_.size()] - a;
+      const double part = std::clamp(Dot(x - a, edge) / std::max(Dot(edge, edge), DBL_MIN), 0.0, 1.0);
+      const Vec3 at = a + part * edge;
+      if (Norm(x - at) < nearest.distance) nearest = {k, at, Norm(x - at)};
+    }
+    return nearest;
+  }
+  static double Length(Vec3 first, const std::vector<Vec3> &between, Vec3 last)
+  {
+    double length = 0;
+    for (const Vec3 &x : between) length += Norm(x - first), first = x;
+    return length + Norm(last - first);
   }
   std::vector<Vec3> vertices_;
 };
@@ -141,6 +188,39 @@ std::unique_ptr<Region> CreatePartOf(std::unique_ptr<Region> whole, const Box &b
 std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
 {
   return std::make_unique<PolygonRegion>(std::move(vertices));
+}
+
+PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int dim)
+{
+  const bool cut = std::abs(region.Distance(tile.center)) <= Norm(tile.half_size);
+  const int along = !cut ? 1 : dim == 3 ? 6 : 16; // places along an axis
+  const double width = 2 * *std::max_element(tile.half_size.begin(), tile.half_size.end()) / along;
+  PartOfTile part;
+  ForEach({{0, 0, 0}, {along, along, dim == 3 ? along : 1}}, [&](Index k) {
+    Vec3 x = tile.center, squares{};
+    for (int a = 0; a < dim; ++a) {
+      const double half = tile.half_size[a] / along; // of what the place stands for
+      x[a] += (2 * k[a] + 1 - along) * half;
+      squares[a] = (x[a] - origin[a]) * (x[a] - origin[a]) + half * half / 3;
+    }
+    const double share = std::clamp(0.5 - region.Distance(x) / width, 0.0, 1.0) / std::pow(along, dim);
+    part.Add({1, x - origin, squares}, share);
+  });
+  return part;
+}
+
+Tile TileOf(const PartOfTile &part, const Tile &tile, int dim)
+{
+  Tile same = tile;
+  double scale = part.share;
+  for (int a = 0; a < dim; ++a) {
+    const double off = part.sum[a] / part.share;
+    same.center[a] += off;
+    same.half_size[a] = std::sqrt(3 * std::max(part.squares[a] / part.share - off * off, 0.0));
+    scale *= tile.half_size[a] / same.half_size[a];
+  }
+  for (int a = 0; a < dim; ++a) same.half_size[a] *= std::pow(scale, 1.0 / dim);
+  return same;
 }
 
 /// Tiles of a piece of a body with a length in cells: none is longer than a cell by more than a tenth.

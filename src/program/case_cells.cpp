@@ -1,4 +1,4 @@
-// What cells cannot resolve of a case: thin bodies, outlines that are steps of points, contact outside of the finest boxes.
+// What cells cannot resolve of a case: thin bodies, contact outside of the finest boxes.
 #include "program/case_groups.hpp"
 
 #include <algorithm>
@@ -122,23 +122,6 @@ void WarnOfCells(OptionReader &reader, const Case &c)
   if (!c.model.indenter) return;
   WarnOfThinUnderTip(reader, c);
   WarnOfMissedBox(reader, c);
-}
-
-double RiseOfOutline(const Case &c, double half_width)
-{
-  constexpr int kPlaces = 16; // to each side
-  const Indenter &indenter = *c.model.indenter;
-  double lowest = HUGE_VAL, highest = -HUGE_VAL;
-  for (const Body &body : c.model.bodies)
-    for (int axis = 0; axis < indenter.up && !body.region->IsBox(); ++axis)
-      for (int k = -kPlaces; k <= kPlaces; ++k) {
-        Vec3 x = indenter.tip;
-        double height;
-        x[axis] += half_width * (k + 0.01) / kPlaces; // not on an axis, which is on no body's inside
-        if (SurfaceAbove(*body.region, x, indenter.up, &height))
-          lowest = std::min(lowest, height), highest = std::max(highest, height);
-      }
-  return highest > lowest ? highest - lowest : 0;
 }
 
 } // namespace mlgimp

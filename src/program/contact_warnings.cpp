@@ -72,23 +72,6 @@ std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
                                  : "smaller ones, or more -levels");
 }
 
-/// Contact on an outline that is curved or oblique, of which points make steps of half a cell: their height, some tenth of a cell
-/// in the mean over a contact, counts as much in the load as the same change of the depth (tilted planes and balls, by
-/// measurement).
-std::string OfSteps(const Case &c, const Budgets &budgets, const Watched &watched)
-{
-  constexpr double kEnough = 10, kFlat = 1e-3, kStep = 0.1; // cells
-  if (budgets.contact_cells == 0 || watched.deepest <= 0) return "";
-  const double cells = budgets.contact_cells, cell = c.CellSize(c.LevelAtTip());
-  if (RiseOfOutline(c, std::clamp(cells, 1.0, kEnough) * cell) <= kFlat * cell) return "";
-  const double power = c.model.geometry.kind == GeometryKind::kPlaneStrain ? 1 : 1.5;
-  const double off = 100 * std::min(1.0, power * kStep * cell / watched.deepest);
-  return "-bodies: the surface under the tip is oblique or curved, and points make steps of it: with " + FormatRounded(cells) +
-         " cells of level " + std::to_string(c.LevelAtTip()) + " in half the contact's width the load may be " +
-         FormatRounded(off) + " % off at the largest depth, and " +
-         (cells < kEnough ? "more before" : "some 10 to 30 % while it has fewer than ten") + "; try smaller cells there";
-}
-
 /// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
 /// cell away. A plate over all of the domain has none.
 std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &)

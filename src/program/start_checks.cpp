@@ -82,7 +82,7 @@ std::string DescribeThin(const Case &c, const Box &bounds)
          FormatRounded(cell) + " m; take cells of at most " + FormatRounded(0.5 * thinnest) + " m there (-cell_size, -levels)";
 }
 
-/// A box has its mass and its sides' lengths; any closed outline shows as much to one side as to the other.
+/// A box has its mass and its sides' lengths.
 void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
 {
   const Body &body = c.model.bodies[b];
@@ -105,9 +105,6 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
           body.region->IsBox() && IsFree(c, b, side) && Differ(sums.faces[side], area))
         Refuse(start + "outer faces along its whole side " + kSideNames[side] + ", " + FormatNumber(area) + unit +
                "; they add up to " + FormatNumber(sums.faces[side]) + unit);
-    if (IsFree(c, b, lower) && IsFree(c, b, upper) && Differ(sums.faces[lower], sums.faces[upper]))
-      Refuse(start + "as many outer faces on side " + kSideNames[lower] + " as on " + kSideNames[upper] + "; they are " +
-             FormatNumber(sums.faces[lower]) + " and " + FormatNumber(sums.faces[upper]) + unit);
   }
 }
 

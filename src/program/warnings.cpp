@@ -215,7 +215,7 @@ void Warnings::Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const 
               {OfWidest, false},      {OfNarrowest, true},   {OfEnergy, true},  {OfDamping, true}, {OfLoad, true},
               {OfLoss, true},         {OfTouch, true},       {OfBorder, false}, {OfMotion, true},  {OfElasticNoise, true},
               {OfMirrorImage, false}, {OfContactLoss, true}, {OfDrag, true},    {OfInertia, true}, {OfOvershoot, true},
-              {OfSteps, true},        {OfHold, true}};
+              {OfHold, true}};
   const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =

@@ -87,7 +87,7 @@ BALL = {
     **{name: value for name, value in FLIGHT.items() if name.split("_")[0] not in ("thickness", "disk") and "level_2" not in name},
     "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "13e-6,9e-6,9e-6", "levels": 2, "level_1_lower": "3.5e-6,2e-6,2e-6",
     "level_1_upper": "7.5e-6,6e-6,6.5e-6", "bodies": "ball,block", "ball_shape": "ball", "ball_center": "2e-6,3.5e-6,4e-6",
-    "ball_radius": "1.2e-6", "ball_points_per_cell": 1, "ball_velocity": "1500,200,150", "block_lower": "7e-6,3e-6,3e-6",
+    "end_time": "5e-9", "ball_radius": "1.2e-6", "ball_points_per_cell": 1, "ball_velocity": "1500,200,150", "block_lower": "7e-6,3e-6,3e-6",
     "block_upper": "9e-6,6e-6,6e-6", "block_points_per_cell": 1}
 
 

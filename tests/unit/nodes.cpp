@@ -49,7 +49,7 @@ struct LightSurface {
       const double wave = 0.5 + 0.5 * std::sin(node[0] + 3.0 * node[1] + 5.0 * node[2]);
       grid.Sums()[grid.Place(node)].mass = kFull * (up > top ? 0 : up == top ? 0.04 * wave : 0.5 + 0.5 * wave);
     });
-    light.Find(grid);
+    light.Find(grid, {});
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   /// A linear field of two components, or a wavy one.
@@ -135,7 +135,7 @@ TEST(LightNodes, AreLightForTheirRadius)
   ASSERT_EQ(body.Create(PETSC_COMM_SELF, 2, true), PETSC_SUCCESS);
   const auto is_light = [&](double mass, Index node) {
     body.grid.Sums()[body.grid.Place(node)].mass = mass;
-    body.light.Find(body.grid);
+    body.light.Find(body.grid, {});
     return body.light.IsLight(body.grid.Place(node));
   };
   const double limit = LightNodes::kLight * kFull;

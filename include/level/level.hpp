@@ -149,6 +149,8 @@ public:
   void SetPressures(const ContactPressures &pressures);
   /// Pressure of contact in the last step on this rank's points, with the tip as it is now; see Contact::PressuresOnPoints.
   PetscErrorCode FindContactPressures(Vec3 tip, std::vector<double> *pressures);
+  /// The same on its patches of the surface; see Contact::PressuresOnPatches.
+  PetscErrorCode FindSurfacePressures(Vec3 tip, std::vector<double> *pressures);
 
   /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
   /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.

@@ -6,8 +6,8 @@
 // as they were. Without it the velocity f/m of a node that few points have reached has no bound.
 #pragma once
 
-#include "level/node_bodies.hpp"
 #include "level/grid.hpp"
+#include "level/node_bodies.hpp"
 #include "level/nodes.hpp"
 
 #include <array>

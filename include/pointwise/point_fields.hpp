@@ -68,8 +68,9 @@ inline std::array<PointFieldInfo, kPointFields> PointFieldTable(GeometryKind geo
       {"initial_radius", kReal, hoop, "m", MergeRule::kFirst, false, false}, // of the centre, in axisymmetry; F_zz = r/R
       {"initial_position", kReal, dim, "m", MergeRule::kMean, false, false}, // for pictures: no equation knows it
       {"body", kInt32, 1, "", MergeRule::kFirst, false, true},
-      {"faces", kInt32, 1, "", MergeRule::kBits, false, true},             // bits: see below
-      {"load_share", kReal, loads, "", MergeRule::kLargest, false, false}, // area that each load acts on over that of the point's face
+      {"faces", kInt32, 1, "", MergeRule::kBits, false, true}, // bits: see below
+      {"load_share", kReal, loads, "", MergeRule::kLargest, false,
+       false}, // area that each load acts on over that of the point's face
       {"history", kReal, history_components, "", MergeRule::kMean, true, false},
   }};
 }

@@ -1,4 +1,5 @@
-// Frames of points for pictures and other tools: points_FFFFFF.h5, and their time series points.vtkhdf and points.xdmf.
+// Frames for pictures and other tools: points_FFFFFF.h5, and their time series, points.vtkhdf and points.xdmf of the points,
+// surface.vtkhdf and surface.xdmf of the surface that contact presses on.
 #pragma once
 
 #include "hierarchy/hierarchy.hpp"
@@ -28,9 +29,20 @@ public:
   std::string PathOf(int number) const { return directory_ + "/" + FileName(number); }
 
 private:
+  /// A frame that has been written.
+  struct Frame {
+    int number;
+    double time;                 ///< s
+    std::vector<hsize_t> counts; ///< points of each level
+    hsize_t corners;             ///< of all patches of the surface
+  };
+  /// Whether frames have the surface: where patches of it are pressed.
+  bool HasSurface() const { return model_.indenter && model_.contact.method == "pressure"; }
+  void AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, hsize_t *total);
   std::string FileName(int number) const;
-  std::vector<FrameField> Fields() const;
-  std::string MakeXdmf(const std::vector<FrameField> &fields) const;
+  VtkSeries Points() const;
+  VtkSeries Patches() const;
+  std::string ReplaceSeries(const std::string &name, const std::vector<VtkStep> &steps, const VtkSeries &series) const;
   std::string WriteSeries(MPI_Comm comm, bool whole);
 
   std::string directory_;

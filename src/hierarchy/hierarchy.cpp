@@ -67,19 +67,6 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
-{
-  PetscFunctionBeginUser;
-  const auto split = [&] {
-    for (auto &level : levels_) level->BodySurface().Split(level->LongestPatch(), model_->geometry);
-  };
-  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
-  split();
-  PetscCall(AssignPatches(true));
-  split();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 {
   const bool copies = settings_.coupling == LevelCoupling::kPoints;

@@ -19,6 +19,19 @@ struct PlacedPatch {
 
 } // namespace
 
+PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
+{
+  PetscFunctionBeginUser;
+  const auto split = [&] {
+    for (auto &level : levels_) level->BodySurface().Split(level->LongestPatch(), model_->geometry);
+  };
+  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
+  split();
+  PetscCall(AssignPatches(true));
+  split();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The level that the points there belong to, where those of level `now` come from.
 int Hierarchy::LevelAt(Vec3 x, int now) const
 {

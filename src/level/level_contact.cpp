@@ -130,6 +130,16 @@ PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Level::FindSurfacePressures(Vec3 tip, std::vector<double> *pressures)
+{
+  PetscFunctionBeginUser;
+  pressures->clear();
+  if (ContactAwake() && group_.Participates())
+    PetscCall(contact_->PressuresOnPatches(ViewOfContact(time_, 0, {tip, tip}), pressures));
+  pressures->resize(surface_.Patches().size());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;

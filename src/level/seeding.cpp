@@ -54,7 +54,9 @@ PartOfTile Seeding::Inside(std::size_t body, const Tile &tile, Vec3 origin) cons
   Tile coarse = tile;
   if (region.IsBox()) return {1, {}, {}};
   if (!TakeStepsOfCoarser(body, coarse)) return PartInside(region, tile, origin, geometry_.dim);
-  PartOfTile whole = PartInside(*CreateBoxRegion({tile.center - tile.half_size, tile.center + tile.half_size}), tile, origin, geometry_.dim), part;
+  PartOfTile whole = PartInside(*CreateBoxRegion({tile.center - tile.half_size, tile.center + tile.half_size}), tile, origin,
+                                geometry_.dim),
+             part;
   part.Add(whole, PartInside(region, coarse, origin, geometry_.dim).share);
   return part;
 }

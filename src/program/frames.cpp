@@ -5,6 +5,7 @@
 #include "program/errors.hpp"
 #include "program/files.hpp"
 #include "program/hdf5_file.hpp"
+#include "program/xdmf.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,6 @@
 
 namespace mlgimp
 {
-
-static const std::string kVertex = "vertex"; ///< dataset of a level
 
 std::string FrameWriter::FileName(int number) const
 {
@@ -101,7 +100,9 @@ static void AddDerived(H5Writer &file, const std::string &group, const PointArra
   }
 }
 
-/// A number for each point, 0, 1, 2, ..., of the vertex that shows it: see MakeXdmf.
+static const std::string kSurface = "/surface"; ///< group of the patches
+
+/// A number for each point, 0, 1, 2, ...: see kVertex.
 static void AddVertices(H5Writer &file, const std::string &group, const Slab &slab)
 {
   std::vector<int> numbers(slab.count);
@@ -112,7 +113,7 @@ static void AddVertices(H5Writer &file, const std::string &group, const Slab &sl
 std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, long step)
 {
   H5Writer file;
-  Frame frame{number, time, FileName(number), {}};
+  Frame frame{number, time, {}, 0};
   std::vector<double> pressures;
   Budgets budgets;
   EndOn(hierarchy.ReduceBudgets(&budgets));
@@ -136,6 +137,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
     AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
   }
+  if (HasSurface()) AddSurface(file, hierarchy, time, &frame.corners);
   std::string problem = file.Finish();
   if (!problem.empty()) return problem;
   frames_.push_back(frame);
@@ -146,7 +148,7 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
 {
   for (int number = 0; number <= written && RankIn(comm) == 0; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
-    Frame frame{number, 0, FileName(number), {}};
+    Frame frame{number, 0, {}, 0};
     std::vector<double> time(1);
     if (!file.Open(PathOf(number)) || !file.Attribute("/", "time", &time)) continue;
     frame.time = time[0];
@@ -155,6 +157,7 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
       file.Rows("/level_" + std::to_string(l) + "/id", H5T_NATIVE_INT64, 1, &rows);
       frame.counts.push_back(rows);
     }
+    file.Rows(kSurface + "/" + kVertex, H5T_NATIVE_INT, 1, &frame.corners);
     frames_.push_back(frame);
   }
   int found = static_cast<int>(frames_.size());
@@ -162,13 +165,56 @@ std::string FrameWriter::Resume(MPI_Comm comm, int written)
   return found > 0 ? WriteSeries(comm, true) : "";
 }
 
-std::vector<FrameField> FrameWriter::Fields() const
+/// The surface of bodies in patches, with the pressures on them.
+void FrameWriter::AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, hsize_t *total)
 {
-  std::vector<FrameField> fields;
+  const int dim = model_.geometry.Dim(), corners = 1 << (dim - 1);
+  std::vector<double> positions, pressures;
+  std::vector<int> bodies, levels;
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    std::vector<double> on_level;
+    EndOn(hierarchy.At(l).FindSurfacePressures(hierarchy.Tip().At(time), &on_level));
+    pressures.insert(pressures.end(), on_level.begin(), on_level.end());
+    for (const SurfacePatch &patch : hierarchy.At(l).BodySurface().Patches()) {
+      for (int c = 0; c < corners; ++c) positions.insert(positions.end(), patch.corner[c].begin(), patch.corner[c].begin() + dim);
+      bodies.push_back(patch.body), levels.push_back(l);
+    }
+  }
+  const auto patches = static_cast<int>(bodies.size());
+  const Slab of_patches = MakeSlab(hierarchy.Comm(), patches), of_corners = MakeSlab(hierarchy.Comm(), corners * patches);
+  file.Group(kSurface);
+  file.Dataset(kSurface + "/position", H5T_NATIVE_DOUBLE, dim, of_corners, positions.data());
+  AddVertices(file, kSurface, of_corners);
+  file.Dataset(kSurface + "/contact_pressure", H5T_NATIVE_DOUBLE, 1, of_patches, pressures.data());
+  file.Dataset(kSurface + "/body", H5T_NATIVE_INT, 1, of_patches, bodies.data());
+  file.Dataset(kSurface + "/level", H5T_NATIVE_INT, 1, of_patches, levels.data());
+  *total = of_corners.total;
+}
+
+VtkSeries FrameWriter::Points() const
+{
+  VtkSeries series{"Vertices", 1, {}, {}};
+  std::vector<FrameField> &fields = series.point_fields;
   for (const DerivedField &field : DerivedFields(model_, {})) fields.push_back({field.name, H5T_NATIVE_DOUBLE, field.components});
   for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
     if (field.in_frames && field.components > 0) fields.push_back({field.name, H5Type(field.type), field.components});
-  return fields;
+  return series;
+}
+
+VtkSeries FrameWriter::Patches() const
+{
+  const int dim = model_.geometry.Dim();
+  const FrameField position{"position", H5T_NATIVE_DOUBLE, dim}, pressure{"contact_pressure", H5T_NATIVE_DOUBLE, 1},
+      body{"body", H5T_NATIVE_INT, 1}, level{"level", H5T_NATIVE_INT, 1};
+  return {dim == 2 ? "Lines" : "Polygons", 1 << (dim - 1), {position}, {pressure, body, level}};
+}
+
+std::string FrameWriter::ReplaceSeries(const std::string &name, const std::vector<VtkStep> &steps, const VtkSeries &series) const
+{
+  const std::string path = directory_ + "/" + name + ".vtkhdf", bytes = MakeVtkhdf(steps, series);
+  const std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
+  if (!problem.empty()) return problem;
+  return ReplaceFile(directory_ + "/" + name + ".xdmf", MakeXdmf(name, steps, series, model_.geometry.Dim()));
 }
 
 std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
@@ -177,49 +223,19 @@ std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
     constexpr std::size_t kFew = 32, kShare = 16;
     const std::size_t count = frames_.size(), due = whole || count <= kFew ? in_series_ + 1 : in_series_ + in_series_ / kShare;
     if (count < due) return "";
-    const std::vector<FrameField> fields = Fields();
-    const std::string path = directory_ + "/points.vtkhdf", bytes = MakeVtkhdf(frames_, fields);
-    const std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
-    in_series_ = count;
-    return problem.empty() ? ReplaceFile(directory_ + "/points.xdmf", MakeXdmf(fields)) : problem;
-  });
-}
-
-/// For readers that do not know PolyData in VTKHDF: VTK before 9.3, ParaView before 5.12. The one that ParaView takes by itself
-/// shows no point without a list of vertices; as text it would be the longest part of the file.
-std::string FrameWriter::MakeXdmf(const std::vector<FrameField> &fields) const
-{
-  const int dim = model_.geometry.Dim();
-  std::ostringstream xml;
-  xml.precision(17);
-  xml << "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-      << "<Grid Name=\"points\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const Frame &frame : frames_) {
-    xml << "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" << frame.time << "\"/>\n";
-    for (std::size_t l = 0; l < frame.counts.size(); ++l) {
-      const auto n = frame.counts[l];
-      if (n == 0) continue;
-      const std::string place = frame.file + ":/level_" + std::to_string(l) + "/";
-      xml << "<Grid Name=\"level_" << l << "\" GridType=\"Uniform\">\n"
-          << "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" << n
-          << "\" NodesPerElement=\"1\"><DataItem Dimensions=\"" << n << "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">"
-          << place << kVertex << "</DataItem></Topology>\n"
-          << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
-          << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
-      for (const FrameField &field : fields) {
-        if (field.name == "position") continue;
-        xml << "<Attribute Name=\"" << field.name << "\" AttributeType=\"" << (field.components > 1 ? "Matrix" : "Scalar")
-            << "\" Center=\"Node\"><DataItem Dimensions=\"" << n;
-        if (field.components > 1) xml << " " << field.components;
-        xml << "\" NumberType=\"" << (H5Tget_class(field.type) == H5T_FLOAT ? "Float" : "Int") << "\" Precision=\""
-            << H5Tget_size(field.type) << "\" Format=\"HDF\">" << place << field.name << "</DataItem></Attribute>\n";
-      }
-      xml << "</Grid>\n";
+    std::vector<VtkStep> points, patches;
+    for (const Frame &frame : frames_) {
+      const std::string file = FileName(frame.number);
+      points.push_back({frame.time, {}}), patches.push_back({frame.time, {}});
+      for (std::size_t l = 0; l < frame.counts.size(); ++l)
+        if (frame.counts[l] > 0)
+          points.back().parts.push_back({file, "/level_" + std::to_string(l), frame.counts[l], static_cast<int>(l)});
+      if (frame.corners > 0) patches.back().parts.push_back({file, kSurface, frame.corners, -1});
     }
-    xml << "</Grid>\n";
-  }
-  xml << "</Grid>\n</Domain>\n</Xdmf>\n";
-  return xml.str();
+    in_series_ = count;
+    const std::string problem = ReplaceSeries("points", points, Points());
+    return problem.empty() && HasSurface() ? ReplaceSeries("surface", patches, Patches()) : problem;
+  });
 }
 
 } // namespace mlgimp

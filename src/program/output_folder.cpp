@@ -42,7 +42,8 @@ ResultName ParseResultName(const std::string &name)
   result.number = std::max({frame, checkpoint, 0L});
   if (whole == "history.csv") result.kind = ResultName::kHistory;
   if (whole == "summary.json") result.kind = ResultName::kSummary;
-  if (whole == "points.vtkhdf" || whole == "points.xdmf") result.kind = ResultName::kSeries;
+  if (whole == "points.vtkhdf" || whole == "points.xdmf" || whole == "surface.vtkhdf" || whole == "surface.xdmf")
+    result.kind = ResultName::kSeries;
   if (frame >= 0) result.kind = ResultName::kFrame;
   if (checkpoint >= 0) result.kind = ResultName::kCheckpoint;
   return result;

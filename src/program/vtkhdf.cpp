@@ -12,32 +12,23 @@ namespace mlgimp
 namespace
 {
 
-/// The points of one level in one frame.
-struct Part {
-  std::string file;
-  int level;
-  hsize_t count;
-};
-
 /// A dataset with rows of `stored` components, which lie in the row that VTK takes from `first` on: blocks of so many, one every
 /// `stride`. of(part): file and name of the dataset, the first rows of which the part takes.
 struct Source {
   hsize_t stored, first, block, stride;
-  std::function<std::pair<std::string, std::string>(const Part &part)> of;
+  std::function<std::pair<std::string, std::string>(const VtkPart &part)> of;
 };
 
 /// The same dataset for every part, in this file.
 Source Own(const std::string &dataset, hsize_t first = 0)
 {
-  return {1, first, 1, 1, [=](const Part &) { return std::pair<std::string, std::string>(".", dataset); }};
+  return {1, first, 1, 1, [=](const VtkPart &) { return std::pair<std::string, std::string>(".", dataset); }};
 }
 
 /// A field of each level's group in the frames.
 Source OfFrames(const FrameField &field, hsize_t first, hsize_t block, hsize_t stride)
 {
-  const auto of = [name = field.name](const Part &part) {
-    return std::pair(part.file, "/level_" + std::to_string(part.level) + "/" + name);
-  };
+  const auto of = [name = field.name](const VtkPart &part) { return std::pair(part.file, part.group + "/" + name); };
   return {static_cast<hsize_t>(field.components), first, block, stride, of};
 }
 
@@ -50,7 +41,7 @@ public:
     constexpr std::size_t kGrowth = 1 << 20; // bytes
     const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fapl_core(access, kGrowth, false);
-    file_ = H5Handle(H5Fcreate("points.vtkhdf", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+    file_ = H5Handle(H5Fcreate("series.vtkhdf", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
     Note(file_);
   }
 
@@ -82,17 +73,18 @@ public:
     Create(name, H5T_NATIVE_INT, Space(count, 1), layout);
   }
 
-  /// Rows of `width` numbers that lie in other datasets, part by part, `more` than a part has points; zero where no source is.
-  void Virtual(const std::string &name, hid_t type, hsize_t width, const std::vector<Part> &parts, hsize_t more,
-               const std::vector<Source> &sources)
+  /// Rows of `width` numbers that lie in other datasets, part by part, `more` than a part has cells of so many points; zero where
+  /// no source is.
+  void Virtual(const std::string &name, hid_t type, hsize_t width, const std::vector<VtkPart> &parts, hsize_t corners,
+               hsize_t more, const std::vector<Source> &sources)
   {
     const H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     const int zero = 0;
     hsize_t rows = 0, at = 0;
-    for (const Part &part : parts) rows += part.count + more;
+    for (const VtkPart &part : parts) rows += part.count / corners + more;
     H5Pset_fill_value(layout, H5T_NATIVE_INT, &zero);
-    for (const Part &part : parts) {
-      const hsize_t count = part.count + more;
+    for (const VtkPart &part : parts) {
+      const hsize_t count = part.count / corners + more;
       for (const Source &source : sources) {
         const hsize_t start[2] = {at, source.first}, stride[2] = {count, source.stride};
         const hsize_t times[2] = {1, source.stored / source.block}, block[2] = {count, source.block};
@@ -133,15 +125,6 @@ private:
   bool good_ = true;
 };
 
-std::vector<Part> PartsOf(const std::vector<Frame> &frames)
-{
-  std::vector<Part> parts;
-  for (const Frame &frame : frames)
-    for (std::size_t l = 0; l < frame.counts.size(); ++l)
-      if (frame.counts[l] > 0) parts.push_back({frame.file, static_cast<int>(l), frame.counts[l]});
-  return parts;
-}
-
 constexpr char kCells[][10] = {"Vertices", "Lines", "Polygons", "Strips"};
 
 void AddHeader(VtkhdfFile &file)
@@ -157,101 +140,129 @@ void AddHeader(VtkhdfFile &file)
   file.Attribute("/VTKHDF", "Type", text, H5Handle(H5Screate(H5S_SCALAR), H5Sclose), type);
 }
 
-/// A vertex for each point: both lists of cells are 0, 1, 2, ... in each part. No lines, polygons and strips.
-void AddCells(VtkhdfFile &file, const std::vector<Part> &parts, const std::vector<hsize_t> &counts)
+/// Cells of points that follow each other: in each part their lists are 0, 1, 2, ... and 0, corners, 2 corners, ... None of the
+/// other kinds.
+void AddCells(VtkhdfFile &file, const std::vector<VtkPart> &parts, const VtkSeries &series)
 {
+  const auto corners = static_cast<hsize_t>(series.corners);
   const std::vector<hsize_t> none(parts.size(), 0);
-  std::vector<hsize_t> numbers(1 + (counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end())));
+  std::vector<hsize_t> points, cells, numbers(1), starts;
+  for (const VtkPart &part : parts) {
+    points.push_back(part.count), cells.push_back(part.count / corners);
+    numbers.resize(std::max<std::size_t>(numbers.size(), 1 + part.count));
+  }
   std::iota(numbers.begin(), numbers.end(), hsize_t{0});
+  for (hsize_t first = 0; first < numbers.size(); first += corners) starts.push_back(first);
+  file.List("/VTKHDF/NumberOfPoints", points);
   file.List("/numbers", numbers);
+  if (corners > 1) file.List("/starts", starts);
   for (const std::string kind : kCells) {
     const std::string group = "/VTKHDF/" + kind;
-    const bool vertices = kind == kCells[0];
+    const bool has = kind == series.kind;
     file.Group(group);
-    file.List(group + "/NumberOfCells", vertices ? counts : none);
-    file.List(group + "/NumberOfConnectivityIds", vertices ? counts : none);
-    if (vertices) file.Virtual(group + "/Offsets", H5T_NATIVE_INT64, 1, parts, 1, {Own("/numbers")});
-    if (vertices) file.Virtual(group + "/Connectivity", H5T_NATIVE_INT64, 1, parts, 0, {Own("/numbers")});
-    if (!vertices) file.List(group + "/Offsets", none);
-    if (!vertices) file.List(group + "/Connectivity", std::vector<hsize_t>());
+    file.List(group + "/NumberOfCells", has ? cells : none);
+    file.List(group + "/NumberOfConnectivityIds", has ? points : none);
+    if (has)
+      file.Virtual(group + "/Offsets", H5T_NATIVE_INT64, 1, parts, corners, 1, {Own(corners > 1 ? "/starts" : "/numbers")});
+    if (has) file.Virtual(group + "/Connectivity", H5T_NATIVE_INT64, 1, parts, 1, 0, {Own("/numbers")});
+    if (!has) file.List(group + "/Offsets", none);
+    if (!has) file.List(group + "/Connectivity", std::vector<hsize_t>());
   }
 }
 
-/// Where the parts, points and vertices of each frame begin.
-void AddSteps(VtkhdfFile &file, const std::vector<Frame> &frames, const std::vector<std::string> &point_data)
+/// Where the parts, points and cells of each time step begin.
+void AddSteps(VtkhdfFile &file, const std::vector<VtkStep> &steps, const VtkSeries &series,
+              const std::vector<std::string> &point_data, const std::vector<std::string> &cell_data)
 {
-  const auto steps = static_cast<std::int64_t>(frames.size());
+  const auto count = static_cast<std::int64_t>(steps.size());
   std::vector<double> times;
-  std::vector<hsize_t> parts, first_part, first_point, first_cell;
+  std::vector<hsize_t> parts, first_part, first_point, first_cell, first_of_kinds, first_ids;
   hsize_t part = 0, point = 0;
-  for (const Frame &frame : frames) {
-    const auto filled =
-        static_cast<hsize_t>(std::count_if(frame.counts.begin(), frame.counts.end(), [](auto n) { return n > 0; }));
-    times.push_back(frame.time);
-    parts.push_back(filled);
+  for (const VtkStep &step : steps) {
+    times.push_back(step.time);
+    parts.push_back(step.parts.size());
     first_part.push_back(part);
     first_point.push_back(point);
-    first_cell.insert(first_cell.end(), {point, 0, 0, 0});
-    part += filled;
-    point = std::accumulate(frame.counts.begin(), frame.counts.end(), point);
+    first_cell.push_back(point / static_cast<hsize_t>(series.corners));
+    for (const char *kind : kCells) {
+      first_of_kinds.push_back(kind == series.kind ? first_cell.back() : 0);
+      first_ids.push_back(kind == series.kind ? point : 0);
+    }
+    part += step.parts.size();
+    for (const VtkPart &one : step.parts) point += one.count;
   }
   const std::string group = "/VTKHDF/Steps";
   file.Group(group);
-  file.Attribute(group, "NSteps", H5T_NATIVE_INT64, H5Handle(H5Screate(H5S_SCALAR), H5Sclose), &steps);
+  file.Attribute(group, "NSteps", H5T_NATIVE_INT64, H5Handle(H5Screate(H5S_SCALAR), H5Sclose), &count);
   file.List(group + "/Values", H5T_NATIVE_DOUBLE, times);
   file.List(group + "/NumberOfParts", parts);
   file.List(group + "/PartOffsets", first_part);
   file.List(group + "/PointOffsets", first_point);
-  file.List(group + "/CellOffsets", first_cell, std::size(kCells));
-  file.List(group + "/ConnectivityIdOffsets", first_cell, std::size(kCells));
+  file.List(group + "/CellOffsets", first_of_kinds, std::size(kCells));
+  file.List(group + "/ConnectivityIdOffsets", first_ids, std::size(kCells));
   file.Group(group + "/PointDataOffsets");
   for (const std::string &name : point_data) file.List(group + "/PointDataOffsets/" + name, first_point);
+  file.Group(group + "/CellDataOffsets");
+  for (const std::string &name : cell_data) file.List(group + "/CellDataOffsets/" + name, first_cell);
 }
 
 /// The field as VTK takes it: three components of vectors, six of symmetric tensors, nine of others. Out of the plane the
 /// deformation gradient has the hoop's stretch, or one.
-void AddField(VtkhdfFile &file, const FrameField &field, const std::vector<FrameField> &fields, const std::vector<Part> &parts)
+void AddField(VtkhdfFile &file, const std::string &name, const FrameField &field, const std::vector<FrameField> &fields,
+              const std::vector<VtkPart> &parts, hsize_t corners)
 {
-  const std::string name = field.name == "position" ? "/VTKHDF/Points" : "/VTKHDF/PointData/" + field.name;
   const auto stored = static_cast<hsize_t>(field.components);
   if (field.name == "deformation_gradient" && stored == 4) {
     constexpr hsize_t kOutOfPlane = 8;
     const auto hoop = std::find_if(fields.begin(), fields.end(), [](const FrameField &one) { return one.name == kHoopStretch; });
     const Source stretch = hoop == fields.end() ? Own("/ones", kOutOfPlane) : OfFrames(*hoop, kOutOfPlane, 1, 1);
-    file.Virtual(name, field.type, 9, parts, 0, {OfFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz
+    file.Virtual(name, field.type, 9, parts, corners, 0, {OfFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz
     return;
   }
   const hsize_t shown = stored == 4 ? 6 : stored == 2 ? 3 : stored;
-  file.Virtual(name, field.type, shown, parts, 0, {OfFrames(field, 0, stored, shown)});
+  file.Virtual(name, field.type, shown, parts, corners, 0, {OfFrames(field, 0, stored, shown)});
+}
+
+/// The number of its level for each point; of each level the file has a list of as many as the largest part. Whether there is
+/// one.
+bool AddLevels(VtkhdfFile &file, const std::vector<VtkPart> &parts)
+{
+  std::vector<hsize_t> most;
+  for (const VtkPart &part : parts) {
+    if (part.level < 0) return false;
+    most.resize(std::max(most.size(), std::size_t(part.level) + 1));
+    most[part.level] = std::max(most[part.level], part.count);
+  }
+  file.Constant("/ones", 1, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
+  for (std::size_t l = 0; l < most.size(); ++l) file.Constant("/level_" + std::to_string(l), static_cast<int>(l), most[l]);
+  const auto own = [](const VtkPart &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); };
+  file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, 1, parts, 1, 0, {{1, 0, 1, 1, own}});
+  return true;
 }
 
 } // namespace
 
-std::string MakeVtkhdf(const std::vector<Frame> &frames, const std::vector<FrameField> &fields)
+std::string MakeVtkhdf(const std::vector<VtkStep> &steps, const VtkSeries &series)
 {
-  const std::vector<Part> parts = PartsOf(frames);
-  std::vector<hsize_t> counts, most; // of each part; of each level
-  std::vector<std::string> point_data;
+  std::vector<VtkPart> parts;
+  std::vector<std::string> point_data, cell_data;
   VtkhdfFile file;
   AddHeader(file);
-  for (const Part &part : parts) {
-    counts.push_back(part.count);
-    most.resize(std::max(most.size(), std::size_t(part.level) + 1));
-    most[part.level] = std::max(most[part.level], part.count);
-  }
-  file.List("/VTKHDF/NumberOfPoints", counts);
-  AddCells(file, parts, counts);
+  for (const VtkStep &step : steps) parts.insert(parts.end(), step.parts.begin(), step.parts.end());
+  AddCells(file, parts, series);
   file.Group("/VTKHDF/PointData");
-  file.Constant("/ones", 1, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
-  for (const FrameField &field : fields) {
-    AddField(file, field, fields, parts);
-    if (field.name != "position") point_data.push_back(field.name);
+  if (AddLevels(file, parts)) point_data.emplace_back("level");
+  for (const FrameField &field : series.point_fields) {
+    const bool place = field.name == "position";
+    AddField(file, place ? "/VTKHDF/Points" : "/VTKHDF/PointData/" + field.name, field, series.point_fields, parts, 1);
+    if (!place) point_data.push_back(field.name);
   }
-  for (std::size_t l = 0; l < most.size(); ++l) file.Constant("/level_" + std::to_string(l), static_cast<int>(l), most[l]);
-  const auto own_level = [](const Part &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); };
-  file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, 1, parts, 0, {{1, 0, 1, 1, own_level}});
-  point_data.emplace_back("level");
-  AddSteps(file, frames, point_data);
+  file.Group("/VTKHDF/CellData");
+  for (const FrameField &field : series.cell_fields) {
+    AddField(file, "/VTKHDF/CellData/" + field.name, field, {}, parts, static_cast<hsize_t>(series.corners));
+    cell_data.push_back(field.name);
+  }
+  AddSteps(file, steps, series, point_data, cell_data);
   return file.Bytes();
 }
 

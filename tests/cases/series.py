@@ -1,7 +1,8 @@
 """The series of frames. points.vtkhdf, read by the rules of VTKHDF (docs.vtk.org): every time step holds the points of its frame,
-level by level. points.xdmf, read by ParaView."""
+level by level. points.xdmf, read by ParaView. surface.vtkhdf: the surface, and what presses on it."""
 import itertools
 import json
+import math
 import shutil
 import subprocess
 
@@ -97,6 +98,58 @@ def problems_of_series(folder):
             with h5py.File(path) as frame:
                 wrong += [f"{path.name}: {problem}" for problem in problems_of_step(root, step, frame)]
     return wrong
+
+
+def problems_of_surface(folder):
+    """What a reader of VTKHDF finds wrong in the series of the surface, against the frames."""
+    wrong = []
+    with h5py.File(folder / "surface.vtkhdf") as file:
+        root = file["VTKHDF"]
+        steps, first, cell = root["Steps"], 0, 0
+        for step, path in enumerate(sorted(folder.glob("points_*.h5"))):
+            with h5py.File(path) as frame:
+                surface = frame["surface"]
+                positions, pressures = surface["position"][:], surface["contact_pressure"][:]
+            kind, column, corners = ("Lines", 1, 2) if positions.shape[1] == 2 else ("Polygons", 2, 4)
+            count = len(pressures)
+            if steps["Values"][step] != h5py.File(path).attrs["time"] or steps["NumberOfParts"][step] != 1:
+                wrong.append(f"{path.name}: time or parts")
+            if steps["PointOffsets"][step] != first or steps["CellOffsets"][step][column] != cell or steps["ConnectivityIdOffsets"][step][column] != first:
+                wrong.append(f"{path.name}: offsets")
+            offsets = root[kind]["Offsets"][cell + step : cell + step + count + 1]
+            if not numpy.array_equal(offsets, corners * numpy.arange(count + 1)) or root[kind]["NumberOfCells"][step] != count:
+                wrong.append(f"{path.name}: cells")
+            if not numpy.array_equal(root[kind]["Connectivity"][first : first + corners * count], numpy.arange(corners * count)):
+                wrong.append(f"{path.name}: corners")
+            if not numpy.array_equal(root["Points"][first : first + corners * count, : positions.shape[1]], positions):
+                wrong.append(f"{path.name}: positions")
+            if not numpy.array_equal(root["CellData/contact_pressure"][cell : cell + count], pressures):
+                wrong.append(f"{path.name}: pressures")
+            first, cell = first + corners * count, cell + count
+    return wrong
+
+
+def pressing(frame):
+    """Sum of the pressures on patches over their areas seen along the last axis."""
+    surface = frame["surface"]
+    positions, pressures = surface["position"][:], surface["contact_pressure"][:]
+    if positions.shape[1] == 2:
+        line = positions.reshape(-1, 2, 2)
+        return numpy.sum(pressures * 2 * math.pi * line[:, :, 0].mean(axis=1) * (line[:, 0, 0] - line[:, 1, 0]))
+    quad = positions.reshape(-1, 4, 3)
+    return numpy.sum(pressures * 0.5 * numpy.cross(quad[:, 2] - quad[:, 0], quad[:, 3] - quad[:, 1])[:, 2])
+
+
+@pytest.mark.parametrize("case, ranks", [(CONE, 2), (BERKOVICH, 2)], ids=["axisymmetric", "space"])
+def test_surface(expect, case, ranks):
+    """The pressures of the surface add up to the load, in a series that readers of VTKHDF take. The load of a step is the mean over
+    the finest level's; a frame shows the last of these."""
+    result = harness.run({**case, "frames": 2}, ranks=ranks)
+    wrong = problems_of_surface(result.folder)
+    expect.that("surface.vtkhdf", not wrong, "; ".join(wrong[:5]))
+    with h5py.File(sorted(result.folder.glob("points_*.h5"))[-1]) as frame:
+        load, before = result.history["load"][-1], result.history["load"][-2]
+        expect("load by the patches less the indenter's, over what it grows by in the step", (pressing(frame) - load) / (load - before), near=0.3, tolerance=0.1)
 
 
 @pytest.mark.parametrize("case, ranks", [(LEVELS, 2), (CONE, 1), (BERKOVICH, 1)], ids=["plane", "axisymmetric", "space"])

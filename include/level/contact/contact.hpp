@@ -101,6 +101,12 @@ public:
     pressures->clear();
     return PETSC_SUCCESS;
   }
+  /// The same of this rank's patches, as they are in view.surface, [patches] Pa.
+  virtual PetscErrorCode PressuresOnPatches(const ContactView &, std::vector<double> *pressures)
+  {
+    pressures->clear();
+    return PETSC_SUCCESS;
+  }
 };
 
 /// The method that the settings name.

@@ -98,30 +98,16 @@ public:
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  /// Loads of segments go to lines half a cell apart, by hats about them, and over the areas that points' faces have there.
   PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
   {
     PetscFunctionBeginUser;
-    std::vector<PressedFace> faces = FacesOf(view);
-    std::vector<LineArea> areas;
-    std::vector<std::pair<std::int64_t, double>> lines;
-    for (const PressedFace &face : faces)
-      for (int c = 0; c < face.lines; ++c) areas.push_back({face.key[c], face.hat[c] * face.projected});
-    PetscCall(ExchangeRecords(
-        view.group.Comm(), &areas, [](const LineArea &) { return 0; }, kAllToFirst));
-    if (RankIn(view.group.Comm()) == 0) lines = PressuresOfLines(view, areas);
-    PetscCall(BroadcastList(view.group.Comm(), &lines));
-    const std::unordered_map<std::int64_t, double> by_key(lines.begin(), lines.end());
-    std::vector<double> whole(view.points.Count(), 0.0);
-    pressures->assign(view.points.Count(), 0.0);
-    for (const PressedFace &face : faces) {
-      for (int c = 0; c < face.lines; ++c)
-        if (const auto found = by_key.find(face.key[c]); found != by_key.end())
-          (*pressures)[face.point] += face.area * face.hat[c] * found->second;
-      whole[face.point] += face.area;
-    }
-    for (std::size_t p = 0; p < whole.size(); ++p)
-      if (whole[p] > 0) (*pressures)[p] /= whole[p];
+    PetscCall(SpreadLoads(view, FacesOfPoints(view), view.points.Count(), pressures));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscErrorCode PressuresOnPatches(const ContactView &view, std::vector<double> *pressures) override
+  {
+    PetscFunctionBeginUser;
+    PetscCall(SpreadLoads(view, FacesOfPatches(view), static_cast<int>(view.surface.Patches().size()), pressures));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -135,9 +121,9 @@ private:
     for (auto &[key, sum] : strains_) sum /= weights[key];
   }
 
-  /// A piece of a point's face that looks at the indenter, and the lines around it.
+  /// A piece of the surface that looks at the indenter, of a point or a patch, and the lines around it.
   struct PressedFace {
-    int point, lines = 0;
+    int owner, lines = 0;
     double area, projected; ///< m2
     std::int64_t key[4];
     double hat[4];
@@ -165,26 +151,67 @@ private:
     }
   }
 
-  static std::vector<PressedFace> FacesOf(const ContactView &view)
+  /// Adds a segment to the faces where it looks at the indenter. as_tip: its slope is that of the indenter there, not its own,
+  /// which points' faces have in steps.
+  static void AddFace(const ContactView &view, int owner, const SurfaceSegment &s, bool as_tip, std::vector<PressedFace> *faces)
+  {
+    const int dim = view.geometry.Dim();
+    const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
+    if (gap.distance > kContactRange * view.grid.Geometry().spacing || !Faces(s, gap.normal)) return;
+    PressedFace face{owner, 0, s.area, s.area * (as_tip ? -gap.normal[dim - 1] : s.normal[dim - 1]), {}, {}};
+    ForEachLine(view, Locate(view.grid, s.x, dim),
+                [&](std::int64_t key, double hat) { face.key[face.lines] = key, face.hat[face.lines++] = hat; });
+    faces->push_back(face);
+  }
+  static std::vector<PressedFace> FacesOfPoints(const ContactView &view)
   {
     std::vector<PressedFace> faces;
     const PointArrays points = view.points.Arrays();
-    const double h = view.grid.Geometry().spacing;
     for (const int p : view.points.SurfacePoints()) {
       if (FarFromIndenter(view, points.Position(p))) continue;
-      ForEachSegment(points, p, view.geometry, 0.125 * h, [&](const SurfaceSegment &s) {
-        const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
-        if (gap.distance > kContactRange * h || !Faces(s, gap.normal)) return;
-        PressedFace face{p, 0, s.area, -s.area * gap.normal[view.geometry.Dim() - 1], {}, {}};
-        ForEachLine(view, Locate(view.grid, s.x, view.geometry.Dim()),
-                    [&](std::int64_t key, double hat) { face.key[face.lines] = key, face.hat[face.lines++] = hat; });
-        faces.push_back(face);
-      });
+      ForEachSegment(points, p, view.geometry, 0.125 * view.grid.Geometry().spacing,
+                     [&](const SurfaceSegment &s) { AddFace(view, p, s, true, &faces); });
     }
     return faces;
   }
+  static std::vector<PressedFace> FacesOfPatches(const ContactView &view)
+  {
+    std::vector<PressedFace> faces;
+    const std::vector<SurfacePatch> &patches = view.surface.Patches();
+    for (std::size_t k = 0; k < patches.size(); ++k)
+      if (!FarFromIndenter(view, patches[k].Center(view.geometry.Dim())))
+        AddFace(view, static_cast<int>(k), SegmentOf(patches[k], 0.5, 0.5, view.geometry), false, &faces);
+    return faces;
+  }
 
-  /// Loads of the last solve over the lines' areas by the points' faces now, Pa, by key.
+  /// Loads of segments go to lines half a cell apart, by hats about them, and over the areas that the faces have there.
+  PetscErrorCode SpreadLoads(const ContactView &view, const std::vector<PressedFace> &faces, int count,
+                             std::vector<double> *pressures)
+  {
+    std::vector<LineArea> areas;
+    std::vector<std::pair<std::int64_t, double>> lines;
+    PetscFunctionBeginUser;
+    for (const PressedFace &face : faces)
+      for (int c = 0; c < face.lines; ++c) areas.push_back({face.key[c], face.hat[c] * face.projected});
+    PetscCall(ExchangeRecords(
+        view.group.Comm(), &areas, [](const LineArea &) { return 0; }, kAllToFirst));
+    if (RankIn(view.group.Comm()) == 0) lines = PressuresOfLines(view, areas);
+    PetscCall(BroadcastList(view.group.Comm(), &lines));
+    const std::unordered_map<std::int64_t, double> by_key(lines.begin(), lines.end());
+    std::vector<double> whole(count, 0.0);
+    pressures->assign(count, 0.0);
+    for (const PressedFace &face : faces) {
+      for (int c = 0; c < face.lines; ++c)
+        if (const auto found = by_key.find(face.key[c]); found != by_key.end())
+          (*pressures)[face.owner] += face.area * face.hat[c] * found->second;
+      whole[face.owner] += face.area;
+    }
+    for (std::size_t p = 0; p < whole.size(); ++p)
+      if (whole[p] > 0) (*pressures)[p] /= whole[p];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// Loads of the last solve over the lines' areas now, Pa, by key.
   std::vector<std::pair<std::int64_t, double>> PressuresOfLines(const ContactView &view, const std::vector<LineArea> &areas) const
   {
     ColumnNumbers projected, loads;

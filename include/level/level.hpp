@@ -243,6 +243,8 @@ private:
   bool patches_due_ = true;
   NodeBodies node_bodies_;
   LightNodes light_;
+  std::vector<double> blended_off_;       ///< that blended nodes are at least off the indenter with its tip there, m
+  Vec3 blended_tip_{};
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;

@@ -6,6 +6,7 @@
 #include "level/near_points.hpp"
 #include "level/nodes.hpp"
 #include "level/points.hpp"
+#include "pointwise/indenter.hpp"
 
 #include <array>
 #include <cmath>
@@ -61,12 +62,26 @@ template <class Work> void ForEachHat(const GridGeometry &grid, Vec3 x, Work wor
   }
 }
 
+/// A corner that patches of a body share.
+struct SurfaceCorner {
+  Vec3 x; ///< m
+  int body;
+  SurfaceGap gap; ///< to the indenter; see Surface::Approach
+};
+
 /// The patches that lie in a level's part of the domain, on the ranks that own the nodes nearest to their centres.
 class Surface
 {
 public:
   void Add(const SurfacePatch &patch) { patches_.push_back(patch); }
-  /// Of corners in their order, [patches][corners].
+  /// Finds which patches share corners. Call after patches have come, gone or been halved.
+  void NumberCorners(int dim);
+  const std::vector<SurfaceCorner> &Corners() const { return corners_; }
+  const SurfaceCorner &CornerOf(std::size_t patch, std::size_t corner) const { return corners_[number_[per_patch_ * patch + corner]]; }
+  /// Finds the gaps of corners to the indenter with its tip at a place. Where they are more than a range, m, the distance may be
+  /// less than the true one, though more than the range, and the normal any.
+  void Approach(const Indenter &indenter, Vec3 tip, double range);
+  /// Of corners in their order.
   struct CornerMotion {
     double by_nodes;      ///< the part of it that goes with the nodes
     NearPoints::Sum sums; ///< where the points take it
@@ -84,6 +99,10 @@ public:
 
 private:
   std::vector<SurfacePatch> patches_;
+  std::vector<SurfaceCorner> corners_;
+  std::vector<int> number_; ///< of a corner, [patches][per_patch_]
+  std::size_t per_patch_ = 2;
+  Vec3 tip_{}; ///< to which the gaps are, m
 };
 
 } // namespace mlgimp

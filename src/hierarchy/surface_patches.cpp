@@ -67,7 +67,8 @@ PetscErrorCode Hierarchy::AssignPatches(bool to_levels)
     levels_[l]->TakePatchesDue();
   }
   PetscCall(ExchangeRecords(comm_, &moved, [](const PlacedPatch &one) { return one.rank; }));
-  for (const PlacedPatch &one : moved) levels_[one.level]->BodySurface().Patches().push_back(one.patch);
+  for (const PlacedPatch &one : moved) levels_[one.level]->BodySurface().Add(one.patch);
+  for (auto &level : levels_) level->BodySurface().NumberCorners(dim);
   if (to_levels) patch_drift_ = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -54,6 +54,7 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 void Level::SetCoupledPlaces(CoupledPlaces places)
 {
   coupled_places_ = std::move(places);
+  blended_off_.clear();
   if (!grid_->Participates()) return;
   std::vector<double> shares(grid_->GhostedNodes(), 1.0);
   if (border_) ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = border_->BlendOf(node).beta; });
@@ -160,6 +161,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
   pushed_.clear(), pressed_around_.clear(), flows_ = false;
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
+  if (ContactAwake()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
   pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
   if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));

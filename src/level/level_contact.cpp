@@ -107,11 +107,17 @@ void Level::PrepareSharedNodes()
 /// The blended nodes near the indenter. Where it is alone decides, so that ranks, and runs that go on, find the same ones.
 void Level::FindFollowing(Vec3 tip)
 {
+  const double moved = Norm(tip - blended_tip_);
+  blended_tip_ = tip;
+  blended_off_.resize(coupled_places_.blended.size(), -HUGE_VAL);
   following_.clear();
-  for (const Index node : coupled_places_.blended) {
+  for (std::size_t k = 0; k < blended_off_.size(); ++k) {
+    const Index node = coupled_places_.blended[k];
+    if ((blended_off_[k] -= moved) > coupled_places_.reach) continue;
     const Vec3 x{grid_->Coordinate(0, node[0]), grid_->Coordinate(1, node[1]), grid_->Coordinate(2, node[2])};
     const std::ptrdiff_t place = grid_->Place(node);
-    if (!light_.IsLight(place) && model_.indenter->Gap(x, tip).distance < coupled_places_.reach) following_.push_back(place);
+    blended_off_[k] = model_.indenter->Gap(x, tip).distance;
+    if (!light_.IsLight(place) && blended_off_[k] < coupled_places_.reach) following_.push_back(place);
   }
 }
 
@@ -191,24 +197,18 @@ double Level::HeldByContact(Vec3 x, double distance, bool flows)
 /// Finds how corners of the surface will move, before the points do.
 PetscErrorCode Level::PrepareSurface()
 {
-  const std::size_t corners = 1U << (geometry_.grid.dim - 1);
   std::vector<NearPoints::Place> places;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
-  const double range = kPointRange * geometry_.grid.spacing;
-  const int up = geometry_.grid.dim - 1;
-  const auto by_nodes = [&](const SurfacePatch &patch, Vec3 x) {
-    if (!ContactAwake() || tip_end_[up] - x[up] > range) return 1.0; // no surface is below the tip
-    const double distance = model_.indenter->Gap(x, tip_end_).distance;
-    if (distance > range) return 1.0; // where nodes and points move alike
-    return HeldByContact(x, distance, bodies_.material[bodies_.one_material ? 0 : patch.body]->IsMetal());
-  };
+  const double range = kContactRange * geometry_.grid.spacing; // no segment is beyond it, and nodes and points move alike
   corners_.clear();
-  for (const SurfacePatch &patch : surface_.Patches())
-    for (std::size_t c = 0; c < corners; ++c) {
-      corners_.push_back({by_nodes(patch, patch.corner[c]), {}});
-      if (corners_.back().by_nodes < 1) places.push_back({patch.corner[c], patch.body});
-    }
+  for (const SurfaceCorner &corner : surface_.Corners()) {
+    corners_.push_back({1, {}});
+    if (!ContactAwake() || corner.gap.distance > range) continue;
+    const bool flows = bodies_.material[bodies_.one_material ? 0 : corner.body]->IsMetal();
+    corners_.back().by_nodes = HeldByContact(corner.x, corner.gap.distance, flows);
+    if (corners_.back().by_nodes < 1) places.push_back({corner.x, corner.body});
+  }
   if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_.Arrays()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

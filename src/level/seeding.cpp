@@ -193,9 +193,12 @@ bool Seeding::AtWall(const Seed &seed, Side side) const
 
 int Seeding::FaceBits(const Seed &seed) const
 {
+  const Region &region = *model_.bodies[seed.body].region;
   int bits = 0;
   for (const Side side : SidesOf{geometry_.dim}) {
-    if (!AtWall(seed, side) && BodyAt(BeyondFace(seed.tile, side)) < 0) bits |= OuterFaceBit(side);
+    const Vec3 beyond = BeyondFace(seed.tile, side);
+    if (region.IsBox() && region.Contains(beyond)) continue; // the body's own tiles fill it
+    if (!AtWall(seed, side) && BodyAt(beyond) < 0) bits |= OuterFaceBit(side);
   }
   return bits;
 }

@@ -2,6 +2,8 @@
 #include "level/surface.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <unordered_map>
 
 namespace mlgimp
 {
@@ -33,8 +35,9 @@ static bool MotionByHats(const Grid &grid, Vec3 x, bool by_rates, double mass_cu
   for (int c = 0; c < 1 << geometry.dim; ++c) {
     const std::ptrdiff_t place = first + (c & 1 ? stride[0] : 0) + (c & 2 ? stride[1] : 0) + (c & 4 ? stride[2] : 0);
     const double *const v = by_rates ? grid.Rates(place) : grid.Velocity(place).velocity;
-    bool moves = grid.Sums()[place].mass > mass_cutoff;
+    bool moves = false;
     for (int a = 0; a < geometry.dim; ++a) total[a] += hats[c] * v[a], moves = moves || v[a] != 0;
+    moves = moves || grid.Sums()[place].mass > mass_cutoff;
     if (moves) sum += hats[c];
   }
   if (sum > 0) *motion = (dt / sum) * total;
@@ -52,28 +55,72 @@ static void HoldAtSides(const Grid &grid, const BoundaryConditions &sides, Vec3 
   }
 }
 
+namespace
+{
+
+/// The bits of a place and a body, as corners that patches share have them alike.
+using CornerBits = std::array<std::uint64_t, 4>;
+struct CornerHash {
+  std::size_t operator()(const CornerBits &bits) const
+  {
+    std::uint64_t hash = 0;
+    for (const std::uint64_t one : bits) hash = (hash ^ one) * 0x9e3779b97f4a7c15ULL, hash ^= hash >> 29;
+    return hash;
+  }
+};
+
+} // namespace
+
+void Surface::NumberCorners(int dim)
+{
+  std::unordered_map<CornerBits, int, CornerHash> known;
+  per_patch_ = std::size_t(1) << (dim - 1);
+  corners_.clear(), number_.clear();
+  for (const SurfacePatch &patch : patches_)
+    for (std::size_t c = 0; c < per_patch_; ++c) {
+      CornerBits bits{0, 0, 0, static_cast<std::uint64_t>(patch.body)};
+      std::memcpy(bits.data(), patch.corner[c].data(), sizeof(Vec3));
+      const auto [place, is_new] = known.try_emplace(bits, static_cast<int>(corners_.size()));
+      if (is_new) corners_.push_back({patch.corner[c], patch.body, {-HUGE_VAL, {}}});
+      number_.push_back(place->second);
+    }
+}
+
+void Surface::Approach(const Indenter &indenter, Vec3 tip, double range)
+{
+  const double moved = Norm(tip - tip_);
+  tip_ = tip;
+  for (SurfaceCorner &corner : corners_) {
+    corner.gap.distance -= moved;
+    if (!(corner.gap.distance > range)) corner.gap = indenter.Gap(corner.x, tip);
+  }
+}
+
 void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
                    const std::vector<CornerMotion> &motion, double mass_cutoff, double dt)
 {
-  const std::size_t corners = 1U << (grid.Geometry().dim - 1);
-  for (std::size_t k = 0; k < patches_.size(); ++k)
-    for (std::size_t c = 0; c < corners; ++c) {
-      SurfacePatch &patch = patches_[k];
-      const CornerMotion &one = motion[corners * k + c];
-      Vec3 &x = patch.corner[c], by_hats{};
-      const bool near = one.sums.weight > 0;
-      const bool moves = (near && one.by_nodes == 0) || MotionByHats(grid, x, by_rates[patch.body], mass_cutoff, dt, &by_hats);
-      Vec3 by_points = near ? (1 / one.sums.weight) * one.sums.weighted - x : by_hats;
-      HoldAtSides(grid, sides, x, &by_points);
-      const double part = near ? (moves ? one.by_nodes : 0) : 1;
-      x = x + part * by_hats + (1 - part) * by_points;
-    }
+  for (std::size_t k = 0; k < corners_.size(); ++k) {
+    SurfaceCorner &corner = corners_[k];
+    const CornerMotion &one = motion[k];
+    Vec3 by_hats{};
+    const bool near = one.sums.weight > 0;
+    const bool moves =
+        (near && one.by_nodes == 0) || MotionByHats(grid, corner.x, by_rates[corner.body], mass_cutoff, dt, &by_hats);
+    Vec3 by_points = near ? (1 / one.sums.weight) * one.sums.weighted - corner.x : by_hats;
+    HoldAtSides(grid, sides, corner.x, &by_points);
+    const double part = near ? (moves ? one.by_nodes : 0) : 1;
+    const Vec3 to = corner.x + part * by_hats + (1 - part) * by_points;
+    corner.gap.distance -= Norm(to - corner.x);
+    corner.x = to;
+  }
+  for (std::size_t k = 0; k < number_.size(); ++k) patches_[k / per_patch_].corner[k % per_patch_] = corners_[number_[k]].x;
 }
 
 void Surface::Split(double longest, const Geometry &geometry)
 {
   const int dim = geometry.Dim();
   constexpr double kTorn = 8; // a patch does not grow so far between two looks but beside a point that has failed
+  const std::size_t before = patches_.size();
   for (std::size_t k = 0; k < patches_.size();) {
     const SurfacePatch whole = patches_[k];
     const Vec3 *const x = whole.corner;
@@ -97,6 +144,7 @@ void Surface::Split(double longest, const Geometry &geometry)
     patches_[k] = first;
     patches_.push_back(second);
   }
+  if (patches_.size() > before) NumberCorners(dim);
 }
 
 } // namespace mlgimp

@@ -50,14 +50,13 @@ std::array<double, 8> Hats(Vec3 part, int axes)
   return hats;
 }
 
-/// To the indenter at the end of the step. What nodes show of the surface goes into the indenter where pressures rise, as beside
+/// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter where pressures rise, as beside
 /// an edge; there the wall may be nearer than the face that presses, which is the one that a way down comes out of.
-static SurfaceGap GapAt(const ContactView &view, Vec3 x)
+static SurfaceGap GapAt(const ContactView &view, Vec3 x, const SurfaceGap &nearest)
 {
   constexpr double kMostIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
   constexpr int kSteps = 8;
   const int up = view.geometry.Dim() - 1;
-  const SurfaceGap nearest = view.indenter.Gap(x, view.tip.end);
   if (nearest.distance >= 0 || -nearest.normal[up] > kLeastFacing) return nearest;
   for (int step = 1; step <= kSteps; ++step) {
     const Vec3 down = view.indenter.Up(-kMostIn * step / kSteps * view.grid.Geometry().spacing);
@@ -72,13 +71,22 @@ struct PartOfPatch {
   double s, t, share;
 };
 
-/// What lies under a face of the indenter, where an edge of it lies across the patch.
-static PartOfPatch PartUnderFace(const ContactView &view, const SurfacePatch &patch)
+/// What lies under a face of the indenter, where an edge of it lies across the k-th patch.
+static PartOfPatch PartUnderFace(const ContactView &view, std::size_t k)
 {
   constexpr int kColumns = 16;
   const int dim = view.geometry.Dim(), rows = dim == 2 ? 1 : kColumns;
-  const auto is_under = [&](Vec3 x) { return -GapAt(view, x).normal[dim - 1] > kLeastFacing; };
-  const auto count = std::count_if(patch.corner, patch.corner + (1 << (dim - 1)), is_under);
+  const double range = kPointRange * view.grid.Geometry().spacing;
+  const SurfacePatch &patch = view.surface.Patches()[k];
+  const auto is_under_face = [&](Vec3 x, const SurfaceGap &nearest) {
+    return -GapAt(view, x, nearest).normal[dim - 1] > kLeastFacing;
+  };
+  const auto is_under = [&](Vec3 x) { return is_under_face(x, view.indenter.Gap(x, view.tip.end)); };
+  int count = 0;
+  for (int c = 0; c < 1 << (dim - 1); ++c) {
+    const SurfaceCorner &corner = view.surface.CornerOf(k, c);
+    count += corner.gap.distance > range ? is_under(corner.x) : is_under_face(corner.x, corner.gap);
+  }
   PartOfPatch sum{0, 0, 0};
   if (count != 0 && count != 1 << (dim - 1))
     for (int j = 0; j < rows; ++j)
@@ -95,24 +103,28 @@ void CollectSegments(const ContactView &view, std::vector<Segment> *segments, do
   constexpr double kTabor = 2.8, kStrain = 0.08; // mean pressure of a contact over the flow stress at such a strain (Tabor)
   const int dim = view.geometry.Dim();
   const PetscMPIInt rank = RankIn(view.group.Comm());
-  for (const SurfacePatch &patch : view.surface.Patches()) {
-    const Vec3 center = patch.Center(dim);
-    if (!std::isfinite(Norm(center)) || FarFromIndenter(view, center)) continue; // beside a point that has failed
-    if (view.indenter.Gap(center, view.tip.end).distance > kContactRange * view.grid.Geometry().spacing) continue;
-    const PartOfPatch part = PartUnderFace(view, patch);
-    SurfaceSegment s = SegmentOf(patch, part.s, part.t, view.geometry);
-    const double ring = view.geometry.OutOfPlane(s.x[0]) / (patch.ring * view.geometry.OutOfPlane(center[0]));
+  const double range = kContactRange * view.grid.Geometry().spacing, moves = Norm(view.tip.end - view.tip.start);
+  for (std::size_t k = 0; k < view.surface.Patches().size(); ++k) {
+    const SurfacePatch &patch = view.surface.Patches()[k];
+    const SurfaceCorner &first = view.surface.CornerOf(k, 0);
+    SurfaceSegment s = SegmentOf(patch, 0.5, 0.5, view.geometry);
+    if (first.gap.distance - Norm(s.x - first.x) > range || !std::isfinite(Norm(s.x))) continue; // not: beside a failed point
+    SurfaceGap nearest = view.indenter.Gap(s.x, view.tip.end);
+    if (nearest.distance > range) continue;
+    const double center = s.x[0];
+    const PartOfPatch part = PartUnderFace(view, k);
+    if (part.share < 1) s = SegmentOf(patch, part.s, part.t, view.geometry), nearest = view.indenter.Gap(s.x, view.tip.end);
+    const double ring = view.geometry.OutOfPlane(s.x[0]) / (patch.ring * view.geometry.OutOfPlane(center));
     s.area /= ring;
-    const SurfaceGap gap = GapAt(view, s.x);
+    const SurfaceGap gap = GapAt(view, s.x, nearest);
     *least_gap = std::min(*least_gap, gap.distance);
-    *penetration = std::max(*penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
+    if (nearest.distance <= moves) *penetration = std::max(*penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
     const double pressed = Faces(s, gap.normal) ? part.share * s.area * PressedShare(view, s, gap) : 0;
     if (pressed == 0 && s.normal[dim - 1] <= kLeastFacing) continue;
     const Material &material = *view.bodies.material[view.bodies.one_material ? 0 : patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
     const double flow = material.IsMetal() ? kTabor * material.FlowStress(kStrain) : HUGE_VAL;
-    const int at = static_cast<int>(&patch - view.surface.Patches().data());
-    Segment one{patch.number, patch.path, rank,    at,   patch.flow,   {},      {},  Locate(view.grid, s.x, dim),
+    Segment one{patch.number, patch.path, rank,    static_cast<int>(k),   patch.flow,   {},      {},  Locate(view.grid, s.x, dim),
                 gap.normal,   s.area,     pressed, ring, gap.distance, modulus, flow};
     const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
     std::copy_n(patch.corner, 4, one.corner);

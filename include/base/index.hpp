@@ -10,6 +10,15 @@ namespace mlgimp
 
 using Index = std::array<int, 3>;
 
+struct IndexHash {
+  std::size_t operator()(Index at) const
+  {
+    std::uint64_t hash = 0;
+    for (const int one : at) hash = (hash ^ static_cast<std::uint32_t>(one)) * 0x9e3779b97f4a7c15ULL, hash ^= hash >> 29;
+    return hash;
+  }
+};
+
 inline Index operator+(Index a, Index b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 inline Index operator-(Index a, Index b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 

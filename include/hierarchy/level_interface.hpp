@@ -12,7 +12,7 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <unordered_map>
 #include <vector>
 
 namespace mlgimp
@@ -137,6 +137,12 @@ private:
     if (own_[k] != 0) work(k, own_[k]);
     for (int d = first_donor_[k]; d < first_donor_[k + 1]; ++d) work(donors_[d].on, donors_[d].weight);
   }
+  /// Calls work(k) for the known nodes whose motion is not all their own.
+  template <class Work> void ForEachLight(Work work) const
+  {
+    for (std::size_t k = 0; k < own_.size(); ++k)
+      if (own_[k] != 1) work(static_cast<int>(k));
+  }
   bool FineContactMeets() const;
   bool MeetsContact() const;
   PetscErrorCode ShareContact();
@@ -158,6 +164,7 @@ private:
     return {first, first + velocity_size_ / 2};
   }
   void Prolong();
+  void ProlongLight(std::vector<double> *motion) const;
 
   MPI_Comm world_ = MPI_COMM_NULL;
   Level *coarse_ = nullptr, *fine_ = nullptr;
@@ -165,7 +172,7 @@ private:
   double blend_width_ = kBlendWidth;
   std::vector<InterfaceNode> known_; ///< interface nodes that this rank advances, and then others that its band hangs on
   int owned_ = 0;                    ///< those that it advances
-  std::map<Index, int> place_;       ///< in known_
+  std::unordered_map<Index, int, IndexHash> place_; ///< in known_
   std::vector<BlendNode> band_;      ///< of owned fine nodes
   /// A node that a light one hangs on, see light_nodes.hpp.
   struct Donor {

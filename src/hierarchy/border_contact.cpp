@@ -100,16 +100,15 @@ PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
       to_share_[k].finer_push[axis] += by.change[axis];
     }
   }
+  ProlongLight(&pushed_);
   for (const BlendNode &node : band_) {
     PushedNode one{node.node, {}};
     Vec3 motion{};
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
-        const NodeVelocity by = VelocityIn(pushed_, k);
-        for (int axis = 0; axis < dim_; ++axis)
-          one.change[axis] += part * weight * by.change[axis], motion[axis] += part * weight * by.velocity[axis];
-      });
+      const NodeVelocity by = VelocityIn(pushed_, node.interface[a]);
+      for (int axis = 0; axis < dim_; ++axis)
+        one.change[axis] += part * by.change[axis], motion[axis] += part * by.velocity[axis];
     }
     if (one.change == Vec3{}) continue;
     const NodeVelocity to = fine_->Mesh().Velocity(node.node);

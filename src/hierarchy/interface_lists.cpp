@@ -4,6 +4,7 @@
 #include "base/exchange.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <climits>
 #include <cmath>
 #include <tuple>
@@ -263,19 +264,20 @@ PetscErrorCode LevelInterface::ShareDonors()
   PetscCall(ExchangeRecords(world_, &list, [](const Link &one) { return one.to; }));
   std::fill(own_.begin(), own_.end(), 1.0);
   if (list.empty() && donors_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<std::vector<Donor>> donors(known_.size());
+  std::vector<std::pair<int, Donor>> found;
   for (const Link &one : list) {
     const int k = place_.at(one.node);
     if (one.node == one.on)
       own_[k] = one.weight;
     else if (const auto on = place_.find(one.on); on != place_.end()) // what only copies in the ring hang on is of no interest
-      donors[k].push_back({on->second, one.weight});
+      found.push_back({k, {on->second, one.weight}});
   }
-  donors_.clear();
-  for (std::size_t k = 0; k < donors.size(); ++k) {
-    donors_.insert(donors_.end(), donors[k].begin(), donors[k].end());
-    first_donor_[k + 1] = static_cast<int>(donors_.size());
-  }
+  std::fill(first_donor_.begin(), first_donor_.end(), 0);
+  for (const auto &[k, donor] : found) ++first_donor_[k + 1];
+  std::partial_sum(first_donor_.begin(), first_donor_.end(), first_donor_.begin());
+  donors_.resize(found.size());
+  std::vector<int> next = first_donor_;
+  for (const auto &[k, donor] : found) donors_[next[k]++] = donor;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -88,6 +88,12 @@ PetscErrorCode LevelInterface::BroadcastVelocity(std::vector<double> *array)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void AddSums(double part, const NodeSums &from, NodeSums *to)
+{
+  to->mass += part * from.mass;
+  for (int axis = 0; axis < 3; ++axis) to->momentum[axis] += part * from.momentum[axis], to->force[axis] += part * from.force[axis];
+}
+
 /// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, of which light nodes give what hangs on others to these.
 PetscErrorCode LevelInterface::Restrict()
 {
@@ -99,17 +105,15 @@ PetscErrorCode LevelInterface::Restrict()
     if (from.mass == 0) continue;
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      sums_[node.interface[a]].owned_mass += part * from.mass;
-      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
-        NodeSums &to = sums_[k];
-        to.mass += part * weight * from.mass;
-        for (int axis = 0; axis < 3; ++axis) {
-          to.momentum[axis] += part * weight * from.momentum[axis];
-          to.force[axis] += part * weight * from.force[axis];
-        }
-      });
+      AddSums(part, from, &sums_[node.interface[a]]);
     }
   }
+  for (NodeSums &sums : sums_) sums.owned_mass = sums.mass;
+  ForEachLight([&](int k) {
+    const NodeSums from = sums_[k];
+    sums_[k] = {0, from.owned_mass, {}, {}};
+    ForEachDonorOf(k, [&](int on, double weight) { AddSums(weight, from, &sums_[on]); });
+  });
   if (!mesh.HasGhosts()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFReduceBegin(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
   PetscCall(PetscSFReduceEnd(exchange_, mesh.SumsUnit(), sums_.data(), sums_.data(), MPI_SUM));
@@ -157,15 +161,28 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i, where v is that of the motion.
 void LevelInterface::Prolong()
 {
+  ProlongLight(&velocity_);
   for (const BlendNode &node : band_) {
     double *const to = fine_->Mesh().Velocity(node.node).velocity;
     for (int c = 0; c < velocity_size_; ++c) to[c] *= node.beta;
-    for (int a = 0; a < node.count; ++a)
-      ForEachDonorOf(node.interface[a], [&](int k, double weight) {
-        const double part = (1 - node.beta) * node.weight[a] * weight, *const from = VelocityIn(velocity_, k).velocity;
-        for (int c = 0; c < velocity_size_; ++c) to[c] += part * from[c];
-      });
+    for (int a = 0; a < node.count; ++a) {
+      const double part = (1 - node.beta) * node.weight[a], *const from = VelocityIn(velocity_, node.interface[a]).velocity;
+      for (int c = 0; c < velocity_size_; ++c) to[c] += part * from[c];
+    }
   }
+}
+
+/// Gives light interface nodes the motion of those that they hang on.
+void LevelInterface::ProlongLight(std::vector<double> *motion) const
+{
+  ForEachLight([&](int k) {
+    double *const to = motion->data() + static_cast<std::ptrdiff_t>(velocity_size_) * k;
+    for (int c = 0; c < velocity_size_; ++c) to[c] *= own_[k];
+    for (int d = first_donor_[k]; d < first_donor_[k + 1]; ++d) {
+      const double *const from = motion->data() + static_cast<std::ptrdiff_t>(velocity_size_) * donors_[d].on;
+      for (int c = 0; c < velocity_size_; ++c) to[c] += donors_[d].weight * from[c];
+    }
+  });
 }
 
 PetscErrorCode LevelInterface::ShiftForces(bool from_fine)

@@ -91,6 +91,8 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, c
   }
   if (marked_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   for (int p = 0; p < points.count; ++p) {
+    const double *const place = points.position + PointArrays::At(p, points.dim);
+    if (place[points.dim - 1] < around.lower[points.dim - 1]) continue; // most lie below
     const Vec3 x = points.Position(p);
     if (!around.Contains(x)) continue;
     const Index cell = Locate(grid, x, grid.Geometry().dim).cell;

@@ -102,14 +102,16 @@ void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std:
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     SurfaceCorner &corner = corners_[k];
     const CornerMotion &one = motion[k];
-    Vec3 by_hats{};
+    Vec3 by{};
     const bool near = one.sums.weight > 0;
-    const bool moves =
-        (near && one.by_nodes == 0) || MotionByHats(grid, corner.x, by_rates[corner.body], mass_cutoff, dt, &by_hats);
-    Vec3 by_points = near ? (1 / one.sums.weight) * one.sums.weighted - corner.x : by_hats;
-    HoldAtSides(grid, sides, corner.x, &by_points);
+    const bool moves = (near && one.by_nodes == 0) || MotionByHats(grid, corner.x, by_rates[corner.body], mass_cutoff, dt, &by);
     const double part = near ? (moves ? one.by_nodes : 0) : 1;
-    const Vec3 to = corner.x + part * by_hats + (1 - part) * by_points;
+    if (part < 1) {
+      Vec3 by_points = (1 / one.sums.weight) * one.sums.weighted - corner.x;
+      HoldAtSides(grid, sides, corner.x, &by_points);
+      by = part * by + (1 - part) * by_points;
+    }
+    const Vec3 to = corner.x + by;
     corner.gap.distance -= Norm(to - corner.x);
     corner.x = to;
   }

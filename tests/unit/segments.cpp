@@ -75,7 +75,7 @@ struct PressedBody {
       segments.push_back(one);
     }
     PetscCall(nodes.Gather(View(), NodesOf(View(), segments)));
-    problem.Build(View(), nodes, segments, before, {});
+    problem.Build(View(), nodes, segments, before, {}, {});
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 };
@@ -124,7 +124,7 @@ TEST(Segments, EvenPressuresMoveNodesAlone)
     ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
     std::unordered_map<std::int64_t, double> even;
     for (const SurfaceColumn &column : body.problem.Columns()) even[column.key] = 3;
-    body.problem.Build(body.View(), body.nodes, body.segments, even, {});
+    body.problem.Build(body.View(), body.nodes, body.segments, even, {}, {});
     const std::vector<double> &q = body.problem.Start();
     std::vector<double> Aq(q.size());
     body.problem.Multiply(q.data(), Aq.data());

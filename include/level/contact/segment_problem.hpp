@@ -34,20 +34,29 @@ struct SurfaceColumn {
 /// A number of columns, by their keys.
 using ColumnNumbers = std::unordered_map<std::int64_t, double>;
 
+/// The pressure that a patch had, Pa.
+struct PatchPressure {
+  std::int64_t patch;
+  int path;
+  double pressure;
+};
+
 /// The problem of the pressures on segments, and what its solution means.
 class SegmentProblem : public PressureProblem
 {
 public:
   /// From segments in their order and the nodes that they push, which must stay. before: L_j of the last step; strains: that
-  /// points under columns have flowed in it.
+  /// points under columns have flowed in it; last: its pressures, in the order of segments.
   void Build(const ContactView &view, const ContactNodes &nodes, std::vector<Segment> segments, const ColumnNumbers &before,
-             const ColumnNumbers &strains);
+             const ColumnNumbers &strains, const std::vector<PatchPressure> &last);
 
   int Size() const override { return static_cast<int>(candidates_.size()); }
   void Multiply(const double *q, double *y) const override;
   void Diagonal(double *diagonal) const override;
-  /// q of the last step's pressures.
+  /// q of the last step's pressures, those of columns on patches that had none.
   const std::vector<double> &Start() const { return start_; }
+  /// The pressures of a solution.
+  std::vector<PatchPressure> PressuresOf(const std::vector<double> &q) const;
 
   /// Takes the solution: impulses of nodes, columns, footprint.
   void Take(const ContactView &view, const std::vector<double> &q, double travel);
@@ -133,6 +142,7 @@ private:
   void AddCandidates(const ContactView &view, const ColumnNumbers &before);
   void SetCompliance(const ContactView &view);
   void SetFlow(const ColumnNumbers &strains);
+  void StartFrom(const std::vector<PatchPressure> &last);
   void SumMeans(const double *q, double Candidate::*root, std::vector<double> *means) const;
   /// root (root q - Pi root q) of a candidate, with the means that SumMeans has found.
   double BeyondColumns(const Candidate &one, double q, double root, const std::vector<double> &means) const

@@ -37,18 +37,22 @@ public:
         if (ratio[a] != 0) all[kNumbers * column + 1 + a] = ratio[a];
     for (const auto &[column, strain] : strains_)
       if (strain > 0) all[kNumbers * column + 3] = strain;
+    for (const PatchPressure &one : last_) all[-(one.patch * kPaths + one.path)] = one.pressure;
     return all;
   }
   void SetPressures(const ContactPressures &pressures) override
   {
-    means_.clear(), ratios_.clear(), strains_.clear();
+    means_.clear(), ratios_.clear(), strains_.clear(), last_.clear();
     for (const auto &[key, value] : pressures)
-      if (const int part = static_cast<int>(key % kNumbers); part == 0)
+      if (key < 0)
+        last_.push_back({-key / kPaths, static_cast<int>(-key % kPaths), value});
+      else if (const int part = static_cast<int>(key % kNumbers); part == 0)
         means_[key / kNumbers] = value;
       else if (part == 3)
         strains_[key / kNumbers] = value;
       else
         ratios_[key / kNumbers][part - 1] = value;
+    std::reverse(last_.begin(), last_.end()); // in the order of segments
   }
 
   PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
@@ -246,9 +250,9 @@ private:
   {
     PressureReport found;
     PetscFunctionBeginUser;
-    problem_.Build(view, nodes_, std::move(segments), means_, strains_);
+    problem_.Build(view, nodes_, std::move(segments), means_, strains_, last_);
     outcome->solved = 1, outcome->empty = problem_.Size() == 0;
-    means_.clear(), strains_.clear();
+    means_.clear(), strains_.clear(), last_.clear();
     if (problem_.Size() == 0) {
       ratios_.clear();
       if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
@@ -258,6 +262,7 @@ private:
     PetscCall(solver_.Solve(problem_, view.tip, 0, &q, &found));
     if (settings_.friction > 0) PetscCall(AddFriction(view, &q, of_friction, &found, report));
     problem_.Take(view, q, found.travel);
+    last_ = problem_.PressuresOf(q);
     for (const SurfaceColumn &column : problem_.Columns())
       if (column.mean > 0) means_[column.key] = column.mean;
     *impulses = problem_.Impulses();
@@ -315,11 +320,13 @@ private:
   }
 
   static constexpr std::int64_t kNumbers = 4; ///< of a column: mean pressure, two ratios of tractions, plastic strain
+  static constexpr std::int64_t kPaths = 1 << 20; ///< more than a patch has parts
 
   ContactSettings settings_;
   ContactNodes nodes_;
   SegmentProblem problem_;
   PressureSolver solver_;
+  std::vector<PatchPressure> last_; ///< of the last step, on the first rank
   ColumnNumbers means_, strains_; ///< of the last step, on the first rank: L_j; what points under columns flowed in it
   std::unordered_map<std::int64_t, Friction::Ratio> ratios_; ///< of tractions, likewise
 };

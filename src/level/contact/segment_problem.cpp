@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace mlgimp
 {
@@ -127,7 +128,7 @@ void SegmentProblem::SetCompliance(const ContactView &view)
 }
 
 void SegmentProblem::Build(const ContactView &view, const ContactNodes &nodes, std::vector<Segment> segments,
-                           const ColumnNumbers &before, const ColumnNumbers &strains)
+                           const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchPressure> &last)
 {
   dim_ = view.geometry.Dim(), on_columns_ = 1 << (dim_ - 1);
   dt_ = view.dt, h_ = view.grid.Geometry().spacing;
@@ -139,8 +140,30 @@ void SegmentProblem::Build(const ContactView &view, const ContactNodes &nodes, s
   AddCandidates(view, before);
   SetCompliance(view);
   SetFlow(strains);
+  StartFrom(last);
   gaps_without_friction_ = gaps_;
   moved_.resize(nodes_->Size());
+}
+
+void SegmentProblem::StartFrom(const std::vector<PatchPressure> &last)
+{
+  auto next = last.begin();
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Segment &segment = segments_[candidates_[k].segment];
+    const auto key = std::tie(segment.patch, segment.path);
+    while (next != last.end() && std::tie(next->patch, next->path) < key) ++next;
+    if (next != last.end() && std::tie(next->patch, next->path) == key) start_[k] = candidates_[k].root_area * next->pressure;
+  }
+}
+
+std::vector<PatchPressure> SegmentProblem::PressuresOf(const std::vector<double> &q) const
+{
+  std::vector<PatchPressure> pressures;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Segment &segment = segments_[candidates_[k].segment];
+    pressures.push_back({segment.patch, segment.path, q[k] / candidates_[k].root_area});
+  }
+  return pressures;
 }
 
 /// dw = kappa h ((p - Pi p) - w/c_p)/flow deps, with the mean of w over the step's end: beta (c_p (p - Pi p) - w) with

@@ -107,8 +107,9 @@ void CollectSegments(const ContactView &view, std::vector<Segment> *segments, do
   for (std::size_t k = 0; k < view.surface.Patches().size(); ++k) {
     const SurfacePatch &patch = view.surface.Patches()[k];
     const SurfaceCorner &first = view.surface.CornerOf(k, 0);
+    const double reach = Norm(patch.Center(dim) - first.x);
+    if (first.gap.distance - reach > range || !std::isfinite(reach)) continue; // not: beside a failed point
     SurfaceSegment s = SegmentOf(patch, 0.5, 0.5, view.geometry);
-    if (first.gap.distance - Norm(s.x - first.x) > range || !std::isfinite(Norm(s.x))) continue; // not: beside a failed point
     SurfaceGap nearest = view.indenter.Gap(s.x, view.tip.end);
     if (nearest.distance > range) continue;
     const double center = s.x[0];

@@ -171,8 +171,8 @@ public:
   const LightNodes &Light() const { return light_; }
   const LevelGeometry &Geometry() const { return geometry_; }
   Surface &BodySurface() { return surface_; }
-  /// Half as long again as half of a point's face, m.
-  double LongestPatch() const { return 0.375 * geometry_.grid.spacing; }
+  /// Halves what has become too long of it, or too near to the indenter with its tip there.
+  void SplitSurface(Vec3 tip);
   const Surface &BodySurface() const { return surface_; }
   /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
   bool PatchesDue() const { return patches_due_; }

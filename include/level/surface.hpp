@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace mlgimp
@@ -91,8 +92,8 @@ public:
   /// the new one. Where no point is near, f = 1. Corners at sides stay there.
   void Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
             const std::vector<CornerMotion> &motion, double mass_cutoff, double dt);
-  /// Halves what is longer than a length, m.
-  void Split(double longest, const Geometry &geometry);
+  /// Halves what is longer than it may be, m.
+  void Split(const Geometry &geometry, const std::function<double(const SurfacePatch &)> &longest);
 
   const std::vector<SurfacePatch> &Patches() const { return patches_; }
   std::vector<SurfacePatch> &Patches() { return patches_; }

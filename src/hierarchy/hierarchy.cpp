@@ -257,7 +257,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
     for (auto &transfer : transfers_) transfer->LookAnew();
     level.LookForContact();
   }
-  if ((level.Steps() + 1) % kSplitInterval == 0) level.BodySurface().Split(level.LongestPatch(), model_->geometry);
+  if (model_->indenter && (level.Steps() + 1) % kSplitInterval == 0) level.SplitSurface(tip_.At(time + dt));
   PetscCall(level.EndStep());
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -23,7 +23,7 @@ PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
 {
   PetscFunctionBeginUser;
   const auto split = [&] {
-    for (auto &level : levels_) level->BodySurface().Split(level->LongestPatch(), model_->geometry);
+    for (auto &level : levels_) level->SplitSurface(tip_.At(0));
   };
   for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
   split();

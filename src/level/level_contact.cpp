@@ -194,6 +194,16 @@ double Level::HeldByContact(Vec3 x, double distance, bool flows)
   return SmoothStep((share - kLeast) / (1 - kLeast)) * (1 - SmoothStep(off));
 }
 
+void Level::SplitSurface(Vec3 tip)
+{
+  constexpr double kNear = 0.375, kFar = 0.55; // cells: more than half of a point's face, and more than the whole
+  const double h = geometry_.grid.spacing, range = kPointRange * h;
+  surface_.Split(model_.geometry, [&](const SurfacePatch &patch) {
+    const bool near = model_.indenter->Gap(patch.Center(geometry_.grid.dim), tip).distance < range;
+    return h * (near ? kNear : kFar);
+  });
+}
+
 /// Finds how corners of the surface will move, before the points do.
 PetscErrorCode Level::PrepareSurface()
 {

@@ -118,7 +118,7 @@ void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std:
   for (std::size_t k = 0; k < number_.size(); ++k) patches_[k / per_patch_].corner[k % per_patch_] = corners_[number_[k]].x;
 }
 
-void Surface::Split(double longest, const Geometry &geometry)
+void Surface::Split(const Geometry &geometry, const std::function<double(const SurfacePatch &)> &longest)
 {
   const int dim = geometry.Dim();
   constexpr double kTorn = 8; // a patch does not grow so far between two looks but beside a point that has failed
@@ -128,7 +128,8 @@ void Surface::Split(double longest, const Geometry &geometry)
     const Vec3 *const x = whole.corner;
     const double along = dim == 2 ? Norm(x[1] - x[0]) : std::max(Norm(x[1] - x[0]), Norm(x[2] - x[3])),
                  across = dim == 2 ? 0 : std::max(Norm(x[3] - x[0]), Norm(x[2] - x[1]));
-    if (!(std::max(along, across) > longest && std::max(along, across) < kTorn * longest)) {
+    const double length = std::max(along, across), most = longest(whole);
+    if (!(length > most && length < kTorn * most)) {
       ++k;
       continue;
     }

@@ -235,6 +235,7 @@ private:
   CoupledPlaces coupled_places_;
   Surface surface_;
   NearPoints near_;
+  double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
   std::vector<Surface::CornerMotion> corners_;              ///< of the surface in the step
   std::unordered_map<std::int64_t, double> pressed_around_; ///< share of PressedColumn by key, in the step
   bool flows_ = false;                                      ///< contact has touched metal in the step

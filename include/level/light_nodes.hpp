@@ -90,6 +90,7 @@ private:
   };
   double FullMass(const Grid &grid, Index node) const;
   double MassAt(const Grid &grid, std::ptrdiff_t place) const { return grid.Sums()[place].mass + (more_ ? more_[place] : 0); }
+  void AddLight(const Grid &grid, const NodeBodies &bodies, Index node, double mass);
   void FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light);
   void KeepJoined(std::vector<Near> *nodes) const;
   void FitLinear(std::vector<Near> *nodes, int dim) const;

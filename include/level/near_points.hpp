@@ -25,8 +25,9 @@ public:
     double weight = 0; ///< 0 where no point is near
   };
 
-  /// Before points move: keeps those near some places of this rank or of its neighbours. Collective on the grid's ranks.
-  PetscErrorCode Begin(Grid &grid, const std::vector<Place> &places, const PointArrays &points);
+  /// Before points move: keeps those near some places of this rank or of its neighbours. path: a
+  /// bound of how far points have moved since any time, m. Collective on the grid's ranks.
+  PetscErrorCode Begin(Grid &grid, const std::vector<Place> &places, Points &points, double path);
   /// After it: where they go, in their order. The points must be stored as they were. Collective on the grid's ranks.
   PetscErrorCode Finish(Grid &grid, const PointArrays &points, std::vector<Sum> *sums);
 
@@ -39,6 +40,7 @@ private:
     std::array<double, 9> F; ///< first before the step, then what turns and stretches its surroundings in it
   };
   void Mark(const Grid &grid, Vec3 x);
+  void FindAround(const Grid &grid, Points &points, double path);
   Sum SumAt(const Grid &grid, const Place &place) const;
 
   std::vector<Place> places_; ///< of this rank, then of its neighbours in their order
@@ -48,6 +50,10 @@ private:
   std::vector<int> first_; ///< of each cell by the place of its lowest node: in moved_, or -1; -2 of no interest
   std::vector<std::ptrdiff_t> marked_;
   std::vector<Moved> moved_;
+  std::vector<int> around_; ///< points that may be in a box, in their order
+  Box box_{};
+  double path_ = 0;  ///< up to which they are known, m
+  long version_ = 0; ///< of the points
 };
 
 } // namespace mlgimp

@@ -263,7 +263,7 @@ PetscErrorCode Level::EndStep()
   PetscFunctionBeginUser;
   constexpr double kMostDrift = 0.9; // cells; the halo has room for one
   ++clock_.steps;
-  clock_.drift += clock_.drift_per_step;
+  clock_.drift += clock_.drift_per_step, drift_path_ += clock_.drift_per_step;
   const bool due = clock_.drift + clock_.drift_per_step > kMostDrift;
   if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all tell the same
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);

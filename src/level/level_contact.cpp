@@ -219,7 +219,7 @@ PetscErrorCode Level::PrepareSurface()
     corners_.back().by_nodes = HeldByContact(corner.x, corner.gap.distance, flows);
     if (corners_.back().by_nodes < 1) places.push_back({corner.x, corner.body});
   }
-  if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_.Arrays()));
+  if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_, drift_path_ * geometry_.grid.spacing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

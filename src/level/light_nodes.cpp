@@ -208,17 +208,28 @@ void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *
   for (const Light &light : lights_) number_[light.place] = -1;
   for (const std::ptrdiff_t place : targets_) target_of_[place] = -1;
   lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
-  ForEach(grid.Owned(), [&](Index node) {
-    const std::ptrdiff_t place = grid.Place(node);
-    const double mass = MassAt(grid, place);
-    if (mass <= cutoff_ || mass >= limit_[place] || shares_[place] == 0) return;
-    const int number = number_[place] = static_cast<int>(lights_.size());
-    const double own = SmoothStep(mass / limit_[place]);
-    lights_.push_back({place, own * mass > kLeastOwn * limit_[place] ? own : 0, 0, 0});
-    FindDonors(grid, bodies, node, &lights_.back());
-    Target(grid, place, node);
-    grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
+  IndexBox rows = grid.Owned();
+  const int width = rows.Size(0);
+  rows.upper[0] = rows.lower[0] + 1;
+  ForEach(rows, [&](Index first) {
+    const std::ptrdiff_t start = grid.Place(first);
+    for (int k = 0; k < width; ++k) {
+      const double mass = MassAt(grid, start + k);
+      if (mass > cutoff_ && mass < limit_[start + k]) AddLight(grid, bodies, first + Index{k, 0, 0}, mass);
+    }
   });
+}
+
+void LightNodes::AddLight(const Grid &grid, const NodeBodies &bodies, Index node, double mass)
+{
+  const std::ptrdiff_t place = grid.Place(node);
+  if (shares_[place] == 0) return;
+  const int number = number_[place] = static_cast<int>(lights_.size());
+  const double own = SmoothStep(mass / limit_[place]);
+  lights_.push_back({place, own * mass > kLeastOwn * limit_[place] ? own : 0, 0, 0});
+  FindDonors(grid, bodies, node, &lights_.back());
+  Target(grid, place, node);
+  grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
 }
 
 /// All ranks add the shares in the order of the ranks that they come from, so that copies of a node stay the same.

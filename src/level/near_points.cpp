@@ -57,7 +57,34 @@ void NearPoints::Mark(const Grid &grid, Vec3 x)
   });
 }
 
-PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, const PointArrays &points)
+/// Lists the points in the box around the places, and beyond it for some steps to come.
+void NearPoints::FindAround(const Grid &grid, Points &points, double path)
+{
+  constexpr double kNear = 2, kMargin = 1, kRoom = 0.5; // cells: of two marked ones; for other places, and for points that move
+  const double h = grid.Geometry().spacing;
+  const int dim = grid.Geometry().dim;
+  const auto around_places = [&](double width) {
+    Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (const Place &place : places_)
+      for (int a = 0; a < 3; ++a) {
+        box.lower[a] = std::min(box.lower[a], place.x[a] - width * h);
+        box.upper[a] = std::max(box.upper[a], place.x[a] + width * h);
+      }
+    return box;
+  };
+  const Box now = around_places(kNear);
+  bool known = points.Version() == version_ && path <= path_;
+  for (int a = 0; a < dim; ++a) known = known && now.lower[a] >= box_.lower[a] && now.upper[a] <= box_.upper[a];
+  if (known) return;
+  const PointArrays arrays = points.Arrays();
+  const Box wide = around_places(kNear + kMargin + kRoom);
+  version_ = points.Version(), path_ = path + kRoom * h, box_ = around_places(kNear + kMargin);
+  around_.clear();
+  for (int p = 0; p < arrays.count; ++p)
+    if (wide.Contains(arrays.Position(p))) around_.push_back(p);
+}
+
+PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, Points &store, double path)
 {
   const int dim = grid.Geometry().dim;
   std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
@@ -81,20 +108,12 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, c
   if (first_.size() != grid.GhostedNodes()) first_.assign(grid.GhostedNodes(), kNoInterest);
   for (const std::ptrdiff_t place : marked_) first_[place] = kNoInterest;
   marked_.clear(), moved_.clear();
-  Box around{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-  for (const Place &place : places_) {
-    Mark(grid, place.x);
-    for (int a = 0; a < 3; ++a) {
-      around.lower[a] = std::min(around.lower[a], place.x[a] - 2 * grid.Geometry().spacing);
-      around.upper[a] = std::max(around.upper[a], place.x[a] + 2 * grid.Geometry().spacing);
-    }
-  }
+  for (const Place &place : places_) Mark(grid, place.x);
   if (marked_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int p = 0; p < points.count; ++p) {
-    const double *const place = points.position + PointArrays::At(p, points.dim);
-    if (place[points.dim - 1] < around.lower[points.dim - 1]) continue; // most lie below
+  FindAround(grid, store, path);
+  const PointArrays points = store.Arrays();
+  for (const int p : around_) {
     const Vec3 x = points.Position(p);
-    if (!around.Contains(x)) continue;
     const Index cell = Locate(grid, x, grid.Geometry().dim).cell;
     if (!grid.Ghosted().Contains(cell)) continue;
     int &first = first_[grid.Place(cell)];

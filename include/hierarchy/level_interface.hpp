@@ -173,7 +173,7 @@ private:
   std::vector<InterfaceNode> known_; ///< interface nodes that this rank advances, and then others that its band hangs on
   int owned_ = 0;                    ///< those that it advances
   std::unordered_map<Index, int, IndexHash> place_; ///< in known_
-  std::vector<BlendNode> band_;      ///< of owned fine nodes
+  std::vector<BlendNode> band_;                     ///< of owned fine nodes
   /// A node that a light one hangs on, see light_nodes.hpp.
   struct Donor {
     int on; ///< among the known

@@ -235,7 +235,7 @@ private:
   CoupledPlaces coupled_places_;
   Surface surface_;
   NearPoints near_;
-  double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
+  double drift_path_ = 0;                                   ///< sum of the clock's drift since the run began or went on, cells
   std::vector<Surface::CornerMotion> corners_;              ///< of the surface in the step
   std::unordered_map<std::int64_t, double> pressed_around_; ///< share of PressedColumn by key, in the step
   bool flows_ = false;                                      ///< contact has touched metal in the step
@@ -244,7 +244,7 @@ private:
   bool patches_due_ = true;
   NodeBodies node_bodies_;
   LightNodes light_;
-  std::vector<double> blended_off_;       ///< that blended nodes are at least off the indenter with its tip there, m
+  std::vector<double> blended_off_; ///< that blended nodes are at least off the indenter with its tip there, m
   Vec3 blended_tip_{};
   std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
   BorderNodes *border_ = nullptr;

@@ -78,7 +78,10 @@ public:
   /// Finds which patches share corners. Call after patches have come, gone or been halved.
   void NumberCorners(int dim);
   const std::vector<SurfaceCorner> &Corners() const { return corners_; }
-  const SurfaceCorner &CornerOf(std::size_t patch, std::size_t corner) const { return corners_[number_[per_patch_ * patch + corner]]; }
+  const SurfaceCorner &CornerOf(std::size_t patch, std::size_t corner) const
+  {
+    return corners_[number_[per_patch_ * patch + corner]];
+  }
   /// Finds the gaps of corners to the indenter with its tip at a place. Where they are more than a range, m, the distance may be
   /// less than the true one, though more than the range, and the normal any.
   void Approach(const Indenter &indenter, Vec3 tip, double range);

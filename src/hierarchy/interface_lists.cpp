@@ -4,9 +4,9 @@
 #include "base/exchange.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <climits>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 namespace mlgimp

@@ -91,7 +91,8 @@ PetscErrorCode LevelInterface::BroadcastVelocity(std::vector<double> *array)
 static void AddSums(double part, const NodeSums &from, NodeSums *to)
 {
   to->mass += part * from.mass;
-  for (int axis = 0; axis < 3; ++axis) to->momentum[axis] += part * from.momentum[axis], to->force[axis] += part * from.force[axis];
+  for (int axis = 0; axis < 3; ++axis)
+    to->momentum[axis] += part * from.momentum[axis], to->force[axis] += part * from.force[axis];
 }
 
 /// (m, p, f)_I = sum_i (1 - beta_i) N_I(x_i) (m, p, f)_i, of which light nodes give what hangs on others to these.

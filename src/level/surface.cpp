@@ -121,7 +121,8 @@ void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std:
 void Surface::Split(const Geometry &geometry, const std::function<double(const SurfacePatch &)> &longest)
 {
   const int dim = geometry.Dim();
-  constexpr double kTorn = 8; // a patch does not grow so far between two looks but beside a point that has failed
+  constexpr double kTorn =
+      256; // more than patches of levels that follow are too long; beside a point that has failed they may be
   const std::size_t before = patches_.size();
   for (std::size_t k = 0; k < patches_.size();) {
     const SurfacePatch whole = patches_[k];

@@ -319,7 +319,7 @@ private:
     return area / view.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
   }
 
-  static constexpr std::int64_t kNumbers = 4; ///< of a column: mean pressure, two ratios of tractions, plastic strain
+  static constexpr std::int64_t kNumbers = 4;     ///< of a column: mean pressure, two ratios of tractions, plastic strain
   static constexpr std::int64_t kPaths = 1 << 20; ///< more than a patch has parts
 
   ContactSettings settings_;
@@ -327,7 +327,7 @@ private:
   SegmentProblem problem_;
   PressureSolver solver_;
   std::vector<PatchPressure> last_; ///< of the last step, on the first rank
-  ColumnNumbers means_, strains_; ///< of the last step, on the first rank: L_j; what points under columns flowed in it
+  ColumnNumbers means_, strains_;   ///< of the last step, on the first rank: L_j; what points under columns flowed in it
   std::unordered_map<std::int64_t, Friction::Ratio> ratios_; ///< of tractions, likewise
 };
 

@@ -152,7 +152,8 @@ void SegmentProblem::StartFrom(const std::vector<PatchPressure> &last)
     const Segment &segment = segments_[candidates_[k].segment];
     const auto key = std::tie(segment.patch, segment.path);
     while (next != last.end() && std::tie(next->patch, next->path) < key) ++next;
-    if (next != last.end() && std::tie(next->patch, next->path) == key) start_[k] = candidates_[k].root_area * next->pressure;
+    const bool known = next != last.end() && std::tie(next->patch, next->path) == key;
+    if (known && std::isfinite(next->pressure)) start_[k] = candidates_[k].root_area * next->pressure;
   }
 }
 

@@ -50,8 +50,9 @@ std::array<double, 8> Hats(Vec3 part, int axes)
   return hats;
 }
 
-/// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter where pressures rise, as beside
-/// an edge; there the wall may be nearer than the face that presses, which is the one that a way down comes out of.
+/// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter
+/// where pressures rise, as beside an edge; there the wall may be nearer than the face that presses, which is the one that a way
+/// down comes out of.
 static SurfaceGap GapAt(const ContactView &view, Vec3 x, const SurfaceGap &nearest)
 {
   constexpr double kMostIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
@@ -125,8 +126,8 @@ void CollectSegments(const ContactView &view, std::vector<Segment> *segments, do
     const Material &material = *view.bodies.material[view.bodies.one_material ? 0 : patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
     const double flow = material.IsMetal() ? kTabor * material.FlowStress(kStrain) : HUGE_VAL;
-    Segment one{patch.number, patch.path, rank,    static_cast<int>(k),   patch.flow,   {},      {},  Locate(view.grid, s.x, dim),
-                gap.normal,   s.area,     pressed, ring, gap.distance, modulus, flow};
+    Segment one{patch.number, patch.path, rank, static_cast<int>(k), patch.flow, {},  {}, Locate(view.grid, s.x, dim), gap.normal,
+                s.area,       pressed,    ring, gap.distance,        modulus,    flow};
     const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
     std::copy_n(patch.corner, 4, one.corner);
     std::copy(weights.begin(), weights.end(), one.corner_part);

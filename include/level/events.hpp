@@ -7,7 +7,8 @@ namespace mlgimp
 {
 
 struct LogEvents {
-  PetscLogEvent points_to_grid, halo, grid_update, contact, grid_to_points, coupling, transfer, migrate, sort, balance, output;
+  PetscLogEvent points_to_grid, halo, grid_update, contact, surface, grid_to_points, coupling, transfer, migrate, sort, balance,
+      output;
 };
 
 PetscErrorCode RegisterLogEvents(LogEvents *events);

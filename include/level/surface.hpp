@@ -41,28 +41,6 @@ inline std::array<double, 4> CornerWeights(double s, double t, int dim)
   return {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
 }
 
-/// Calls work(index, weight) for the nodes of a cell at a place, with their hats there.
-template <class Work> void ForEachHat(const GridGeometry &grid, Vec3 x, Work work)
-{
-  Index cell{};
-  double part[3] = {};
-  for (int a = 0; a < grid.dim; ++a) {
-    const double from_first = (x[a] - grid.lower[a]) / grid.spacing, below = std::floor(from_first);
-    cell[a] = static_cast<int>(below);
-    part[a] = from_first - below;
-  }
-  for (int c = 0; c < 1 << grid.dim; ++c) {
-    double hat = 1;
-    Index node = cell;
-    for (int a = 0; a < grid.dim; ++a) {
-      const int upper = c >> a & 1;
-      node[a] += upper;
-      hat *= upper ? part[a] : 1 - part[a];
-    }
-    if (hat > 0) work(node, hat);
-  }
-}
-
 /// A corner that patches of a body share.
 struct SurfaceCorner {
   Vec3 x; ///< m

@@ -13,6 +13,7 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
   PetscCall(PetscLogEventRegister("Halo", id, &events->halo));
   PetscCall(PetscLogEventRegister("GridUpdate", id, &events->grid_update));
   PetscCall(PetscLogEventRegister("Contact", id, &events->contact));
+  PetscCall(PetscLogEventRegister("Surface", id, &events->surface));
   PetscCall(PetscLogEventRegister("G2PStress", id, &events->grid_to_points));
   PetscCall(PetscLogEventRegister("Coupling", id, &events->coupling));
   PetscCall(PetscLogEventRegister("Transfer", id, &events->transfer));

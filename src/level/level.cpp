@@ -232,9 +232,9 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   NoteStrains();
   PetscCall(PrepareSurface());
+  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     kernels_->GridToPoints(view, first, budgets, failure);

@@ -196,11 +196,16 @@ double Level::HeldByContact(Vec3 x, double distance, bool flows)
 
 void Level::SplitSurface(Vec3 tip)
 {
-  constexpr double kNear = 0.375, kFar = 0.55; // cells: more than half of a point's face, and more than the whole
-  const double h = geometry_.grid.spacing, range = kPointRange * h;
+  // Cells: longer than a point's face, than half of it, and than a quarter: where segments come into contact one by one, each
+  // is a step of the load; in space that counts under a sharp tip alone.
+  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95;
+  const int dim = geometry_.grid.dim;
+  const double h = geometry_.grid.spacing;
   surface_.Split(model_.geometry, [&](const SurfacePatch &patch) {
-    const bool near = model_.indenter->Gap(patch.Center(geometry_.grid.dim), tip).distance < range;
-    return h * (near ? kNear : kFar);
+    const Vec3 center = patch.Center(dim);
+    const double off = model_.indenter->Gap(center, tip).distance / h;
+    const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kNear * h;
+    return h * (off > kPointRange ? kFar : off > kTouch || beside ? kNear : kTouching);
   });
 }
 
@@ -210,6 +215,7 @@ PetscErrorCode Level::PrepareSurface()
   std::vector<NearPoints::Place> places;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
   const double range = kContactRange * geometry_.grid.spacing; // no segment is beyond it, and nodes and points move alike
   corners_.clear();
   for (const SurfaceCorner &corner : surface_.Corners()) {
@@ -220,6 +226,7 @@ PetscErrorCode Level::PrepareSurface()
     if (corners_.back().by_nodes < 1) places.push_back({corner.x, corner.body});
   }
   if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_, drift_path_ * geometry_.grid.spacing));
+  PetscCall(PetscLogEventEnd(events_.surface, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,6 +237,7 @@ PetscErrorCode Level::MoveSurface(bool rates, double dt)
   std::vector<char> by_rates;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
   for (std::size_t body = 0; body < model_.bodies.size(); ++body)
     by_rates.push_back(rates && bodies_.average[bodies_.one_material ? 0 : body] < 0);
   if (ContactAwake()) PetscCall(near_.Finish(*grid_, points_.Arrays(), &sums));
@@ -237,6 +245,7 @@ PetscErrorCode Level::MoveSurface(bool rates, double dt)
   for (Surface::CornerMotion &corner : corners_)
     if (corner.by_nodes < 1) corner.sums = *next++;
   surface_.Move(*grid_, geometry_.sides, by_rates, corners_, nodal_.mass_cutoff, dt);
+  PetscCall(PetscLogEventEnd(events_.surface, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -55,6 +55,6 @@ def test_wide_contact(expect):
     alone, result = harness.run(case), harness.run({**case, "contact_monitor": None}, ranks=8)
     solves = re.findall(r"contact: time \S+ unknowns (\d+), pressing (\d+), turns \d+ iterations \d+", result.stdout)
     expect("solves seen", len(solves), at_least=20)
-    expect("segments that press, of four a cell", max((int(pressing) for _, pressing in solves), default=0) / (4 * 84), near=1, tolerance=0.05)
+    expect("segments that press, of eight a cell", max((int(pressing) for _, pressing in solves), default=0) / (8 * 84), near=1, tolerance=0.05)
     load = result.history["load"] - alone.history["load"]
     expect("load on 8 ranks against one", numpy.max(numpy.abs(load)) / numpy.max(alone.history["load"]), at_most=1e-9)

@@ -42,7 +42,7 @@ def nodal_pressure(result, lower, spacing, axisymmetric=False):
         places, weights = segments(level, axisymmetric)
         keys, solved, nodes = (level[name][:].ravel() for name in ("pressure_keys", "pressures", "columns"))
     axes = places.shape[1]
-    lower, of_means = numpy.array(lower)[:axes], keys.astype(int) % NUMBERS == 0
+    lower, of_means = numpy.array(lower)[:axes], (keys.astype(int) % NUMBERS == 0) & (keys >= 0)
     keys, solved = keys[of_means].astype(int) // NUMBERS, solved[of_means]
     columns = numpy.stack((keys % int(nodes.sum()), keys // int(nodes.sum())), axis=1)[:, :axes] - PADDING
     means = dict(zip(map(tuple, columns), solved))

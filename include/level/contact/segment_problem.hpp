@@ -137,6 +137,7 @@ private:
     for (int n = one.first; n < one.end; ++n)
       (*nodes)[weights_[n].node] = (*nodes)[weights_[n].node] + weights_[n].weight * value;
   }
+  const std::array<int, 8> &NodesOfCell(Index cell);
   bool FindWeights(const ContactView &view, const Segment &segment, Candidate *one);
   void SumColumns(const ContactView &view);
   void AddCandidates(const ContactView &view, const ColumnNumbers &before);
@@ -163,6 +164,7 @@ private:
   std::vector<double> hats_; ///< likewise
   std::vector<Candidate> candidates_;
   std::vector<NodeWeight> weights_;
+  std::unordered_map<Index, std::array<int, 8>, IndexHash> cell_nodes_;
   std::vector<double> gaps_without_friction_, start_;
   mutable std::vector<Vec3> moved_;
   mutable std::vector<double> means_, flow_means_;

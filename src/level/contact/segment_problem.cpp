@@ -45,30 +45,45 @@ void SegmentProblem::SumColumns(const ContactView &view)
   }
 }
 
+/// The nodes of a cell, -1 for those that do not move.
+const std::array<int, 8> &SegmentProblem::NodesOfCell(Index cell)
+{
+  const auto [found, is_new] = cell_nodes_.try_emplace(cell);
+  for (int c = 0; is_new && c < 1 << dim_; ++c) {
+    const int number = nodes_->NumberOf(Corner(cell, c));
+    found->second[c] = number >= 0 && nodes_->At(number).moves ? number : -1;
+  }
+  return found->second;
+}
+
 /// The nodes that move the corners of its patch, with their weights in it; false where none does.
 bool SegmentProblem::FindWeights(const ContactView &view, const Segment &segment, Candidate *one)
 {
-  one->first = static_cast<int>(weights_.size());
+  constexpr double kNothing = 1e-9; // of a hat: a corner on a line of nodes but for rounding pushes none beyond
+  std::array<NodeWeight, 32> found; // in the order of nodes
+  int count = 0;
   for (int c = 0; c < 1 << (dim_ - 1); ++c) {
-    const std::size_t first = weights_.size();
+    const CellPlace place = Locate(view.grid, segment.corner[c], dim_);
+    const std::array<int, 8> &numbers = NodesOfCell(place.cell);
+    const std::array<double, 8> hats = Hats(place.part, dim_);
+    const auto counts = [&](int n) { return numbers[n] >= 0 && hats[n] > kNothing; };
     double sum = 0;
-    ForEachHat(view.grid.Geometry(), segment.corner[c], [&](Index node, double hat) {
-      const int number = nodes_->NumberOf(node);
-      if (number >= 0 && nodes_->At(number).moves) weights_.push_back({number, hat}), sum += hat;
-    });
-    for (std::size_t n = first; n < weights_.size(); ++n) weights_[n].weight *= segment.corner_part[c] / sum;
+    for (int n = 0; n < 1 << dim_; ++n) sum += counts(n) ? hats[n] : 0;
+    for (int n = 0; n < 1 << dim_; ++n) {
+      if (!counts(n)) continue;
+      int at = count;
+      while (at > 0 && found[at - 1].node >= numbers[n]) --at;
+      if (at == count || found[at].node != numbers[n]) {
+        std::copy_backward(found.begin() + at, found.begin() + count, found.begin() + count + 1);
+        found[at] = {numbers[n], 0}, ++count;
+      }
+      found[at].weight += hats[n] * segment.corner_part[c] / sum;
+    }
   }
-  std::sort(weights_.begin() + one->first, weights_.end(),
-            [](const NodeWeight &a, const NodeWeight &b) { return a.node < b.node; });
-  std::size_t last = one->first;
-  for (std::size_t n = one->first; n < weights_.size(); ++n)
-    if (n == static_cast<std::size_t>(one->first) || weights_[n].node != weights_[last - 1].node)
-      weights_[last++] = weights_[n];
-    else
-      weights_[last - 1].weight += weights_[n].weight;
-  weights_.resize(last);
-  one->end = static_cast<int>(last);
-  return one->end > one->first;
+  one->first = static_cast<int>(weights_.size());
+  weights_.insert(weights_.end(), found.begin(), found.begin() + count);
+  one->end = static_cast<int>(weights_.size());
+  return count > 0;
 }
 
 void SegmentProblem::AddCandidates(const ContactView &view, const ColumnNumbers &before)
@@ -133,6 +148,7 @@ void SegmentProblem::Build(const ContactView &view, const ContactNodes &nodes, s
   dim_ = view.geometry.Dim(), on_columns_ = 1 << (dim_ - 1);
   dt_ = view.dt, h_ = view.grid.Geometry().spacing;
   nodes_ = &nodes;
+  cell_nodes_.clear();
   segments_ = std::move(segments);
   shape_ = {};
   loads_.clear(), flows_.clear();

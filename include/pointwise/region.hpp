@@ -74,6 +74,7 @@ struct PartOfTile {
     sum = sum + times * other.sum, squares = squares + times * other.squares;
   }
 };
+PartOfTile WholeOf(const Tile &tile, Vec3 origin, int dim);
 PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int dim);
 /// A tile of the part's volume with its centre and the proportions of its second moments; `tile` is whole, its centre the origin.
 Tile TileOf(const PartOfTile &part, const Tile &tile, int dim);

@@ -52,12 +52,10 @@ PartOfTile Seeding::Inside(std::size_t body, const Tile &tile, Vec3 origin) cons
 {
   const Region &region = *model_.bodies[body].region;
   Tile coarse = tile;
-  if (region.IsBox()) return {1, {}, {}};
+  if (region.IsBox()) return WholeOf(tile, origin, geometry_.dim);
   if (!TakeStepsOfCoarser(body, coarse)) return PartInside(region, tile, origin, geometry_.dim);
-  PartOfTile whole = PartInside(*CreateBoxRegion({tile.center - tile.half_size, tile.center + tile.half_size}), tile, origin,
-                                geometry_.dim),
-             part;
-  part.Add(whole, PartInside(region, coarse, origin, geometry_.dim).share);
+  PartOfTile part;
+  part.Add(WholeOf(tile, origin, geometry_.dim), PartInside(region, coarse, origin, geometry_.dim).share);
   return part;
 }
 

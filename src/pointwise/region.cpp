@@ -190,6 +190,13 @@ std::unique_ptr<Region> CreatePolygonRegion(std::vector<Vec3> vertices)
   return std::make_unique<PolygonRegion>(std::move(vertices));
 }
 
+PartOfTile WholeOf(const Tile &tile, Vec3 origin, int dim)
+{
+  PartOfTile part{1, tile.center - origin, {}};
+  for (int a = 0; a < dim; ++a) part.squares[a] = part.sum[a] * part.sum[a] + tile.half_size[a] * tile.half_size[a] / 3;
+  return part;
+}
+
 PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int dim)
 {
   const bool cut = std::abs(region.Distance(tile.center)) <= Norm(tile.half_size);
@@ -197,14 +204,10 @@ PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int d
   const double width = 2 * *std::max_element(tile.half_size.begin(), tile.half_size.end()) / along;
   PartOfTile part;
   ForEach({{0, 0, 0}, {along, along, dim == 3 ? along : 1}}, [&](Index k) {
-    Vec3 x = tile.center, squares{};
-    for (int a = 0; a < dim; ++a) {
-      const double half = tile.half_size[a] / along; // of what the place stands for
-      x[a] += (2 * k[a] + 1 - along) * half;
-      squares[a] = (x[a] - origin[a]) * (x[a] - origin[a]) + half * half / 3;
-    }
-    const double share = std::clamp(0.5 - region.Distance(x) / width, 0.0, 1.0) / std::pow(along, dim);
-    part.Add({1, x - origin, squares}, share);
+    Tile place{tile.center, (1.0 / along) * tile.half_size};
+    for (int a = 0; a < dim; ++a) place.center[a] += (2 * k[a] + 1 - along) * place.half_size[a];
+    const double inside = std::clamp(0.5 - region.Distance(place.center) / width, 0.0, 1.0);
+    part.Add(WholeOf(place, origin, dim), inside / std::pow(along, dim));
   });
   return part;
 }

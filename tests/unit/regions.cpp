@@ -67,6 +67,70 @@ TEST(Regions, Volumes)
   CheckRegion("polygon", *CreatePolygonRegion({{0, 0}, {2, 0}, {2, 2}, {1, 1}, {0, 2}}), 2, 3);
 }
 
+/// The parts of a lattice's tiles in a region have its volume, its first and its second moments about its centre.
+void CheckParts(const std::string &name, const Region &region, int dim, double volume, double squares)
+{
+  constexpr double kHalf = 0.06;
+  const Box bounds = region.Bounds();
+  const Vec3 center = 0.5 * (bounds.lower + bounds.upper), half = {kHalf, kHalf, dim == 3 ? kHalf : 0};
+  const double whole = std::pow(2 * kHalf, dim);
+  IndexBox tiles{{}, {1, 1, 1}};
+  for (int a = 0; a < dim; ++a) tiles.upper[a] = static_cast<int>(std::ceil((bounds.upper[a] - bounds.lower[a]) / (2 * kHalf)));
+  PartOfTile sum;
+  double off = 0, alike = 0;
+  ForEach(tiles, [&](Index k) {
+    Tile tile{bounds.lower, half};
+    for (int a = 0; a < dim; ++a) tile.center[a] += (2 * k[a] + 1) * kHalf;
+    const PartOfTile part = PartInside(region, tile, center, dim);
+    sum.Add(part, whole);
+    if (part.share == 0) return;
+    const Tile same = TileOf(PartInside(region, tile, tile.center, dim), tile, dim);
+    double of_same = 1;
+    for (int a = 0; a < dim; ++a)
+      of_same *= same.half_size[a] / kHalf, off = std::max(off, std::abs(same.center[a] - tile.center[a]));
+    alike = std::max(alike, std::abs(of_same - part.share));
+  });
+  EXPECT_NEAR(sum.share / volume, 1, 1e-3) << name + ": volume";
+  EXPECT_LT(LargestComponent({std::abs(sum.sum[0]), std::abs(sum.sum[1]), std::abs(sum.sum[2])}) / volume, 1e-3) << name;
+  EXPECT_NEAR(sum.squares[0] / squares, 1, 2e-3) << name + ": second moment";
+  EXPECT_LT(off, kHalf) << name + ": centres lie within their tiles";
+  EXPECT_LT(alike, 1e-12) << name + ": volumes of what stands for them";
+}
+
+TEST(Regions, PartsOfTiles)
+{
+  CheckParts("disk", *CreateBallRegion(kPlane, {0.3, -0.2, 0}, 1.1), 2, M_PI * 1.21, M_PI * std::pow(1.1, 4) / 4);
+  CheckParts("ball", *CreateBallRegion(kSpace, {0.3, -0.2, 0.7}, 1.1), 3, 4 * M_PI / 3 * 1.331, 4 * M_PI / 15 * std::pow(1.1, 5));
+  CheckParts("cylinder", *CreateCylinderRegion({0.3, -0.2, 0.7}, 1.1, 0.96), 3, M_PI * 1.21 * 0.96,
+             M_PI * std::pow(1.1, 4) / 4 * 0.96);
+  const double side = std::sqrt(2.0); // of a square on its corner
+  CheckParts("polygon", *CreatePolygonRegion({{1, 0}, {0, 1}, {-1, 0}, {0, -1}}), 2, side * side, std::pow(side, 4) / 12);
+}
+
+TEST(Regions, Outlines)
+{
+  const Vec3 center = {0.3, -0.2, 0.7};
+  const auto ball = CreateBallRegion(kSpace, center, 1.1), cylinder = CreateCylinderRegion(center, 1.1, 0.8),
+             polygon = CreatePolygonRegion({{0, 0}, {2, 0}, {2, 2}, {1, 1}, {0, 2}});
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 x = RandomPlace(ball->Bounds()), on = ball->OnOutline(x, 0, false), at = polygon->OnOutline(x, 0, false),
+               side = cylinder->OnOutline(x, 0, false), cap = cylinder->OnOutline(x, 2, false),
+               rim = cylinder->OnOutline(x, 2, true);
+    EXPECT_NEAR(Norm(on - center), 1.1, 1e-12);
+    EXPECT_NEAR(std::abs(ball->Distance(x)), Norm(x - on), 1e-12);
+    EXPECT_NEAR(polygon->Distance(at), 0, 1e-12);
+    for (const Vec3 &round : {side, rim}) EXPECT_NEAR(std::hypot(round[0] - center[0], round[1] - center[1]), 1.1, 1e-12);
+    for (const Vec3 &level : {side, cap, rim}) EXPECT_EQ(level[2], x[2]);
+    EXPECT_LE(std::hypot(cap[0] - center[0], cap[1] - center[1]), 1.1 + 1e-12);
+  }
+  const std::vector<Vec3> between = polygon->Between({1.9, 0}, {2, 0.1}), back = polygon->Between({0.1, 1.9}, {0, 1.8});
+  ASSERT_EQ(between.size(), 1U);
+  EXPECT_EQ(between[0], (Vec3{2, 0, 0}));
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_EQ(back[0], (Vec3{0, 2, 0}));
+  EXPECT_TRUE(polygon->Between({0.5, 0}, {0.7, 0}).empty());
+}
+
 TEST(Regions, HalfDiskOnTheAxis)
 {
   const auto on_axis = CreateBallRegion(GeometryKind::kAxisymmetric, {0, 3, 0}, 1),

@@ -212,7 +212,7 @@ VtkSeries FrameWriter::Patches() const
 std::string FrameWriter::ReplaceSeries(const std::string &name, const std::vector<VtkStep> &steps, const VtkSeries &series) const
 {
   const std::string path = directory_ + "/" + name + ".vtkhdf", bytes = MakeVtkhdf(steps, series);
-  const std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
+  std::string problem = bytes.empty() ? CannotWrite(path, 0) : ReplaceFile(path, bytes);
   if (!problem.empty()) return problem;
   return ReplaceFile(directory_ + "/" + name + ".xdmf", MakeXdmf(name, steps, series, model_.geometry.Dim()));
 }

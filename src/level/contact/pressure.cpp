@@ -320,7 +320,7 @@ private:
   }
 
   static constexpr std::int64_t kNumbers = 4;     ///< of a column: mean pressure, two ratios of tractions, plastic strain
-  static constexpr std::int64_t kPaths = 1 << 20; ///< more than a patch has parts
+  static constexpr std::int64_t kPaths = 1 << 16; ///< more than a patch has parts; keys are doubles in checkpoints
 
   ContactSettings settings_;
   ContactNodes nodes_;

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "hierarchy/mapping.hpp"
-#include "level/contact/border_nodes.hpp"
+#include "contact/border_nodes.hpp"
 #include "level/level.hpp"
 
 #include <algorithm>

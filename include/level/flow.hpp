@@ -3,7 +3,7 @@
 
 #include "level/level.hpp"
 #include "level/model.hpp"
-#include "level/points.hpp"
+#include "points/points.hpp"
 
 namespace mlgimp
 {

@@ -4,12 +4,10 @@
 // the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeSums and NodeLayout in grid.hpp.
 #pragma once
 
-#include "level/budgets.hpp"
-#include "level/grid.hpp"
-#include "pointwise/material.hpp"
-#include "pointwise/point_fields.hpp"
+#include "grid/budgets.hpp"
+#include "grid/grid.hpp"
+#include "pointwise/body_table.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,26 +15,6 @@
 
 namespace mlgimp
 {
-
-/// Bodies as the sweeps see them: the material of each, and which of the materials that average their volume it is, or -1.
-struct BodyTable {
-  std::vector<const Material *> material;
-  std::vector<int> average;
-  bool one_material = false; ///< all bodies have the same
-
-  /// A body of the material of a point. With one material memory is left alone: no sweep needs the bodies otherwise.
-  int BodyFor(const PointArrays &points, int p) const { return one_material ? 0 : points.body[p]; }
-  const Material &Of(const PointArrays &points, int p) const { return *material[BodyFor(points, p)]; }
-  /// End of the block that begins at a point: at most kBlock points of one material.
-  int BlockEnd(const PointArrays &points, int start) const
-  {
-    const int limit = std::min(start + kBlock, points.count);
-    if (one_material) return limit;
-    int end = start + 1;
-    while (end < limit && material[points.body[end]] == material[points.body[start]]) ++end;
-    return end;
-  }
-};
 
 /// a and b of the strength of the short-wave viscosity (short_wave.hpp); none where both are zero.
 struct ShortWaveViscosity {

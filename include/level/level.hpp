@@ -1,12 +1,12 @@
 // One grid level: its grid, its points, and one explicit step of both.
 #pragma once
 
-#include "level/contact/contact.hpp"
+#include "contact/contact.hpp"
 #include "level/events.hpp"
-#include "level/light_nodes.hpp"
+#include "grid/light_nodes.hpp"
 #include "level/model.hpp"
-#include "level/points.hpp"
-#include "level/surface.hpp"
+#include "points/points.hpp"
+#include "contact/surface.hpp"
 
 #include <memory>
 

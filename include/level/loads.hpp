@@ -1,10 +1,10 @@
 // Pressure on the sides of bodies: it acts on the current faces of the points and follows them.
 #pragma once
 
-#include "level/face.hpp"
-#include "level/grid.hpp"
+#include "points/face.hpp"
+#include "grid/grid.hpp"
 #include "level/kernels.hpp"
-#include "level/points.hpp"
+#include "points/points.hpp"
 #include "pointwise/indenter.hpp"
 
 #include <vector>

@@ -1,10 +1,10 @@
 // The physics that all levels share: bodies, materials, loads, indenter, and the variants of the step.
 #pragma once
 
-#include "level/contact/settings.hpp"
+#include "contact/settings.hpp"
 #include "level/kernels.hpp"
 #include "level/loads.hpp"
-#include "level/nodes.hpp"
+#include "grid/nodes.hpp"
 #include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
 #include "pointwise/material.hpp"

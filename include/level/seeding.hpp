@@ -1,10 +1,10 @@
 // Fills bodies with material points.
 #pragma once
 
-#include "level/grid.hpp"
+#include "grid/grid.hpp"
 #include "level/model.hpp"
-#include "level/points.hpp"
-#include "level/surface.hpp"
+#include "points/points.hpp"
+#include "contact/surface.hpp"
 
 #include <functional>
 

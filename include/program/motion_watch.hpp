@@ -1,7 +1,7 @@
 // What drag and inertia add to a test that is not slow, from the budgets, row by row of the history.
 #pragma once
 
-#include "level/budgets.hpp"
+#include "grid/budgets.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // What inertia and damping add to the load of a slow test, watched row by row of the history.
 #pragma once
 
-#include "level/budgets.hpp"
+#include "grid/budgets.hpp"
 #include "program/case.hpp"
 
 #include <vector>

@@ -2,7 +2,7 @@
 // warnings.cpp, those of contact and its cells in contact_warnings.cpp.
 #pragma once
 
-#include "level/budgets.hpp"
+#include "grid/budgets.hpp"
 #include "program/case.hpp"
 #include "program/motion_watch.hpp"
 #include "program/quasi_static.hpp"

@@ -1,7 +1,7 @@
 // What a run tells of itself while it goes on, each once: results that the user's input makes doubtful.
 #pragma once
 
-#include "level/budgets.hpp"
+#include "grid/budgets.hpp"
 #include "program/case.hpp"
 #include "program/motion_watch.hpp"
 #include "program/quasi_static.hpp"

@@ -1,7 +1,7 @@
 // Boxes of points that flow has sheared, and points that it has brought to the surface.
 #include "level/flow.hpp"
 
-#include "level/face.hpp"
+#include "points/face.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // What a level does with contact in a step, and what it adds up of it.
 #include "level/level.hpp"
 
-#include "level/contact/body.hpp"
-#include "level/contact/segments.hpp"
+#include "contact/body.hpp"
+#include "contact/segments.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -221,7 +221,7 @@ PetscErrorCode Level::PrepareSurface()
   for (const SurfaceCorner &corner : surface_.Corners()) {
     corners_.push_back({1, {}});
     if (!ContactAwake() || corner.gap.distance > range) continue;
-    const bool flows = bodies_.material[bodies_.one_material ? 0 : corner.body]->IsMetal();
+    const bool flows = bodies_.material[corner.body]->IsMetal();
     corners_.back().by_nodes = HeldByContact(corner.x, corner.gap.distance, flows);
     if (corners_.back().by_nodes < 1) places.push_back({corner.x, corner.body});
   }
@@ -239,7 +239,7 @@ PetscErrorCode Level::MoveSurface(bool rates, double dt)
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
   for (std::size_t body = 0; body < model_.bodies.size(); ++body)
-    by_rates.push_back(rates && bodies_.average[bodies_.one_material ? 0 : body] < 0);
+    by_rates.push_back(rates && bodies_.average[body] < 0);
   if (ContactAwake()) PetscCall(near_.Finish(*grid_, points_.Arrays(), &sums));
   auto next = sums.begin();
   for (Surface::CornerMotion &corner : corners_)

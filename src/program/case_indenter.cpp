@@ -2,7 +2,7 @@
 #include "program/case_groups.hpp"
 
 #include "base/index.hpp"
-#include "level/contact/contact.hpp"
+#include "contact/contact.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // mlgimp: multi-level generalized interpolation material point method for indentation and contact.
-#include "level/contact/pressure_solver.hpp"
+#include "contact/pressure_solver.hpp"
 #include "program/case.hpp"
 #include "program/command_line.hpp"
 #include "program/errors.hpp"

@@ -8,7 +8,7 @@ import pytest
 
 E, NU = 1.0, 0.3
 LAME, MU, E_STAR = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU), E / (1 - NU**2)
-IN_PLANE, IN_SPACE = 0.45, 0.36  # of h/E*, as in src/level/contact/segment_problem.cpp
+IN_PLANE, IN_SPACE = 0.45, 0.36  # of h/E*, as in src/contact/segment_problem.cpp
 
 
 def weight(d, l=0.25):

@@ -8,7 +8,7 @@ import harness
 
 pytestmark = pytest.mark.fast
 
-LAYERS = ("base", "pointwise", "level", "hierarchy", "program")  # a file includes only its own layer and those before it
+LAYERS = ("base", "pointwise", "grid", "points", "contact", "level", "hierarchy", "program")  # a file includes only its own layer and those before it
 LONGEST = 400  # lines
 
 

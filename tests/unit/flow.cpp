@@ -1,6 +1,6 @@
 // Boxes that flow has sheared: what straightening keeps, and what it leaves alone.
 #include "level/flow.hpp"
-#include "level/face.hpp"
+#include "points/face.hpp"
 #include "level/seeding.hpp"
 
 #include "simulation/setup.hpp"

@@ -1,6 +1,6 @@
 // What is done to the velocities of nodes.
-#include "level/nodes.hpp"
-#include "level/light_nodes.hpp"
+#include "grid/nodes.hpp"
+#include "grid/light_nodes.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

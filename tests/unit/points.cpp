@@ -1,5 +1,5 @@
 // The storage of points: removing, reordering, and moving points between ranks keep every field of every point.
-#include "level/points.hpp"
+#include "points/points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The solver of pressures with bounds: against the solution found by trying every set, and with a tip that travels under a load.
-#include "level/contact/pressure_solver.hpp"
+#include "contact/pressure_solver.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

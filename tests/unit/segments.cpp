@@ -1,6 +1,6 @@
 // The pressures of segments: the operator, what it makes of even and uneven pressures, and Coulomb's conditions beside them.
-#include "level/contact/friction.hpp"
-#include "level/contact/pressure_solver.hpp"
+#include "contact/friction.hpp"
+#include "contact/pressure_solver.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

@@ -1,0 +1,68 @@
+// The body as contact sees it: its surface, and the nodes that move it.
+#pragma once
+
+#include "base/index.hpp"
+#include "contact/contact.hpp"
+#include "points/face.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+/// A piece of the surface.
+struct SurfaceSegment {
+  Vec3 x, normal;    ///< place, m; outward normal
+  double area;       ///< of the body's surface: out of the plane times thickness or circumference at the face's centre, m2
+  double half_width; ///< half its length in the plane, m
+};
+
+inline constexpr int kMostParts = 4; ///< of an edge of a face
+/// Calls work(segment) for those of all outer faces of a point: midpoints of parts along each edge, of which there are so many
+/// that none is longer than `longest`, m, but at most kMostParts.
+template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, double longest, Work work)
+{
+  const auto parts = [longest](Vec3 half_edge) {
+    return static_cast<int>(std::clamp<double>(std::ceil(2 * Norm(half_edge) / longest), 1, kMostParts));
+  };
+  const auto along = [](int k, int count) { return (2 * k + 1.0) / count - 1; }; // the half edge
+  for (const Side side : SidesOf{geometry.Dim()}) {
+    if (!(points.faces[p] & OuterFaceBit(side))) continue;
+    const Face face = PointFace(points, p, side);
+    const int columns = parts(face.half_edge[0]), rows = geometry.Dim() == 3 ? parts(face.half_edge[1]) : 1;
+    const double area = Norm(face.area_normal), part = area * geometry.OutOfPlane(face.center[0]) / (rows * columns);
+    const Vec3 normal = (1 / area) * face.area_normal;
+    for (int j = 0; j < rows; ++j) {
+      const Vec3 row = face.center + along(j, rows) * face.half_edge[1];
+      for (int i = 0; i < columns; ++i)
+        work(SurfaceSegment{row + along(i, columns) * face.half_edge[0], normal, part, Norm(face.half_edge[0]) / columns});
+    }
+  }
+}
+
+/// The surface of a patch, taken at a place along its edges, from 0 to 1 each.
+SurfaceSegment SegmentOf(const SurfacePatch &patch, double s, double t, const Geometry &geometry);
+
+/// True where a segment faces the indenter, so that it can be pressed by it.
+inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
+{
+  return Dot(segment.normal, indenter_normal) < -kLeastFacing;
+}
+
+/// True where a point or a patch is far enough from the indenter to be left out without looking at its faces.
+bool FarFromIndenter(const ContactView &view, Vec3 x);
+
+// What contact asks of a node. The state must be final on owned nodes; of ghosts nothing is known.
+/// The rank in the group, or -1 outside of it.
+inline PetscMPIInt OwnerOf(const ContactView &view, Index node) { return view.group.RankOf(view.grid.BlockOfNode(node)); }
+/// Mass of the points of this level, and of the next finer one where there are both, kg.
+double MassOf(const ContactView &view, Index node);
+/// Of the motion that points will be moved by, m/s.
+Vec3 VelocityOf(const ContactView &view, Index node);
+/// Splits a change of velocity in what the node takes and what the sides hold.
+Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
+/// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, and both impulses.
+void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report);
+
+} // namespace mlgimp

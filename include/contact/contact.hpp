@@ -1,0 +1,130 @@
+// Contact of a level's points with the rigid indenter: three methods behind one interface.
+#pragma once
+
+#include "contact/border_nodes.hpp"
+#include "contact/group.hpp"
+#include "contact/settings.hpp"
+#include "grid/light_nodes.hpp"
+#include "grid/nodes.hpp"
+#include "points/points.hpp"
+#include "contact/surface.hpp"
+#include "pointwise/body_table.hpp"
+#include "pointwise/indenter.hpp"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+
+namespace mlgimp
+{
+
+/// What contact needs to see of a level in a step from `time` to `time + dt`, after sides were applied.
+struct ContactView {
+  const Grid &grid;
+  const ContactGroup &group;
+  Points &points;
+  const Surface &surface;
+  const BodyTable &bodies;
+  const BoundaryConditions &sides;
+  const Indenter &indenter;
+  Geometry geometry;
+  double mass_cutoff; ///< kg
+  double time, dt;    ///< s
+  TipStep tip{};
+  BorderNodes *border = nullptr;     ///< to the next coarser level, where there is one
+  SharedNode *shared = nullptr;      ///< by place: nodes that also move the next finer level's; none where there is none
+  const LightNodes *light = nullptr; ///< that hang on others
+};
+
+/// A column of the grid and the share of its surface, and of that of its neighbours, that presses: the least of them.
+struct PressedColumn {
+  std::int64_t key;
+  double share;
+};
+
+/// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
+/// ranks of the group.
+struct ContactReport {
+  Vec3 impulse{};                 ///< on the body, N s
+  Vec3 side_impulse{};            ///< what sides take up of it at once, N s
+  Vec3 friction_impulse{};        ///< the part of the impulse that tractions give, N s
+  double friction_work = 0;       ///< heat that slipping makes, -sum tau . s, J
+  std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
+  double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
+  int local_points = 0;           ///< points under pressure; of `pressure` faces that points had at the start
+  int set_updates = 0;            ///< turns of the active set; on the group's first rank alone
+  bool solved = true;             ///< false: the linear solver did not converge
+  double travel = 0;              ///< of a tip that is free, downward; the same on all ranks, m
+  bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
+  double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
+  double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
+  bool crosses = false;           ///< of `pressure`: a loaded column is at the border to the coarser level, or beyond it
+  double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
+                            ///< each other until something can; the same on all ranks, m
+  bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks
+  double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
+  double peak_pressure = 0; ///< largest pressure found, Pa
+  std::vector<PressedColumn> columns; ///< of `pressure`, where the share is not 0; the same on all ranks of the group
+  double stored = 0; ///< energy of what lies between the nodes, of `pressure`; on the group's first rank alone, J
+};
+
+/// Pressures that were found, and tractions beside them, by the key of their unknown.
+using ContactPressures = std::map<std::int64_t, double>;
+
+/// What points under a column of the grid have flowed in a step. Doubles throughout but for the key.
+struct ColumnStrain {
+  std::int64_t key;
+  double strain, weight; ///< sums of the equivalent plastic strain times mass, and of mass, kg
+};
+
+class Contact
+{
+public:
+  virtual ~Contact() = default;
+  /// Reads the options of its solver under the prefix -contact_.
+  virtual PetscErrorCode Create(const ContactSettings &) { return PETSC_SUCCESS; }
+  /// What a step leaves to the next, the same on every rank of the group.
+  virtual ContactPressures Pressures() const { return {}; }
+  virtual void SetPressures(const ContactPressures &) {}
+  /// Corrects the velocities (v, dv) of owned nodes. Collective on the group.
+  virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
+  /// Lets the surface between the nodes flow by what the points under it have flowed since the last Apply, of which each rank
+  /// knows a part. work: that pressures do on it, on the first rank alone, J. Collective on the group.
+  virtual PetscErrorCode Flow(const ContactView &, std::vector<ColumnStrain>, Surface *, double * /*work*/)
+  {
+    return PETSC_SUCCESS;
+  }
+  /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that looks
+  /// at the indenter at view.tip.end; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
+  virtual PetscErrorCode PressuresOnPoints(const ContactView &, std::vector<double> *pressures)
+  {
+    pressures->clear();
+    return PETSC_SUCCESS;
+  }
+  /// The same of this rank's patches, as they are in view.surface, [patches] Pa.
+  virtual PetscErrorCode PressuresOnPatches(const ContactView &, std::vector<double> *pressures)
+  {
+    pressures->clear();
+    return PETSC_SUCCESS;
+  }
+};
+
+/// The method that the settings name.
+PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact);
+
+/// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.
+inline constexpr double kContactRange = 2.5;
+/// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
+inline constexpr double kPointRange = kContactRange + 1.5;
+/// Gap of a segment, in cells, beyond which it cannot touch in a step.
+inline constexpr double kCandidateGap = 0.5;
+/// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of segments
+/// that of those that may be candidates; the other methods look at nodes and at points.
+inline double TouchRange(const ContactSettings &settings)
+{
+  return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;
+}
+/// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
+inline constexpr double kLeastFacing = 0.1;
+
+} // namespace mlgimp

@@ -1,0 +1,84 @@
+// The surface near the indenter in segments, brought to one rank.
+//
+// Segments come in the order of their patches' numbers, so that the rank that solves finds the same numbers in the same order on
+// any number of ranks.
+#pragma once
+
+#include "contact/body.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Where a place lies in the grid.
+struct CellPlace {
+  Index cell; ///< the first corner of its cell
+  Vec3 part;  ///< from 0 to 1 along each axis
+};
+CellPlace Locate(const Grid &grid, Vec3 x, int dim);
+
+/// Corner c of a cell: bit a of c chooses the upper node along axis a.
+inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2 & 1)}; }
+/// Hats of the grid about the corners of a cell, [2^axes] for the first axes.
+std::array<double, 8> Hats(Vec3 part, int axes);
+
+/// A patch that the indenter may press, or the part of it under a face of the indenter.
+struct Segment {
+  std::int64_t patch; ///< number of its patch, and that of the part of it
+  int path;
+  PetscMPIInt rank;      ///< of the group, that has the patch
+  int at;                ///< its place in the list there
+  double offset;         ///< by which it has flowed out of the line of the corners, m
+  Vec3 corner[4];        ///< of the patch, m
+  double corner_part[4]; ///< their weights in its centre
+  CellPlace place;       ///< of its centre
+  Vec3 normal;           ///< of the indenter
+  double area;           ///< of the body's surface, m2
+  double pressed;        ///< the part of it that the indenter may press; 0 of surface beside it, m2
+  double ring;           ///< its radius over that of the face at the start that it is part of, which areas are taken at: an even
+                         ///< pressure then gives nodes near an axis what an even stress of points does; 1 without an axis
+  double gap;            ///< to the indenter at the end of the step, with a free tip where it was, m
+  double modulus;        ///< plane-strain modulus E/(1 - nu^2) of its material, Pa
+  double flow;           ///< mean pressure at which its material flows, infinite where it does not, Pa
+};
+
+/// A number for a column of the grid, a line of nodes along the last axis, named by its horizontal node.
+inline std::int64_t ColumnKey(const ContactView &view, Index column)
+{
+  const GridGeometry &grid = view.grid.Geometry();
+  return column[0] + grid.padding + std::int64_t(grid.Nodes(0)) * (column[1] + grid.Padding(1));
+}
+/// Calls work(key, column, hat) for the columns at the corners of a cell.
+template <class Work> void ForEachColumn(const ContactView &view, const CellPlace &place, Work work)
+{
+  const int up = view.geometry.Dim() - 1;
+  const std::array<double, 8> hats = Hats(place.part, up);
+  for (int c = 0; c < 1 << up; ++c) {
+    Index at = Corner(place.cell, c);
+    at[up] = 0;
+    work(ColumnKey(view, at), at, hats[c]);
+  }
+}
+
+/// A change of a segment's offset for the rank that has its patch.
+struct SegmentFlow {
+  PetscMPIInt rank;
+  int at;
+  double by; ///< m
+};
+
+/// Adds the segments of this rank's patches that are near the indenter, and face it or lie beside it. least_gap: of all near it,
+/// m; penetration: deepest place inside the indenter at the start of the step, m; both as they were where nothing is less, or
+/// deeper.
+void CollectSegments(const ContactView &view, std::vector<Segment> *segments, double *least_gap, double *penetration);
+
+/// Brings segments to the first rank of the group, by their numbers. Collective on the group.
+PetscErrorCode GatherSegments(const ContactView &view, std::vector<Segment> *segments);
+
+/// The nodes that their patches' corners move with.
+std::vector<Index> NodesOf(const ContactView &view, const std::vector<Segment> &segments);
+
+} // namespace mlgimp

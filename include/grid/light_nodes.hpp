@@ -1,0 +1,116 @@
+// Nodes with little mass, at the surface of bodies, hang on fuller ones: an extended basis (Hoellig, Reif and Wipper 2001).
+//
+// The motion of a light node j is v_j = s_j u_j + (1 - s_j) sum_i e_ij v_i, with s_j = smoothstep(m_j/(theta m_full)) and e_ij
+// the linear least squares fit at j over fuller nodes i around it. What points give to nodes goes to these by the transpose, x_i
+// + sum_j (1 - s_j) e_ij x_j and s_j x_j for x = m, p, f. As sum_i e_ij = 1, momentum and mass are kept, and linear motions are
+// as they were. Without it the velocity f/m of a node that few points have reached has no bound.
+#pragma once
+
+#include "grid/grid.hpp"
+#include "grid/node_bodies.hpp"
+#include "grid/nodes.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace mlgimp
+{
+
+class LightNodes
+{
+public:
+  /// Of nodes with less than this part of a full node's mass the motion is not their own alone.
+  static constexpr double kLight = 0.05;
+
+  static constexpr int kReach = 2;         ///< cells to what they hang on
+  static constexpr double kWithFiner = -1; ///< in place of a share: of nodes that move with the next finer level's
+  /// For a grid. shares: by place, of the nodes' motion that is their own level's. Where that is nothing, they are never light;
+  /// where it is a part, they hang on nodes with the same part, so that the level's sums and the part's go together.
+  void Create(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, bool hoop,
+              std::vector<double> shares);
+
+  /// Finds the light ones among the nodes that this rank owns from their sums, of which all ghosts must be known.
+  /// more: by place, mass that nodes have beside, kg, infinite of those of which it is not known: they are not light, and nothing
+  /// hangs on them. None where it is null. bodies: nodes of different ones do not hang on each other.
+  void Find(const Grid &grid, const NodeBodies &bodies, const double *more = nullptr);
+  bool IsLight(std::ptrdiff_t place) const { return number_[place] >= 0; }
+
+  /// From points' sums to those of the motion: in place on nodes [ghosted nodes][size], also on ghosts. Collective on the grid's
+  /// ranks.
+  PetscErrorCode Restrict(Grid &grid, double *values, std::ptrdiff_t size) const;
+  /// From the motion of fuller nodes to that of light ones, likewise.
+  PetscErrorCode Prolong(Grid &grid, double *values, std::ptrdiff_t size) const;
+
+  /// Calls work(place, weight) for the nodes that an owned node's motion hangs on, itself among them.
+  template <class Work> void ForEachDonor(std::ptrdiff_t place, Work work) const
+  {
+    if (!IsLight(place)) return work(place, 1.0);
+    const Light &light = lights_[number_[place]];
+    work(place, light.own);
+    for (int d = light.first; d < light.end; ++d) work(donors_[d].place, donors_[d].weight);
+  }
+
+private:
+  /// A node around a light one.
+  struct Around {
+    Index offset;
+    std::ptrdiff_t step; ///< to its place
+    double nearness;
+  };
+  /// One of them that is fuller: its number, its weight in a mean of them, and what a linear fit adds to that.
+  struct Near {
+    int number;
+    double even, slope;
+  };
+  using FullPattern = std::array<std::uint64_t, 2>; ///< a bit for each node around that is full
+  struct PatternHash {
+    std::size_t operator()(const FullPattern &full) const
+    {
+      return full[0] * 0x9e3779b97f4a7c15ULL ^ full[1] * 0xc2b2ae3d27d4eb4fULL;
+    }
+  };
+  struct Light {
+    std::ptrdiff_t place;
+    double own; ///< s_j
+    int first, end;
+  };
+  struct Donor {
+    std::ptrdiff_t place;
+    double weight; ///< (1 - s_j) e_ij
+    int target;
+  };
+  /// A node of which another rank has a copy.
+  struct Copy {
+    int number;       ///< of a target or of a light node
+    std::size_t rank; ///< of the grid's neighbours
+    PetscInt place;   ///< there
+  };
+  double FullMass(const Grid &grid, Index node) const;
+  double MassAt(const Grid &grid, std::ptrdiff_t place) const { return grid.Sums()[place].mass + (more_ ? more_[place] : 0); }
+  void AddLight(const Grid &grid, const NodeBodies &bodies, Index node, double mass);
+  void FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light);
+  void KeepJoined(std::vector<Near> *nodes) const;
+  void FitLinear(std::vector<Near> *nodes, int dim) const;
+  int Target(const Grid &grid, std::ptrdiff_t place, Index node);
+
+  double full_mass_ = 0, cutoff_ = 0;
+  bool hoop_ = false;
+  const double *more_ = nullptr; ///< see Find
+  BoundaryConditions sides_;
+  std::vector<double> limit_, shares_;  ///< by place: mass below which nodes are light, kg; see Create
+  std::vector<unsigned char> at_sides_; ///< by place: a bit for each side that the node is at or beyond
+  std::vector<int> number_, target_of_; ///< by place: among lights_ and among targets_, or -1
+  std::vector<Around> around_;
+  std::vector<Near> near_;
+  std::unordered_map<FullPattern, std::vector<Near>, PatternHash> fits_;
+  std::vector<Light> lights_;
+  std::vector<Donor> donors_;
+  std::vector<std::ptrdiff_t> targets_; ///< nodes that get something in Restrict
+  std::vector<Copy> target_copies_, light_copies_;
+  mutable std::vector<double> given_; ///< [targets][size]
+};
+
+} // namespace mlgimp

@@ -1,0 +1,23 @@
+// The choice of a contact method.
+#include "contact/methods.hpp"
+
+namespace mlgimp
+{
+
+std::vector<std::string> ContactMethods(GeometryKind geometry)
+{
+  if (geometry != GeometryKind::kPlaneStrain) return {"pressure"};
+  return {"pressure", "point_pressure", "multimesh"};
+}
+
+PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
+{
+  PetscFunctionBeginUser;
+  if (settings.method == "pressure") *contact = MakePressureContact();
+  if (settings.method == "point_pressure") *contact = MakePointPressureContact();
+  if (settings.method == "multimesh") *contact = MakeMultimeshContact();
+  PetscCall((*contact)->Create(settings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

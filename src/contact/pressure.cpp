@@ -1,0 +1,338 @@
+// Contact with a pressure on each segment of the surface: see segment_problem.hpp.
+#include "contact/methods.hpp"
+
+#include "base/exchange.hpp"
+#include "contact/friction.hpp"
+#include "contact/pressure_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// What the first rank tells the others of a step. Doubles throughout.
+struct Outcome {
+  double travel, limited, solved, half_width, reach, crosses, peak, at_border, empty, least_gap, columns;
+};
+
+class PressureContact : public Contact
+{
+public:
+  PetscErrorCode Create(const ContactSettings &settings) override
+  {
+    settings_ = settings;
+    return solver_.Create();
+  }
+
+  ContactPressures Pressures() const override
+  {
+    ContactPressures all;
+    for (const auto &[column, mean] : means_) all[kNumbers * column] = mean;
+    for (const auto &[column, ratio] : ratios_)
+      for (int a = 0; a < 2; ++a)
+        if (ratio[a] != 0) all[kNumbers * column + 1 + a] = ratio[a];
+    for (const auto &[column, strain] : strains_)
+      if (strain > 0) all[kNumbers * column + 3] = strain;
+    for (const PatchPressure &one : last_) all[-(one.patch * kPaths + one.path)] = one.pressure;
+    return all;
+  }
+  void SetPressures(const ContactPressures &pressures) override
+  {
+    means_.clear(), ratios_.clear(), strains_.clear(), last_.clear();
+    for (const auto &[key, value] : pressures)
+      if (key < 0)
+        last_.push_back({-key / kPaths, static_cast<int>(-key % kPaths), value});
+      else if (const int part = static_cast<int>(key % kNumbers); part == 0)
+        means_[key / kNumbers] = value;
+      else if (part == 3)
+        strains_[key / kNumbers] = value;
+      else
+        ratios_[key / kNumbers][part - 1] = value;
+    std::reverse(last_.begin(), last_.end()); // in the order of segments
+  }
+
+  PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
+  {
+    std::vector<Segment> segments;
+    std::vector<Vec3> impulses, of_friction;
+    Outcome outcome{};
+    double least_gap = kContactRange * view.grid.Geometry().spacing;
+    PetscFunctionBeginUser;
+    *report = {};
+    CollectSegments(view, &segments, &least_gap, &report->penetration);
+    PetscCall(nodes_.Gather(view, NodesOf(view, segments)));
+    PetscCall(GatherSegments(view, &segments));
+    PetscCallMPI(MPI_Reduce(&least_gap, &outcome.least_gap, 1, MPI_DOUBLE, MPI_MIN, 0, view.group.Comm()));
+    if (RankIn(view.group.Comm()) == 0)
+      PetscCall(SolveOnFirst(view, std::move(segments), &outcome, &impulses, &of_friction, report));
+    std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
+    PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
+    std::copy(numbers.begin(), numbers.end(), &outcome.travel);
+    report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
+    report->half_width = outcome.half_width, report->reach = outcome.reach, report->crosses = outcome.crosses != 0;
+    report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
+    if (outcome.empty != 0) report->room = outcome.least_gap - kCandidateGap * view.grid.Geometry().spacing;
+    PetscCall(ShareColumns(view, static_cast<std::size_t>(outcome.columns), report));
+    PetscCall(nodes_.Push(view, impulses, of_friction, report));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  PetscErrorCode Flow(const ContactView &view, std::vector<ColumnStrain> strains, Surface *surface, double *work) override
+  {
+    std::vector<SegmentFlow> flows;
+    PetscFunctionBeginUser;
+    *work = 0;
+    PetscCall(ExchangeRecords(
+        view.group.Comm(), &strains, [](const ColumnStrain &) { return 0; }, kAllToFirst));
+    if (RankIn(view.group.Comm()) == 0) {
+      NoteStrains(strains);
+      *work = problem_.Shape().flow_work;
+      for (const SegmentProblem::Flow &flow : problem_.Flows()) {
+        const Segment &segment = problem_.Segments()[flow.segment];
+        flows.push_back({segment.rank, segment.at, flow.by});
+      }
+    }
+    PetscCall(ExchangeRecords(
+        view.group.Comm(), &flows, [](const SegmentFlow &one) { return one.rank; }, kFirstToAll));
+    for (const SegmentFlow &one : flows) surface->Patches()[one.at].flow += one.by;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
+  {
+    PetscFunctionBeginUser;
+    PetscCall(SpreadLoads(view, FacesOfPoints(view), view.points.Count(), pressures));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscErrorCode PressuresOnPatches(const ContactView &view, std::vector<double> *pressures) override
+  {
+    PetscFunctionBeginUser;
+    PetscCall(SpreadLoads(view, FacesOfPatches(view), static_cast<int>(view.surface.Patches().size()), pressures));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+private:
+  /// Mean over the points under each column.
+  void NoteStrains(const std::vector<ColumnStrain> &strains)
+  {
+    ColumnNumbers weights;
+    strains_.clear();
+    for (const ColumnStrain &one : strains) strains_[one.key] += one.strain, weights[one.key] += one.weight;
+    for (auto &[key, sum] : strains_) sum /= weights[key];
+  }
+
+  /// A piece of the surface that looks at the indenter, of a point or a patch, and the lines around it.
+  struct PressedFace {
+    int owner, lines = 0;
+    double area, projected; ///< m2
+    std::int64_t key[4];
+    double hat[4];
+  };
+  struct LineArea {
+    std::int64_t key;
+    double area; ///< m2
+  };
+
+  /// Calls work(key, hat) for the lines of half cells along the last axis around a place.
+  template <class Work> static void ForEachLine(const ContactView &view, const CellPlace &place, Work work)
+  {
+    const GridGeometry &grid = view.grid.Geometry();
+    const int up = view.geometry.Dim() - 1;
+    Index first{};
+    Vec3 part{};
+    for (int a = 0; a < up; ++a) {
+      const bool second = place.part[a] >= 0.5;
+      first[a] = 2 * (place.cell[a] + grid.padding) + second, part[a] = 2 * place.part[a] - second;
+    }
+    const std::array<double, 8> hats = Hats(part, up);
+    for (int c = 0; c < 1 << up; ++c) {
+      const Index at = Corner(first, c);
+      work(at[0] + 2 * std::int64_t(grid.Nodes(0)) * at[1], hats[c]);
+    }
+  }
+
+  /// Adds a segment to the faces where it looks at the indenter. as_tip: its slope is that of the indenter there, not its own,
+  /// which points' faces have in steps.
+  static void AddFace(const ContactView &view, int owner, const SurfaceSegment &s, bool as_tip, std::vector<PressedFace> *faces)
+  {
+    const int dim = view.geometry.Dim();
+    const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
+    if (gap.distance > kContactRange * view.grid.Geometry().spacing || !Faces(s, gap.normal)) return;
+    PressedFace face{owner, 0, s.area, s.area * (as_tip ? -gap.normal[dim - 1] : s.normal[dim - 1]), {}, {}};
+    ForEachLine(view, Locate(view.grid, s.x, dim),
+                [&](std::int64_t key, double hat) { face.key[face.lines] = key, face.hat[face.lines++] = hat; });
+    faces->push_back(face);
+  }
+  static std::vector<PressedFace> FacesOfPoints(const ContactView &view)
+  {
+    std::vector<PressedFace> faces;
+    const PointArrays points = view.points.Arrays();
+    for (const int p : view.points.SurfacePoints()) {
+      if (FarFromIndenter(view, points.Position(p))) continue;
+      ForEachSegment(points, p, view.geometry, 0.125 * view.grid.Geometry().spacing,
+                     [&](const SurfaceSegment &s) { AddFace(view, p, s, true, &faces); });
+    }
+    return faces;
+  }
+  static std::vector<PressedFace> FacesOfPatches(const ContactView &view)
+  {
+    std::vector<PressedFace> faces;
+    const std::vector<SurfacePatch> &patches = view.surface.Patches();
+    for (std::size_t k = 0; k < patches.size(); ++k)
+      if (!FarFromIndenter(view, patches[k].Center(view.geometry.Dim())))
+        AddFace(view, static_cast<int>(k), SegmentOf(patches[k], 0.5, 0.5, view.geometry), false, &faces);
+    return faces;
+  }
+
+  /// Loads of segments go to lines half a cell apart, by hats about them, and over the areas that the faces have there.
+  PetscErrorCode SpreadLoads(const ContactView &view, const std::vector<PressedFace> &faces, int count,
+                             std::vector<double> *pressures)
+  {
+    std::vector<LineArea> areas;
+    std::vector<std::pair<std::int64_t, double>> lines;
+    PetscFunctionBeginUser;
+    for (const PressedFace &face : faces)
+      for (int c = 0; c < face.lines; ++c) areas.push_back({face.key[c], face.hat[c] * face.projected});
+    PetscCall(ExchangeRecords(
+        view.group.Comm(), &areas, [](const LineArea &) { return 0; }, kAllToFirst));
+    if (RankIn(view.group.Comm()) == 0) lines = PressuresOfLines(view, areas);
+    PetscCall(BroadcastList(view.group.Comm(), &lines));
+    const std::unordered_map<std::int64_t, double> by_key(lines.begin(), lines.end());
+    std::vector<double> whole(count, 0.0);
+    pressures->assign(count, 0.0);
+    for (const PressedFace &face : faces) {
+      for (int c = 0; c < face.lines; ++c)
+        if (const auto found = by_key.find(face.key[c]); found != by_key.end())
+          (*pressures)[face.owner] += face.area * face.hat[c] * found->second;
+      whole[face.owner] += face.area;
+    }
+    for (std::size_t p = 0; p < whole.size(); ++p)
+      if (whole[p] > 0) (*pressures)[p] /= whole[p];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// Loads of the last solve over the lines' areas now, Pa, by key.
+  std::vector<std::pair<std::int64_t, double>> PressuresOfLines(const ContactView &view, const std::vector<LineArea> &areas) const
+  {
+    ColumnNumbers projected, loads;
+    for (const LineArea &one : areas) projected[one.key] += one.area;
+    for (const SegmentProblem::Load &load : problem_.Loads())
+      ForEachLine(view, problem_.Segments()[load.segment].place,
+                  [&](std::int64_t key, double hat) { loads[key] += hat * load.force; });
+    std::vector<std::pair<std::int64_t, double>> pressures;
+    for (const auto &[key, load] : loads)
+      if (const auto area = projected.find(key); area != projected.end() && area->second > 0)
+        pressures.push_back({key, load / area->second});
+    return pressures;
+  }
+
+  /// Tells all ranks of the group so many of the first one's columns.
+  static PetscErrorCode ShareColumns(const ContactView &view, std::size_t count, ContactReport *report)
+  {
+    std::vector<double> numbers;
+    PetscFunctionBeginUser;
+    if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+    for (const PressedColumn &one : report->columns) numbers.insert(numbers.end(), {static_cast<double>(one.key), one.share});
+    numbers.resize(2 * count);
+    PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
+    report->columns.clear();
+    for (std::size_t k = 0; k < numbers.size(); k += 2)
+      report->columns.push_back({static_cast<std::int64_t>(numbers[k]), numbers[k + 1]});
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<Segment> segments, Outcome *outcome,
+                              std::vector<Vec3> *impulses, std::vector<Vec3> *of_friction, ContactReport *report)
+  {
+    PressureReport found;
+    PetscFunctionBeginUser;
+    problem_.Build(view, nodes_, std::move(segments), means_, strains_, last_);
+    outcome->solved = 1, outcome->empty = problem_.Size() == 0;
+    means_.clear(), strains_.clear(), last_.clear();
+    if (problem_.Size() == 0) {
+      ratios_.clear();
+      if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    std::vector<double> q = problem_.Start();
+    PetscCall(solver_.Solve(problem_, view.tip, 0, &q, &found));
+    if (settings_.friction > 0) PetscCall(AddFriction(view, &q, of_friction, &found, report));
+    problem_.Take(view, q, found.travel);
+    last_ = problem_.PressuresOf(q);
+    for (const SurfaceColumn &column : problem_.Columns())
+      if (column.mean > 0) means_[column.key] = column.mean;
+    *impulses = problem_.Impulses();
+    for (std::size_t k = 0; k < of_friction->size(); ++k) (*impulses)[k] = (*impulses)[k] + (*of_friction)[k];
+    const SegmentProblem::Footprint &shape = problem_.Shape();
+    outcome->at_border = nodes_.AreAtBorder();
+    outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
+    outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
+    outcome->half_width = HalfWidth(view, shape.area);
+    report->area = shape.area, report->stored = shape.stored;
+    report->columns = problem_.PressedAround(view);
+    outcome->columns = static_cast<double>(report->columns.size());
+    report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
+    if (settings_.monitor && found.pressing) PetscCall(PrintSolve(view.time, problem_.Size(), found));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// Tractions and pressures in turns, until the impulses of tractions stay.
+  PetscErrorCode AddFriction(const ContactView &view, std::vector<double> *q, std::vector<Vec3> *impulses, PressureReport *found,
+                             ContactReport *report)
+  {
+    constexpr int kMostTurns = 20;
+    constexpr double kStop = 1e-7; // of the pressures' impulse
+    Friction friction(settings_.friction);
+    PetscFunctionBeginUser;
+    friction.Begin(view, problem_, ratios_);
+    for (int turn = 0; turn < kMostTurns; ++turn) {
+      const Vec3 way = view.tip.end - view.tip.start + view.indenter.Up(-found->travel);
+      const double change = friction.Solve(problem_, *q, way);
+      if (change < kStop) break; // also where there are none
+      problem_.SetFriction(friction.Motion());
+      PetscCall(solver_.Solve(problem_, view.tip, friction.UpwardForce(), q, found));
+    }
+    ratios_.clear();
+    for (std::size_t j = 0; j < problem_.Columns().size(); ++j)
+      if (friction.Ratios()[j] != Friction::Ratio{}) ratios_[problem_.Columns()[j].key] = friction.Ratios()[j];
+    impulses->clear();
+    for (const Vec3 &force : friction.Forces()) impulses->push_back(view.dt * force);
+    nodes_.Restrict(impulses);
+    report->friction_work = friction.Heat();
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  static double HalfWidth(const ContactView &view, double area)
+  {
+    int parts = 1; // of the tip, by sides of symmetry through it
+    for (int axis = 0; axis < view.geometry.Dim() - 1; ++axis)
+      for (const Side side : SidesAcross(axis)) {
+        const double off = view.tip.start[axis] - view.grid.Coordinate(axis, view.sides.node[side]);
+        if (view.sides.kind[side] == BoundaryKind::kSymmetry && std::abs(off) < 1e-6 * view.grid.Geometry().spacing) parts *= 2;
+      }
+    if (view.geometry.Dim() == 3) return std::sqrt(parts * area / M_PI);
+    if (view.geometry.HasHoop()) return std::sqrt(area / M_PI);
+    return area / view.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
+  }
+
+  static constexpr std::int64_t kNumbers = 4;     ///< of a column: mean pressure, two ratios of tractions, plastic strain
+  static constexpr std::int64_t kPaths = 1 << 16; ///< more than a patch has parts; keys are doubles in checkpoints
+
+  ContactSettings settings_;
+  ContactNodes nodes_;
+  SegmentProblem problem_;
+  PressureSolver solver_;
+  std::vector<PatchPressure> last_; ///< of the last step, on the first rank
+  ColumnNumbers means_, strains_;   ///< of the last step, on the first rank: L_j; what points under columns flowed in it
+  std::unordered_map<std::int64_t, Friction::Ratio> ratios_; ///< of tractions, likewise
+};
+
+} // namespace
+
+std::unique_ptr<Contact> MakePressureContact() { return std::make_unique<PressureContact>(); }
+
+} // namespace mlgimp

@@ -1,0 +1,362 @@
+// Building the operator over segments, and what its solution means.
+#include "contact/segment_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Compliance between the nodes, of h/E*: what an elastic half space yields to waves of pressure more than the grid's nodes do,
+/// where it is even, shorter than two cells. Where waves run in all directions, as in space and under an axis, that is less.
+constexpr double kInPlane = 0.45, kInSpace = 0.36;
+/// Flow between the nodes: its rate, and the offset that a pressure holds, of h slope/flow.
+constexpr double kRate = 3, kBack = 0.3;
+constexpr double kTabor = 2.8; ///< mean pressure of a contact over the flow stress (Tabor)
+
+/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
+bool CrossesBorderAt(const ContactView &view, Index column)
+{
+  const int up = view.geometry.Dim() - 1;
+  column[up] = Locate(view.grid, view.tip.start, view.geometry.Dim()).cell[up];
+  return view.border && view.border->BlendOf(column).beta == 0;
+}
+
+} // namespace
+
+void SegmentProblem::SumColumns(const ContactView &view)
+{
+  columns_.clear(), numbers_.clear(), hats_.clear();
+  column_number_.clear();
+  for (const Segment &segment : segments_) {
+    ForEachColumn(view, segment.place, [&](std::int64_t key, Index at, double hat) {
+      const auto [found, is_new] = column_number_.try_emplace(key, static_cast<int>(columns_.size()));
+      if (is_new) columns_.push_back({key, at});
+      numbers_.push_back(found->second), hats_.push_back(hat);
+      SurfaceColumn &column = columns_[found->second];
+      column.surface += hat * segment.area;
+      column.pressable += hat * segment.pressed;
+      column.projected -= hat * segment.pressed * segment.normal[dim_ - 1];
+    });
+  }
+}
+
+/// The nodes of a cell, -1 for those that do not move.
+const std::array<int, 8> &SegmentProblem::NodesOfCell(Index cell)
+{
+  const auto [found, is_new] = cell_nodes_.try_emplace(cell);
+  for (int c = 0; is_new && c < 1 << dim_; ++c) {
+    const int number = nodes_->NumberOf(Corner(cell, c));
+    found->second[c] = number >= 0 && nodes_->At(number).moves ? number : -1;
+  }
+  return found->second;
+}
+
+/// The nodes that move the corners of its patch, with their weights in it; false where none does.
+bool SegmentProblem::FindWeights(const ContactView &view, const Segment &segment, Candidate *one)
+{
+  constexpr double kNothing = 1e-9; // of a hat: a corner on a line of nodes but for rounding pushes none beyond
+  std::array<NodeWeight, 32> found; // in the order of nodes
+  int count = 0;
+  for (int c = 0; c < 1 << (dim_ - 1); ++c) {
+    const CellPlace place = Locate(view.grid, segment.corner[c], dim_);
+    const std::array<int, 8> &numbers = NodesOfCell(place.cell);
+    const std::array<double, 8> hats = Hats(place.part, dim_);
+    const auto counts = [&](int n) { return numbers[n] >= 0 && hats[n] > kNothing; };
+    double sum = 0;
+    for (int n = 0; n < 1 << dim_; ++n) sum += counts(n) ? hats[n] : 0;
+    for (int n = 0; n < 1 << dim_; ++n) {
+      if (!counts(n)) continue;
+      int at = count;
+      while (at > 0 && found[at - 1].node >= numbers[n]) --at;
+      if (at == count || found[at].node != numbers[n]) {
+        std::copy_backward(found.begin() + at, found.begin() + count, found.begin() + count + 1);
+        found[at] = {numbers[n], 0}, ++count;
+      }
+      found[at].weight += hats[n] * segment.corner_part[c] / sum;
+    }
+  }
+  one->first = static_cast<int>(weights_.size());
+  weights_.insert(weights_.end(), found.begin(), found.begin() + count);
+  one->end = static_cast<int>(weights_.size());
+  return count > 0;
+}
+
+void SegmentProblem::AddCandidates(const ContactView &view, const ColumnNumbers &before)
+{
+  candidates_.clear(), weights_.clear();
+  gaps_.clear(), closing_.clear(), start_.clear();
+  for (std::size_t k = 0; k < segments_.size(); ++k) {
+    const Segment &segment = segments_[k];
+    if (segment.pressed == 0 || segment.gap > kCandidateGap * view.grid.Geometry().spacing) continue;
+    Candidate one{};
+    one.segment = static_cast<int>(k);
+    one.root_area = std::sqrt(segment.pressed);
+    one.normal = segment.normal;
+    double mean = 0;
+    if (!FindWeights(view, segment, &one)) continue;
+    Vec3 velocity{};
+    for (int n = one.first; n < one.end; ++n) velocity = velocity + weights_[n].weight * nodes_->At(weights_[n].node).velocity;
+    int c = 0;
+    ForEachColumn(view, segment.place, [&](std::int64_t key, Index, double hat) {
+      one.column[c] = column_number_.at(key);
+      one.hat[c++] = hat;
+      if (const auto found = before.find(key); found != before.end()) mean += hat * found->second;
+    });
+    gaps_.push_back(one.root_area * (segment.gap + segment.offset + dt_ * Dot(segment.normal, velocity)));
+    closing_.push_back(-one.root_area * segment.normal[dim_ - 1]);
+    start_.push_back(one.root_area * mean);
+    candidates_.push_back(one);
+  }
+}
+
+/// c_s = .45 h/E*; and c_p = gamma h slope/flow of surface that flows, with the slope of the indenter, and where columns have
+/// surface that an edge of it leaves free, a bend within a cell.
+void SegmentProblem::SetCompliance(const ContactView &view)
+{
+  constexpr double kFlat = 0.01, kSteep = 3, kAtEdge = 3; // slopes
+  const double h = view.grid.Geometry().spacing, elastic = view.geometry.kind == GeometryKind::kPlaneStrain ? kInPlane : kInSpace;
+  double area = 0, slope = 0;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Segment &segment = segments_[candidates_[k].segment];
+    if (start_[k] <= 0 && segment.gap > 0) continue;
+    const double level = -segment.normal[dim_ - 1],
+                 tilt = std::sqrt(std::max(0.0, Dot(segment.normal, segment.normal) - level * level));
+    area += segment.pressed, slope += segment.pressed * std::min(tilt / std::max(level, kLeastFacing), kSteep);
+  }
+  slope = area > 0 ? std::max(slope / area, kFlat) : kFlat;
+  for (Candidate &one : candidates_) {
+    const Segment &segment = segments_[one.segment];
+    one.beside = 1;
+    for (int n = 0; n < on_columns_; ++n) {
+      const SurfaceColumn &column = columns_[one.column[n]];
+      one.beside -= one.hat[n] * column.pressable / column.surface;
+    }
+    const double bends = std::max(slope, kAtEdge * one.beside);
+    one.root_c = std::sqrt(h * elastic / segment.modulus);
+    one.back = std::isfinite(segment.flow) ? kBack * h * bends / segment.flow : 0;
+  }
+}
+
+void SegmentProblem::Build(const ContactView &view, const ContactNodes &nodes, std::vector<Segment> segments,
+                           const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchPressure> &last)
+{
+  dim_ = view.geometry.Dim(), on_columns_ = 1 << (dim_ - 1);
+  dt_ = view.dt, h_ = view.grid.Geometry().spacing;
+  nodes_ = &nodes;
+  cell_nodes_.clear();
+  segments_ = std::move(segments);
+  shape_ = {};
+  loads_.clear(), flows_.clear();
+  SumColumns(view);
+  AddCandidates(view, before);
+  SetCompliance(view);
+  SetFlow(strains);
+  StartFrom(last);
+  gaps_without_friction_ = gaps_;
+  moved_.resize(nodes_->Size());
+}
+
+void SegmentProblem::StartFrom(const std::vector<PatchPressure> &last)
+{
+  auto next = last.begin();
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Segment &segment = segments_[candidates_[k].segment];
+    const auto key = std::tie(segment.patch, segment.path);
+    while (next != last.end() && std::tie(next->patch, next->path) < key) ++next;
+    const bool known = next != last.end() && std::tie(next->patch, next->path) == key;
+    if (known && std::isfinite(next->pressure)) start_[k] = candidates_[k].root_area * next->pressure;
+  }
+}
+
+std::vector<PatchPressure> SegmentProblem::PressuresOf(const std::vector<double> &q) const
+{
+  std::vector<PatchPressure> pressures;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Segment &segment = segments_[candidates_[k].segment];
+    pressures.push_back({segment.patch, segment.path, q[k] / candidates_[k].root_area});
+  }
+  return pressures;
+}
+
+/// dw = kappa h ((p - Pi p) - w/c_p)/flow deps, with the mean of w over the step's end: beta (c_p (p - Pi p) - w) with
+/// beta = 1 - exp(-kappa h deps/(flow c_p)), a compliance in the step beside the elastic one. Strain is greater within a cell of
+/// an indenter's edge, about as one over the distance from it, than the points under a column have it.
+void SegmentProblem::SetFlow(const ColumnNumbers &strains)
+{
+  constexpr double kMoreAtEdge = 16;
+  flows_step_ = false;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    Candidate &one = candidates_[k];
+    const Segment &segment = segments_[one.segment];
+    double strain = 0;
+    for (int n = 0; n < on_columns_; ++n)
+      if (const auto found = strains.find(columns_[one.column[n]].key); found != strains.end())
+        strain += one.hat[n] * found->second;
+    if (one.back == 0 || strain == 0) continue;
+    one.relaxes = -std::expm1(-kRate * h_ * kTabor / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
+    one.root_flow = std::sqrt(one.relaxes * one.back);
+    gaps_[k] -= one.root_area * one.relaxes * segment.offset;
+    flows_step_ = true;
+  }
+}
+
+/// Of each column sum_s H_j sqrt(w_s) root_s q_s over its surface.
+void SegmentProblem::SumMeans(const double *q, double Candidate::*root, std::vector<double> *means) const
+{
+  means->assign(columns_.size(), 0.0);
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate &one = candidates_[k];
+    const double weighted = one.*root * one.root_area * q[k];
+    for (int c = 0; c < on_columns_; ++c) (*means)[one.column[c]] += one.hat[c] * weighted;
+  }
+  for (std::size_t j = 0; j < columns_.size(); ++j) (*means)[j] /= columns_[j].surface;
+}
+
+void SegmentProblem::Spread(const std::vector<Vec3> &forces, std::vector<Vec3> *on_nodes) const
+{
+  on_nodes->assign(nodes_->Size(), {});
+  for (std::size_t k = 0; k < candidates_.size(); ++k) AddTo(candidates_[k], forces[k], on_nodes);
+}
+
+std::vector<Vec3> SegmentProblem::MotionOf(const std::vector<Vec3> &nodes) const
+{
+  std::vector<Vec3> motion(candidates_.size());
+  for (std::size_t k = 0; k < candidates_.size(); ++k) motion[k] = SumOver(candidates_[k], nodes);
+  return motion;
+}
+
+std::vector<Vec3> SegmentProblem::MotionBefore() const
+{
+  std::vector<Vec3> nodes(nodes_->Size());
+  for (int k = 0; k < nodes_->Size(); ++k) nodes[k] = dt_ * nodes_->At(k).velocity;
+  return MotionOf(nodes);
+}
+
+void SegmentProblem::SetFriction(const std::vector<Vec3> &nodes)
+{
+  const std::vector<Vec3> motion = MotionOf(nodes);
+  for (std::size_t k = 0; k < candidates_.size(); ++k)
+    gaps_[k] = gaps_without_friction_[k] + candidates_[k].root_area * Dot(candidates_[k].normal, motion[k]);
+}
+
+void SegmentProblem::Multiply(const double *q, double *y) const
+{
+  std::fill(moved_.begin(), moved_.end(), Vec3{});
+  for (std::size_t k = 0; k < candidates_.size(); ++k)
+    if (q[k] != 0) AddTo(candidates_[k], candidates_[k].root_area * q[k] * candidates_[k].normal, &moved_);
+  nodes_->Move(dt_, &moved_);
+  SumMeans(q, &Candidate::root_c, &means_);
+  if (flows_step_) SumMeans(q, &Candidate::root_flow, &flow_means_);
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate &one = candidates_[k];
+    y[k] = one.root_area * Dot(one.normal, SumOver(one, moved_)) + BeyondColumns(one, q[k], one.root_c, means_);
+    if (flows_step_) y[k] += BeyondColumns(one, q[k], one.root_flow, flow_means_);
+  }
+}
+
+void SegmentProblem::Diagonal(double *diagonal) const
+{
+  const std::vector<Vec3> mobility = nodes_->Mobility(dt_);
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate &one = candidates_[k];
+    const double area = one.root_area * one.root_area, c = one.root_c * one.root_c + one.root_flow * one.root_flow;
+    double moves = 0, shown = 0;
+    for (int n = one.first; n < one.end; ++n)
+      for (int a = 0; a < dim_; ++a)
+        moves += weights_[n].weight * weights_[n].weight * one.normal[a] * one.normal[a] * mobility[weights_[n].node][a];
+    for (int n = 0; n < on_columns_; ++n) shown += one.hat[n] * one.hat[n] / columns_[one.column[n]].surface;
+    diagonal[k] = area * moves + c * (1 - area * shown);
+  }
+}
+
+void SegmentProblem::Take(const ContactView &view, const std::vector<double> &q, double travel)
+{
+  constexpr double kEdge =
+      0.1; // share of a segment's own in its column's pressure where contact ends; with 0.5 half widths are 0.1 cells short
+  std::vector<double> aq(q.size());
+  std::int64_t last = -1;
+  std::vector<double> c_weighted(columns_.size(), 0.0);
+  impulses_.assign(nodes_->Size(), {});
+  Multiply(q.data(), aq.data());
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate &one = candidates_[k];
+    const double force = one.root_area * q[k];
+    if (force <= 0) continue;
+    const Segment &segment = segments_[one.segment];
+    AddTo(one, (force * dt_) * one.normal, &impulses_);
+    loads_.push_back({one.segment, -force * segment.normal[dim_ - 1]});
+    for (int c = 0; c < on_columns_; ++c) {
+      SurfaceColumn &column = columns_[one.column[c]];
+      column.mean += one.hat[c] * force;
+      column.touching += one.hat[c] * segment.pressed;
+      column.load -= one.hat[c] * force * segment.normal[dim_ - 1];
+    }
+    if (segment.patch != last) ++shape_.points;
+    last = segment.patch;
+  }
+  nodes_->Restrict(&impulses_);
+  for (SurfaceColumn &column : columns_) {
+    column.mean /= column.surface;
+    if (column.load <= 0) continue;
+    shape_.crosses = shape_.crosses || CrossesBorderAt(view, column.at);
+    if (column.projected > 0) shape_.peak = std::max(shape_.peak, column.load / column.projected);
+    for (int a = 0; a < dim_ - 1; ++a)
+      shape_.reach = std::max(shape_.reach, std::abs(view.grid.Coordinate(a, column.at[a]) - view.tip.start[a]));
+  }
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const Candidate &one = candidates_[k];
+    const double area = one.root_area * one.root_area, c = one.root_c * one.root_c, p = q[k] / one.root_area,
+                 offset = segments_[one.segment].offset;
+    if (one.relaxes > 0) {
+      flows_.push_back(
+          {one.segment, BeyondColumns(one, q[k], one.root_flow, flow_means_) / one.root_area - one.relaxes * offset});
+      shape_.flow_work += area * p * flows_.back().by;
+    }
+    if (one.back > 0) shape_.stored += 0.5 * area * offset * offset / one.back;
+    double mean = 0, touching = 0;
+    for (int n = 0; n < on_columns_; ++n) {
+      const SurfaceColumn &column = columns_[one.column[n]];
+      mean += one.hat[n] * column.mean, touching += one.hat[n] * column.touching / column.pressable;
+    }
+    if (mean <= 0) continue;
+    // g_end = (A q + gaps - u closing)/sqrt(w) - c (p - mean)
+    const double slack = (aq[k] + gaps_[k] - travel * closing_[k]) / one.root_area, gap_end = slack - c * (p - mean);
+    const double at_edge = std::clamp(2 * (1 - gap_end / (c * mean)) - 2 * kEdge + 0.5, 0.0, 1.0),
+                 share = touching < 1 - 1e-6 ? at_edge : 1;
+    shape_.area -= share * area * segments_[one.segment].ring * one.normal[dim_ - 1];
+    shape_.stored += 0.5 * c * area * p * (p - mean);
+  }
+}
+
+std::vector<PressedColumn> SegmentProblem::PressedAround(const ContactView &view) const
+{
+  IndexBox around = {{}, {1, 1, 1}};
+  for (int a = 0; a < dim_ - 1; ++a) around.lower[a] = -1, around.upper[a] = 2;
+  const auto mirrored = [&](Index at) {
+    for (int a = 0; a < dim_ - 1; ++a)
+      for (const Side side : SidesAcross(a))
+        if (const int end = view.sides.node[side];
+            view.sides.kind[side] == BoundaryKind::kSymmetry && SignOf(side) * (at[a] - end) > 0)
+          at[a] = 2 * end - at[a];
+    return at;
+  };
+  std::vector<PressedColumn> pressed;
+  for (const SurfaceColumn &column : columns_) {
+    double share = column.touching / column.surface;
+    ForEach(around, [&](Index d) {
+      const auto beside = column_number_.find(ColumnKey(view, mirrored(column.at + d)));
+      if (beside == column_number_.end()) return; // the body ends
+      const SurfaceColumn &other = columns_[beside->second];
+      share = std::min(share, other.touching / other.surface);
+    });
+    if (share > 0) pressed.push_back({column.key, share});
+  }
+  return pressed;
+}
+
+} // namespace mlgimp

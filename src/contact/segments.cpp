@@ -1,0 +1,167 @@
+// Segments of patches, and the exchange that brings them together.
+#include "contact/segments.hpp"
+
+#include "base/exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kWallDepth = 0.1; ///< cells; see PressedShare
+
+/// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
+/// indenter moves, nor does surface that faces the indenter less than half as much as a level one, as the side of a bar under a
+/// plate once it leans, or the wall of a hole with a ball on its rim: it counts as far as it has got in.
+double PressedShare(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap)
+{
+  const int up = view.geometry.Dim() - 1;
+  const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal));
+  if (level > kLeastFacing && facing >= 0.5 * level) return 1;
+  const double within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+  if (level <= kLeastFacing) return within;
+  const double least = std::min(kLeastFacing, 0.25 * level);
+  return std::max(within, (facing - least) / (0.5 * level - least));
+}
+
+} // namespace
+
+CellPlace Locate(const Grid &grid, Vec3 x, int dim)
+{
+  CellPlace place{};
+  for (int a = 0; a < dim; ++a) {
+    const double from_first = (x[a] - grid.Geometry().lower[a]) / grid.Geometry().spacing, cell = std::floor(from_first);
+    place.cell[a] = static_cast<int>(cell);
+    place.part[a] = from_first - cell;
+  }
+  return place;
+}
+
+std::array<double, 8> Hats(Vec3 part, int axes)
+{
+  std::array<double, 8> hats{1};
+  for (int a = 0, count = 1; a < axes; ++a, count *= 2)
+    for (int c = 0; c < count; ++c) hats[count + c] = part[a] * hats[c], hats[c] *= 1 - part[a];
+  return hats;
+}
+
+/// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter
+/// where pressures rise, as beside an edge; there the wall may be nearer than the face that presses, which is the one that a way
+/// down comes out of.
+static SurfaceGap GapAt(const ContactView &view, Vec3 x, const SurfaceGap &nearest)
+{
+  constexpr double kMostIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
+  constexpr int kSteps = 8;
+  const int up = view.geometry.Dim() - 1;
+  if (nearest.distance >= 0 || -nearest.normal[up] > kLeastFacing) return nearest;
+  for (int step = 1; step <= kSteps; ++step) {
+    const Vec3 down = view.indenter.Up(-kMostIn * step / kSteps * view.grid.Geometry().spacing);
+    const SurfaceGap below = view.indenter.Gap(x + down, view.tip.end);
+    if (-below.normal[up] > kLeastFacing) return {below.distance - Dot(below.normal, down), below.normal};
+  }
+  return nearest;
+}
+
+/// A place in a patch and the share of the patch that it stands for.
+struct PartOfPatch {
+  double s, t, share;
+};
+
+/// What lies under a face of the indenter, where an edge of it lies across the k-th patch.
+static PartOfPatch PartUnderFace(const ContactView &view, std::size_t k)
+{
+  constexpr int kColumns = 16;
+  const int dim = view.geometry.Dim(), rows = dim == 2 ? 1 : kColumns;
+  const double range = kPointRange * view.grid.Geometry().spacing;
+  const SurfacePatch &patch = view.surface.Patches()[k];
+  const auto is_under_face = [&](Vec3 x, const SurfaceGap &nearest) {
+    return -GapAt(view, x, nearest).normal[dim - 1] > kLeastFacing;
+  };
+  const auto is_under = [&](Vec3 x) { return is_under_face(x, view.indenter.Gap(x, view.tip.end)); };
+  int count = 0;
+  for (int c = 0; c < 1 << (dim - 1); ++c) {
+    const SurfaceCorner &corner = view.surface.CornerOf(k, c);
+    count += corner.gap.distance > range ? is_under(corner.x) : is_under_face(corner.x, corner.gap);
+  }
+  PartOfPatch sum{0, 0, 0};
+  if (count != 0 && count != 1 << (dim - 1))
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < kColumns; ++i) {
+        const double s = (i + 0.5) / kColumns, t = (j + 0.5) / rows;
+        if (is_under(SegmentOf(patch, s, t, view.geometry).x)) sum.s += s, sum.t += t, sum.share += 1;
+      }
+  if (sum.share == 0) return {0.5, 0.5, 1};
+  return {sum.s / sum.share, sum.t / sum.share, sum.share / (kColumns * rows)};
+}
+
+void CollectSegments(const ContactView &view, std::vector<Segment> *segments, double *least_gap, double *penetration)
+{
+  constexpr double kTabor = 2.8, kStrain = 0.08; // mean pressure of a contact over the flow stress at such a strain (Tabor)
+  const int dim = view.geometry.Dim();
+  const PetscMPIInt rank = RankIn(view.group.Comm());
+  const double range = kContactRange * view.grid.Geometry().spacing, moves = Norm(view.tip.end - view.tip.start);
+  for (std::size_t k = 0; k < view.surface.Patches().size(); ++k) {
+    const SurfacePatch &patch = view.surface.Patches()[k];
+    const SurfaceCorner &first = view.surface.CornerOf(k, 0);
+    const double reach = Norm(patch.Center(dim) - first.x);
+    if (first.gap.distance - reach > range || !std::isfinite(reach)) continue; // not: beside a failed point
+    SurfaceSegment s = SegmentOf(patch, 0.5, 0.5, view.geometry);
+    SurfaceGap nearest = view.indenter.Gap(s.x, view.tip.end);
+    if (nearest.distance > range) continue;
+    const double center = s.x[0];
+    const PartOfPatch part = PartUnderFace(view, k);
+    if (part.share < 1) s = SegmentOf(patch, part.s, part.t, view.geometry), nearest = view.indenter.Gap(s.x, view.tip.end);
+    const double ring = view.geometry.OutOfPlane(s.x[0]) / (patch.ring * view.geometry.OutOfPlane(center));
+    s.area /= ring;
+    const SurfaceGap gap = GapAt(view, s.x, nearest);
+    *least_gap = std::min(*least_gap, gap.distance);
+    if (nearest.distance <= moves) *penetration = std::max(*penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
+    const double pressed = Faces(s, gap.normal) ? part.share * s.area * PressedShare(view, s, gap) : 0;
+    if (pressed == 0 && s.normal[dim - 1] <= kLeastFacing) continue;
+    const Material &material = *view.bodies.material[patch.body];
+    const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
+    const double flow = material.IsMetal() ? kTabor * material.FlowStress(kStrain) : HUGE_VAL;
+    Segment one{patch.number, patch.path, rank, static_cast<int>(k), patch.flow, {},  {}, Locate(view.grid, s.x, dim), gap.normal,
+                s.area,       pressed,    ring, gap.distance,        modulus,    flow};
+    const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
+    std::copy_n(patch.corner, 4, one.corner);
+    std::copy(weights.begin(), weights.end(), one.corner_part);
+    segments->push_back(one);
+  }
+}
+
+PetscErrorCode GatherSegments(const ContactView &view, std::vector<Segment> *segments)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ExchangeRecords(
+      view.group.Comm(), segments, [](const Segment &) { return 0; }, kAllToFirst));
+  const auto key = [](const Segment &one) { return std::tie(one.patch, one.path); };
+  std::sort(segments->begin(), segments->end(), [&](const Segment &a, const Segment &b) { return key(a) < key(b); });
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<Index> NodesOf(const ContactView &view, const std::vector<Segment> &segments)
+{
+  std::vector<Index> cells, nodes;
+  const auto unite = [](std::vector<Index> *list) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  };
+  const int dim = view.geometry.Dim();
+  for (const Segment &segment : segments)
+    for (int c = 0; c < 1 << (dim - 1); ++c)
+      if (const Index cell = Locate(view.grid, segment.corner[c], dim).cell; cells.empty() || cells.back() != cell)
+        cells.push_back(cell);
+  unite(&cells);
+  for (const Index cell : cells)
+    for (int c = 0; c < 1 << dim; ++c) nodes.push_back(Corner(cell, c));
+  unite(&nodes);
+  return nodes;
+}
+
+} // namespace mlgimp

@@ -1,0 +1,296 @@
+// Finding what light nodes hang on, and sums and motions to and fro.
+#include "grid/light_nodes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+int Distance(Index a, Index b)
+{
+  int most = 0;
+  for (int axis = 0; axis < 3; ++axis) most = std::max(most, std::abs(a[axis] - b[axis]));
+  return most;
+}
+
+/// (C + part) y = r by Cholesky's factors, in place of r.
+struct SpreadFactors {
+  int dim;
+  double L[3][3];
+
+  SpreadFactors(const double C[3][3], double part, int dim_of) : dim(dim_of)
+  {
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b <= a; ++b) {
+        L[a][b] = C[a][b] + (a == b ? part : 0);
+        for (int k = 0; k < b; ++k) L[a][b] -= L[a][k] * L[b][k];
+        L[a][b] = a == b ? std::sqrt(L[a][a]) : L[a][b] / L[b][b];
+      }
+  }
+  void Solve(double r[3]) const
+  {
+    for (int a = 0; a < dim; ++a) {
+      for (int k = 0; k < a; ++k) r[a] -= L[a][k] * r[k];
+      r[a] /= L[a][a];
+    }
+    for (int a = dim - 1; a >= 0; --a) {
+      for (int k = a + 1; k < dim; ++k) r[a] -= L[k][a] * r[k];
+      r[a] /= L[a][a];
+    }
+  }
+};
+
+} // namespace
+
+/// Leaves those that are joined to the light node through nodes beside it, where there are such: a linear fit must not reach over
+/// a gap to another body.
+void LightNodes::KeepJoined(std::vector<Near> *nodes) const
+{
+  std::vector<Index> beside;
+  for (const Near &one : *nodes)
+    if (Distance(around_[one.number].offset, {}) == 1) beside.push_back(around_[one.number].offset);
+  if (beside.empty()) return;
+  const auto apart = [&](const Near &one) {
+    return std::none_of(beside.begin(), beside.end(),
+                        [&](Index other) { return Distance(around_[one.number].offset, other) <= 1; });
+  };
+  nodes->erase(std::remove_if(nodes->begin(), nodes->end(), apart), nodes->end());
+}
+
+/// Makes of the weights those of a linear fit at the light node, which add up to one: w_i (1 - y . (x_i - m))/sum w with C y = m,
+/// of the mean m and the covariance C of the places x_i. Where they lie on a line or a plane, C y = m has no solution, and the
+/// fit is to have no slope across: a part of a cell's square is added to C, and taken off again in some turns where C has more.
+void LightNodes::FitLinear(std::vector<Near> *nodes, int dim) const
+{
+  constexpr double kNoSlope = 1e-5; // cells2; two layers of nodes have 0.01
+  constexpr int kTurns = 6;         // each leaves kNoSlope over the spread of what it missed
+  double sum = 0, mean[3] = {}, C[3][3] = {}, y[3] = {};
+  for (const Near &one : *nodes) {
+    sum += one.even;
+    for (int a = 0; a < dim; ++a) mean[a] += one.even * around_[one.number].offset[a];
+  }
+  for (int a = 0; a < dim; ++a) mean[a] /= sum;
+  for (const Near &one : *nodes) {
+    const Index x = around_[one.number].offset;
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b) C[a][b] += one.even / sum * (x[a] - mean[a]) * (x[b] - mean[b]);
+  }
+  const SpreadFactors factors(C, kNoSlope, dim);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    double r[3];
+    for (int a = 0; a < dim; ++a) {
+      r[a] = mean[a];
+      for (int b = 0; b < dim; ++b) r[a] -= C[a][b] * y[b];
+    }
+    factors.Solve(r);
+    for (int a = 0; a < dim; ++a) y[a] += r[a];
+  }
+  for (Near &one : *nodes) {
+    one.even /= sum;
+    one.slope = 0;
+    for (int a = 0; a < dim; ++a) one.slope -= one.even * y[a] * (around_[one.number].offset[a] - mean[a]);
+  }
+}
+
+/// Mass of the node amid material, halved at sides, where the grid's half beyond is empty.
+double LightNodes::FullMass(const Grid &grid, Index node) const
+{
+  constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
+  const double radius = grid.Coordinate(0, node[0]) / grid.Geometry().spacing;
+  const bool at_axis = hoop_ && radius < 0.5;
+  double share = hoop_ ? std::max(radius, kAtAxis) : 1;
+  for (const Side side : SidesOf{grid.Geometry().dim})
+    if (sides_.kind[side] != BoundaryKind::kFree && sides_.Reaches(side, node) && !(at_axis && AxisOf(side) == 0)) share *= 0.5;
+  return share * full_mass_;
+}
+
+void LightNodes::Create(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, bool hoop,
+                        std::vector<double> shares)
+{
+  shares_ = std::move(shares);
+  full_mass_ = settings.full_mass, cutoff_ = settings.mass_cutoff, hoop_ = hoop, sides_ = sides;
+  limit_.resize(grid.GhostedNodes()), at_sides_.assign(grid.GhostedNodes(), 0);
+  number_.assign(grid.GhostedNodes(), -1), target_of_ = number_;
+  lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
+  around_.clear(), fits_.clear();
+  IndexBox box = {{}, {1, 1, 1}};
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis) box.lower[axis] = -kReach, box.upper[axis] = kReach + 1;
+  const Index first = grid.Ghosted().lower;
+  ForEach(box, [&](Index d) {
+    constexpr double kWidth = 0.8; // cells, of a Gaussian
+    const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (square > 0) around_.push_back({d, grid.Place(first + d) - grid.Place(first), std::exp(-square / (kWidth * kWidth))});
+  });
+  ForEach(grid.Ghosted(), [&](Index node) {
+    const std::ptrdiff_t place = grid.Place(node);
+    limit_[place] = kLight * FullMass(grid, node);
+    for (const Side side : SidesOf{grid.Geometry().dim})
+      if (sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, node)) at_sides_[place] |= 1U << side;
+  });
+}
+
+int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
+{
+  int &number = target_of_[place];
+  if (number >= 0) return number;
+  number = static_cast<int>(targets_.size());
+  targets_.push_back(place);
+  grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { target_copies_.push_back({number, rank, there}); });
+  return number;
+}
+
+/// Nodes within two cells at the same sides, so that what these hold stays held; the nearer and the fuller they are, the more
+/// they count. The fit is that of a pattern of full nodes, which is kept, but where some are between light and full.
+void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light)
+{
+  constexpr double kSame = 1e-9, kMayTake = 1.0 / 32; // of shares; of a node's mass, see below
+  constexpr std::size_t kMostFits = 10000;
+  const int dim = grid.Geometry().dim;
+  const double share = shares_[light->place];
+  FullPattern full{};
+  bool all_full = true, inner = true;
+  near_.clear();
+  for (int axis = 0; axis < dim; ++axis)
+    inner = inner && node[axis] - kReach >= grid.Ghosted().lower[axis] && node[axis] + kReach < grid.Ghosted().upper[axis];
+  for (int k = 0; k < static_cast<int>(around_.size()); ++k) {
+    const Around &at = around_[k];
+    if (!inner && !grid.Ghosted().Contains(node + at.offset)) continue;
+    const std::ptrdiff_t place = light->place + at.step;
+    const double mass = MassAt(grid, place);
+    if (mass <= limit_[place] || std::isinf(mass) || at_sides_[place] != at_sides_[light->place]) continue;
+    if (share < 1 && std::abs(shares_[place] - share) > kSame) continue;
+    if (!bodies.MayShare(place, light->place)) continue;
+    const double fuller = SmoothStep(mass / limit_[place] - 1);
+    all_full = all_full && fuller == 1;
+    full[k / 64] |= std::uint64_t(1) << k % 64;
+    near_.push_back({k, fuller * at.nearness, 0});
+  }
+  light->first = light->end = static_cast<int>(donors_.size());
+  if (near_.empty()) { // of points that have left their body
+    light->own = 1;
+    return;
+  }
+  const auto fit = [&] { KeepJoined(&near_), FitLinear(&near_, dim); };
+  if (all_full) {
+    if (fits_.size() > kMostFits) fits_.clear();
+    std::vector<Near> &kept = fits_[full];
+    if (kept.empty()) fit(), kept = near_;
+    near_ = kept;
+  } else {
+    fit();
+  }
+  // A negative weight takes mass: as much of the slope as leaves nodes theirs, though many light ones hang on them.
+  const double given = (1 - light->own) * MassAt(grid, light->place);
+  double part = 1;
+  for (const Near &one : near_) {
+    const double may = kMayTake * MassAt(grid, light->place + around_[one.number].step);
+    if (given * -(one.even + one.slope) > may) part = std::min(part, (may / given + one.even) / -one.slope);
+  }
+  for (const Near &one : near_) {
+    const Around &at = around_[one.number];
+    const std::ptrdiff_t place = light->place + at.step;
+    donors_.push_back({place, (1 - light->own) * (one.even + part * one.slope), Target(grid, place, node + at.offset)});
+  }
+  light->end = static_cast<int>(donors_.size());
+}
+
+/// Where points may be gone within a step of the coarser level, nothing of a node's motion is its own.
+static constexpr double kLeastOwn = 1e-12;
+
+void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *more)
+{
+  more_ = more;
+  for (const Light &light : lights_) number_[light.place] = -1;
+  for (const std::ptrdiff_t place : targets_) target_of_[place] = -1;
+  lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
+  IndexBox rows = grid.Owned();
+  const int width = rows.Size(0);
+  rows.upper[0] = rows.lower[0] + 1;
+  ForEach(rows, [&](Index first) {
+    const std::ptrdiff_t start = grid.Place(first);
+    for (int k = 0; k < width; ++k) {
+      const double mass = MassAt(grid, start + k);
+      if (mass > cutoff_ && mass < limit_[start + k]) AddLight(grid, bodies, first + Index{k, 0, 0}, mass);
+    }
+  });
+}
+
+void LightNodes::AddLight(const Grid &grid, const NodeBodies &bodies, Index node, double mass)
+{
+  const std::ptrdiff_t place = grid.Place(node);
+  if (shares_[place] == 0) return;
+  const int number = number_[place] = static_cast<int>(lights_.size());
+  const double own = SmoothStep(mass / limit_[place]);
+  lights_.push_back({place, own * mass > kLeastOwn * limit_[place] ? own : 0, 0, 0});
+  FindDonors(grid, bodies, node, &lights_.back());
+  Target(grid, place, node);
+  grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
+}
+
+/// All ranks add the shares in the order of the ranks that they come from, so that copies of a node stay the same.
+PetscErrorCode LightNodes::Restrict(Grid &grid, double *values, std::ptrdiff_t size) const
+{
+  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  PetscFunctionBeginUser;
+  given_.assign(targets_.size() * size, 0.0);
+  for (const Light &light : lights_) {
+    const double *const from = values + size * light.place;
+    double *const left = &given_[size * target_of_[light.place]];
+    for (int c = 0; c < size; ++c) left[c] += (light.own - 1) * from[c];
+    for (int d = light.first; d < light.end; ++d) {
+      double *const to = &given_[size * donors_[d].target];
+      for (int c = 0; c < size; ++c) to[c] += donors_[d].weight * from[c];
+    }
+  }
+  const auto add = [&](std::ptrdiff_t place, const double *shares) {
+    double *const to = values + size * place;
+    for (int c = 0; c < size; ++c) to[c] += shares[c];
+  };
+  const auto add_from = [&](std::size_t first, std::size_t end) {
+    for (std::size_t rank = first; rank < end; ++rank)
+      for (std::size_t k = 0; k < incoming[rank].size(); k += 1 + size)
+        add(static_cast<std::ptrdiff_t>(incoming[rank][k]), &incoming[rank][k + 1]);
+  };
+  for (const Copy &copy : target_copies_) {
+    std::vector<double> &message = outgoing[copy.rank];
+    message.push_back(copy.place);
+    message.insert(message.end(), &given_[size * copy.number], &given_[size * copy.number] + size);
+  }
+  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
+  add_from(0, grid.LowerNeighbours());
+  for (std::size_t k = 0; k < targets_.size(); ++k) add(targets_[k], &given_[size * k]);
+  add_from(grid.LowerNeighbours(), grid.Neighbours());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LightNodes::Prolong(Grid &grid, double *values, std::ptrdiff_t size) const
+{
+  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  PetscFunctionBeginUser;
+  for (const Light &light : lights_) {
+    double *const to = values + size * light.place;
+    for (int c = 0; c < size; ++c) to[c] *= light.own;
+    for (int d = light.first; d < light.end; ++d) {
+      const double *const from = values + size * donors_[d].place;
+      for (int c = 0; c < size; ++c) to[c] += donors_[d].weight * from[c];
+    }
+  }
+  for (const Copy &copy : light_copies_) {
+    const double *const from = values + size * lights_[copy.number].place;
+    std::vector<double> &message = outgoing[copy.rank];
+    message.push_back(copy.place);
+    message.insert(message.end(), from, from + size);
+  }
+  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
+  for (const std::vector<double> &message : incoming)
+    for (std::size_t k = 0; k < message.size(); k += 1 + size)
+      std::copy_n(&message[k + 1], size, values + size * static_cast<std::ptrdiff_t>(message[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,292 @@
+// Loops over the owned nodes of a grid.
+#include "grid/nodes.hpp"
+
+#include "grid/light_nodes.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Calls work(place, dim, owned) with the place in the arrays of every node of a box, the dimension as a constant, and whether
+/// the node is owned, which is a constant too.
+template <class Work> void ForEachNode(const Grid &grid, const IndexBox &box, Work work)
+{
+  const IndexBox &owned = grid.Owned();
+  const auto rows = [&](auto dim) {
+    const auto part = [&](std::ptrdiff_t first, std::ptrdiff_t end, auto is_owned) {
+      for (std::ptrdiff_t place = first; place < end; ++place) work(place, dim, is_owned);
+    };
+    for (int k = box.lower[2]; k < box.upper[2]; ++k)
+      for (int j = box.lower[1]; j < box.upper[1]; ++j) {
+        const std::ptrdiff_t first = grid.Place({box.lower[0], j, k}), end = first + box.Size(0);
+        const std::ptrdiff_t first_owned = first + owned.lower[0] - box.lower[0],
+                             end_owned = first_owned + (owned.Contains({owned.lower[0], j, k}) ? owned.Size(0) : 0);
+        part(first, first_owned, std::false_type());
+        part(first_owned, end_owned, std::true_type());
+        part(end_owned, end, std::false_type());
+      }
+  };
+  if (grid.Geometry().dim == 2)
+    rows(std::integral_constant<int, 2>());
+  else
+    rows(std::integral_constant<int, 3>());
+}
+
+/// Of owned nodes, which budgets count; and with the ghosts, of which each rank has the sums.
+template <class Work> void ForEachOwned(const Grid &grid, Work work) { ForEachNode(grid, grid.Owned(), work); }
+template <class Work> void ForEachLocal(const Grid &grid, Work work) { ForEachNode(grid, grid.Ghosted(), work); }
+
+/// Calls work(place, side, owned) for every local node at or beyond each side that is not free.
+template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryConditions &sides, Work work)
+{
+  for (const Side side : kAllSides) {
+    if (sides.kind[side] == BoundaryKind::kFree) continue;
+    IndexBox nodes = grid.Ghosted();
+    const int axis = AxisOf(side);
+    if (SignOf(side) < 0)
+      nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[side] + 1);
+    else
+      nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[side]);
+    ForEach(nodes, [&](Index node) { work(grid.Place(node), side, grid.Owns(node)); });
+  }
+}
+
+} // namespace
+
+double KineticEnergy(const Grid &grid, const NodalSettings &settings)
+{
+  double energy = 0;
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+    const NodeSums &node = grid.Sums()[place];
+    if (node.mass <= settings.mass_cutoff) return;
+    for (int axis = 0; axis < dim; ++axis)
+      energy += 0.5 * node.owned_mass / (node.mass * node.mass) * node.momentum[axis] * node.momentum[axis];
+  });
+  return energy;
+}
+
+void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
+{
+  const bool body_forces = settings.HasBodyForces();
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+    NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+    if (body_forces)
+      for (int axis = 0; axis < dim; ++axis)
+        node.force[axis] += node.mass * settings.gravity[axis] - settings.damping * node.momentum[axis];
+    for (int axis = 0; axis < dim; ++axis) {
+      change[axis] = dt * node.force[axis] * inverse_mass;
+      velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
+    }
+  });
+}
+
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
+                             std::vector<PushedNode> *held_nodes, Budgets &budgets)
+{
+  const int dim = grid.Geometry().dim;
+  held_nodes->clear();
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    if (node.mass <= settings.mass_cutoff) return;
+    if (owned) held_nodes->push_back({place, {}});
+    for (int axis = 0; axis < dim; ++axis) {
+      if (!sides.Constrains(side, axis)) continue;
+      const double held = sides.HeldVelocity(side, axis), lacks = held - velocity[axis];
+      if (owned) held_nodes->back().change[axis] = lacks;
+      if (owned) budgets.support_impulse[axis] += node.owned_mass * lacks;
+      if (owned) budgets.external_work += held * lacks * node.owned_mass;
+      change[axis] += lacks;
+      velocity[axis] = held;
+    }
+  });
+}
+
+void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets)
+{
+  Vec3 way{}, momentum{}; // of the mass, by the step; at its start
+  double mass = 0, damped = 0;
+  ForEachOwned(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto [velocity, change] = grid.Velocity(place);
+    if (node.mass == 0) return;
+    const double owned = node.owned_mass / node.mass;
+    mass += node.owned_mass;
+    for (int axis = 0; axis < dim; ++axis) {
+      const double mean = velocity[axis] - 0.5 * change[axis];
+      way[axis] += node.owned_mass * mean;
+      momentum[axis] += owned * node.momentum[axis];
+      damped += node.owned_mass * (velocity[axis] - change[axis]) * mean;
+    }
+  });
+  budgets.gravity_impulse += dt * mass * settings.gravity;
+  budgets.external_work += dt * Dot(way, settings.gravity);
+  budgets.damping_impulse += -dt * settings.damping * momentum;
+  budgets.damping_work += dt * settings.damping * damped;
+}
+
+std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
+                                                    const LightNodes &light)
+{
+  std::map<std::ptrdiff_t, double> ahead;
+  for (const PushedNode &one : pushed) {
+    double &part = ahead[one.node];
+    if (!light.IsLight(one.node)) part = std::max(part, one.has_traction ? kAheadWithTraction : kPushedAhead);
+  }
+  for (const auto &[node, part] : ahead)
+    for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+      grid.Rates(node)[axis] += part * grid.Sums()[node].mass * grid.Velocity(node).change[axis];
+  return ahead;
+}
+
+double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates,
+                    const std::map<std::ptrdiff_t, double> &ahead)
+{
+  const int dim = grid.Geometry().dim;
+  double work = 0;
+  for (const PushedNode &one : pushed) {
+    const NodeSums &node = grid.Sums()[one.node];
+    const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
+    for (int axis = 0; axis < dim; ++axis) {
+      const double p = node.momentum[axis], given = node.mass * change[axis];
+      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] - ahead.at(one.node) * given : p + given));
+    }
+  }
+  return work;
+}
+
+void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
+{
+  const int dim = grid.Geometry().dim;
+  for (CoupledNode &coupled : nodes) {
+    const NodeSums &node = grid.Sums()[coupled.node];
+    const double *const change = grid.Velocity(coupled.node).change;
+    for (int axis = 0; axis < dim; ++axis)
+      coupled.change[axis] = change[axis] - (node.mass > settings.mass_cutoff ? dt * node.force[axis] / node.mass : 0);
+  }
+}
+
+void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<PushedNode> &held,
+                 const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
+{
+  const int dim = grid.Geometry().dim;
+  double work = 0;
+  for (const auto &[place, part] : ahead) // which points have not
+    for (int axis = 0; axis < dim; ++axis)
+      work -= 0.5 * dt * grid.Sums()[place].force[axis] * part * grid.Velocity(place).change[axis];
+  const auto add = [&](std::ptrdiff_t place, const Vec3 &by) {
+    const NodeSums &node = grid.Sums()[place];
+    const auto pushed = ahead.find(place);
+    const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change,
+                        given = pushed == ahead.end() ? 0 : pushed->second * node.mass;
+    for (int axis = 0; axis < dim; ++axis) work += 0.5 * by[axis] * (node.momentum[axis] + after[axis] - given * change[axis]);
+  };
+  for (const CoupledNode &one : coupled) add(one.node, one.change);
+  for (const PushedNode &one : held) add(one.node, one.change);
+  budgets.exchange_energy += work;
+}
+
+/// Holds at the sides the velocities of the second extrapolation and the means that XPIC takes off; returns the impulse on the
+/// latter, N s.
+static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
+{
+  const int dim = grid.Geometry().dim;
+  Vec3 impulse{};
+  ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
+    double *const velocity = grid.Rates(place), *const mean = velocity + NodeLayout::Projected(dim);
+    for (int axis = 0; axis < dim; ++axis) {
+      if (!sides.Constrains(side, axis)) continue;
+      const double held = sides.HeldVelocity(side, axis);
+      if (owned) impulse[axis] += grid.Sums()[place].owned_mass * (mean[axis] - held);
+      velocity[axis] = mean[axis] = held;
+    }
+  });
+  return impulse;
+}
+
+void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings)
+{
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+    const NodeSums &node = grid.Sums()[place];
+    double *const rates = grid.Rates(place);
+    std::fill_n(rates, NodeLayout::Rates(dim), 0.0);
+    for (int axis = 0; node.mass > settings.mass_cutoff && axis < dim; ++axis) rates[axis] = node.momentum[axis] / node.mass;
+  });
+  ConstrainRates(grid, sides);
+}
+
+/// The second velocity of a node that moves with those of another level: that motion, and what the second extrapolation would
+/// change of it. Points there carry velocities p/m that may differ from the motion for good; strained by these, they would not be
+/// as the surface that contact sees.
+static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::ptrdiff_t node)
+{
+  const NodeSums &sums = grid.Sums()[node];
+  const auto [motion, change] = grid.Velocity(node);
+  double *const velocity = grid.Rates(node);
+  const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+    velocity[axis] = motion[axis] + (smooths ? velocity[axis] - sums.momentum[axis] / sums.mass - change[axis] : 0);
+}
+
+/// Kinetic energy that points on an owned node get from the forces f in a step, dt f/m . (p + P)/2 with P not yet divided.
+template <int dim> static double EnergyOfForces(const NodeSums &node, const double *after, double half_step)
+{
+  double power = 0;
+  for (int axis = 0; axis < dim; ++axis) power += node.force[axis] * (node.momentum[axis] + after[axis]);
+  return half_step * power;
+}
+
+/// The new velocity in place of the second one.
+static void HoldRates(const Grid &grid, const SecondVelocityPlan &plan)
+{
+  for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
+}
+
+void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
+                 const SecondVelocityPlan &plan, Budgets &budgets)
+{
+  const bool exchange = plan.exchange;
+  double energy = 0;
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto owned) {
+    constexpr int components = NodeLayout::Rates(dim);
+    const NodeSums &node = grid.Sums()[place];
+    double *const rates = grid.Rates(place);
+    if (node.mass <= settings.mass_cutoff) {
+      std::fill_n(rates, components, 0.0);
+      return;
+    }
+    const double inverse_mass = 1 / node.mass;
+    if (owned && exchange) energy += EnergyOfForces<dim>(node, rates, 0.5 * dt * inverse_mass);
+    for (int k = 0; k < components; ++k) rates[k] *= inverse_mass;
+  });
+  budgets.exchange_energy += energy;
+  HoldRates(grid, plan);
+  for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, node);
+  const Vec3 impulse = ConstrainRates(grid, sides);
+  if (settings.xpic_order == 2) budgets.xpic_side_impulse += plan.xpic * impulse;
+}
+
+void FinishRates(const Grid &grid, const NodalSettings &settings, const SecondVelocityPlan &plan)
+{
+  const double mean = settings.xpic_order == 1 ? 0 : 1;
+  if (plan.xpic > 0 || !settings.second_extrapolation)
+    ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+      const double *const updated = grid.Velocity(place).velocity;
+      double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
+      for (int axis = 0; plan.xpic > 0 && axis < dim; ++axis) {
+        projected[axis] = updated[axis] + mean * (updated[axis] - projected[axis]);
+        velocity[axis] += plan.xpic * (projected[axis] - velocity[axis]);
+      }
+      for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
+    });
+  HoldRates(grid, plan);
+}
+
+} // namespace mlgimp

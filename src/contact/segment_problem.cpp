@@ -14,8 +14,8 @@ namespace
 /// Compliance between the nodes, of h/E*: what an elastic half space yields to waves of pressure more than the grid's nodes do,
 /// where it is even, shorter than two cells. Where waves run in all directions, as in space and under an axis, that is less.
 constexpr double kInPlane = 0.45, kInSpace = 0.36;
-/// Flow between the nodes: its rate, and the offset that a pressure holds, of h slope/flow.
-constexpr double kRate = 3, kBack = 0.3;
+/// Flow between the nodes: its rate, and the offset that a pressure as large as the mean one at which the metal flows holds, cells.
+constexpr double kRate = 3, kBack = 0.5;
 constexpr double kTabor = 2.8; ///< mean pressure of a contact over the flow stress (Tabor)
 
 /// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
@@ -114,21 +114,10 @@ void SegmentProblem::AddCandidates(const ContactView &view, const ColumnNumbers 
   }
 }
 
-/// c_s = .45 h/E*; and c_p = gamma h slope/flow of surface that flows, with the slope of the indenter, and where columns have
-/// surface that an edge of it leaves free, a bend within a cell.
+/// c_s = .45 h/E*, c_p = gamma h/flow.
 void SegmentProblem::SetCompliance(const ContactView &view)
 {
-  constexpr double kFlat = 0.01, kSteep = 3, kAtEdge = 3; // slopes
   const double h = view.grid.Geometry().spacing, elastic = view.geometry.kind == GeometryKind::kPlaneStrain ? kInPlane : kInSpace;
-  double area = 0, slope = 0;
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    const Segment &segment = segments_[candidates_[k].segment];
-    if (start_[k] <= 0 && segment.gap > 0) continue;
-    const double level = -segment.normal[dim_ - 1],
-                 tilt = std::sqrt(std::max(0.0, Dot(segment.normal, segment.normal) - level * level));
-    area += segment.pressed, slope += segment.pressed * std::min(tilt / std::max(level, kLeastFacing), kSteep);
-  }
-  slope = area > 0 ? std::max(slope / area, kFlat) : kFlat;
   for (Candidate &one : candidates_) {
     const Segment &segment = segments_[one.segment];
     one.beside = 1;
@@ -136,9 +125,8 @@ void SegmentProblem::SetCompliance(const ContactView &view)
       const SurfaceColumn &column = columns_[one.column[n]];
       one.beside -= one.hat[n] * column.pressable / column.surface;
     }
-    const double bends = std::max(slope, kAtEdge * one.beside);
     one.root_c = std::sqrt(h * elastic / segment.modulus);
-    one.back = std::isfinite(segment.flow) ? kBack * h * bends / segment.flow : 0;
+    one.back = std::isfinite(segment.flow) ? kBack * h / segment.flow : 0;
   }
 }
 

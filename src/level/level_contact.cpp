@@ -196,15 +196,15 @@ double Level::HeldByContact(Vec3 x, double distance, bool flows)
 
 void Level::SplitSurface(Vec3 tip)
 {
-  // Cells: longer than a point's face, than half of it, and than a quarter: where segments come into contact one by one, each
-  // is a step of the load; in space that counts under a sharp tip alone.
-  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95;
+  // Cells: longer than a point's face, than half of it, and than a quarter: where segments come into contact row by row, each
+  // is a step of the load; in space, where there are many, that counts while the contact is small.
+  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95, kSmall = 2;
   const int dim = geometry_.grid.dim;
   const double h = geometry_.grid.spacing;
   surface_.Split(model_.geometry, [&](const SurfacePatch &patch) {
     const Vec3 center = patch.Center(dim);
     const double off = model_.indenter->Gap(center, tip).distance / h;
-    const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kNear * h;
+    const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kSmall * h;
     return h * (off > kPointRange ? kFar : off > kTouch || beside ? kNear : kTouching);
   });
 }

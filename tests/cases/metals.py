@@ -82,7 +82,7 @@ def test_punch(expect):
     expect("works less what is dissipated, of it", numpy.max(numpy.abs(parts - history["dissipated_energy"])) / parts[-1],
            at_most=1e-14)
     line, = result.summary["warnings"]  # with a quarter of the damping the load is 2.3 % lower
-    assert line.startswith("-damping 6.1e+07: its drag adds some 2.8")
+    assert line.startswith("-damping 6.1e+07: its drag adds some 2.9")
 
 
 def test_locking_without_average(expect):

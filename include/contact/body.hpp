@@ -1,4 +1,4 @@
-// The body as contact sees it: its surface, and the nodes that move it.
+// Pieces of the surface: of a point's faces, or of a patch.
 #pragma once
 
 #include "base/index.hpp"
@@ -50,19 +50,7 @@ inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
   return Dot(segment.normal, indenter_normal) < -kLeastFacing;
 }
 
-/// True where a point or a patch is far enough from the indenter to be left out without looking at its faces.
-bool FarFromIndenter(const ContactView &view, Vec3 x);
-
-// What contact asks of a node. The state must be final on owned nodes; of ghosts nothing is known.
-/// The rank in the group, or -1 outside of it.
-inline PetscMPIInt OwnerOf(const ContactView &view, Index node) { return view.group.RankOf(view.grid.BlockOfNode(node)); }
-/// Mass of the points of this level, and of the next finer one where there are both, kg.
-double MassOf(const ContactView &view, Index node);
-/// Of the motion that points will be moved by, m/s.
-Vec3 VelocityOf(const ContactView &view, Index node);
-/// Splits a change of velocity in what the node takes and what the sides hold.
-Vec3 FreePart(const ContactView &view, Index node, Vec3 change);
-/// Adds an impulse on an owned node: the change of (v, dv) that the sides leave of it, and both impulses.
-void PushNode(const ContactView &view, Index node, Vec3 impulse, ContactReport *report);
+/// True where a point or a patch is far enough from the indenter with its tip there to be left out without looking at its faces.
+bool FarFromIndenter(const SurfaceInputs &surface, Vec3 tip, Vec3 x);
 
 } // namespace mlgimp

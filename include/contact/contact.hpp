@@ -1,13 +1,11 @@
 // Contact of a level's points with the rigid indenter: three methods behind one interface.
 #pragma once
 
-#include "contact/border_nodes.hpp"
 #include "contact/group.hpp"
 #include "contact/settings.hpp"
-#include "grid/light_nodes.hpp"
+#include "contact/surface.hpp"
 #include "grid/nodes.hpp"
 #include "points/points.hpp"
-#include "contact/surface.hpp"
 #include "pointwise/body_table.hpp"
 #include "pointwise/indenter.hpp"
 
@@ -18,22 +16,22 @@
 namespace mlgimp
 {
 
-/// What contact needs to see of a level in a step from `time` to `time + dt`, after sides were applied.
-struct ContactView {
+class NodeMotion;
+
+/// The surface of the bodies beside the indenter, and the grid whose nodes move it.
+struct SurfaceInputs {
   const Grid &grid;
-  const ContactGroup &group;
+  const Geometry &geometry;
+  const Surface &patches;
   Points &points;
-  const Surface &surface;
   const BodyTable &bodies;
-  const BoundaryConditions &sides;
   const Indenter &indenter;
-  Geometry geometry;
-  double mass_cutoff; ///< kg
-  double time, dt;    ///< s
+};
+
+/// A step from `time` to `time + dt`, s, and the way of the indenter's tip in it.
+struct ContactStep {
+  double time, dt;
   TipStep tip{};
-  BorderNodes *border = nullptr;     ///< to the next coarser level, where there is one
-  SharedNode *shared = nullptr;      ///< by place: nodes that also move the next finer level's; none where there is none
-  const LightNodes *light = nullptr; ///< that hang on others
 };
 
 /// A column of the grid and the share of its surface, and of that of its neighbours, that presses: the least of them.
@@ -80,6 +78,8 @@ struct ColumnStrain {
 class Contact
 {
 public:
+  /// group: the ranks that meet in the calls below, which must stay.
+  explicit Contact(const ContactGroup &group) : group_(group) {}
   virtual ~Contact() = default;
   /// Reads the options of its solver under the prefix -contact_.
   virtual PetscErrorCode Create(const ContactSettings &) { return PETSC_SUCCESS; }
@@ -87,30 +87,31 @@ public:
   virtual ContactPressures Pressures() const { return {}; }
   virtual void SetPressures(const ContactPressures &) {}
   /// Corrects the velocities (v, dv) of owned nodes. Collective on the group.
-  virtual PetscErrorCode Apply(const ContactView &view, ContactReport *report) = 0;
+  virtual PetscErrorCode Apply(const SurfaceInputs &surface, const NodeMotion &nodes, const ContactStep &step,
+                               ContactReport *report) = 0;
   /// Lets the surface between the nodes flow by what the points under it have flowed since the last Apply, of which each rank
   /// knows a part. work: that pressures do on it, on the first rank alone, J. Collective on the group.
-  virtual PetscErrorCode Flow(const ContactView &, std::vector<ColumnStrain>, Surface *, double * /*work*/)
-  {
-    return PETSC_SUCCESS;
-  }
+  virtual PetscErrorCode Flow(std::vector<ColumnStrain>, Surface *, double * /*work*/) { return PETSC_SUCCESS; }
   /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that looks
-  /// at the indenter at view.tip.end; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
-  virtual PetscErrorCode PressuresOnPoints(const ContactView &, std::vector<double> *pressures)
+  /// at the indenter with its tip there; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
+  virtual PetscErrorCode PressuresOnPoints(const SurfaceInputs &, Vec3 /*tip*/, std::vector<double> *pressures)
   {
     pressures->clear();
     return PETSC_SUCCESS;
   }
-  /// The same of this rank's patches, as they are in view.surface, [patches] Pa.
-  virtual PetscErrorCode PressuresOnPatches(const ContactView &, std::vector<double> *pressures)
+  /// The same of this rank's patches, [patches] Pa.
+  virtual PetscErrorCode PressuresOnPatches(const SurfaceInputs &, Vec3 /*tip*/, std::vector<double> *pressures)
   {
     pressures->clear();
     return PETSC_SUCCESS;
   }
+
+protected:
+  const ContactGroup &group_;
 };
 
 /// The method that the settings name.
-PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact);
+PetscErrorCode CreateContact(const ContactSettings &settings, const ContactGroup &group, std::unique_ptr<Contact> *contact);
 
 /// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.
 inline constexpr double kContactRange = 2.5;

@@ -1,7 +1,7 @@
 // The nodes that contact pushes, brought to the group's first rank, and the impulses on their way back.
 #pragma once
 
-#include "contact/body.hpp"
+#include "contact/node_motion.hpp"
 
 #include <cstdint>
 #include <unordered_map>
@@ -45,7 +45,7 @@ class ContactNodes
 public:
   /// Brings the states of some nodes of each rank, and of those that they hang on, to the first rank of the group; empty on
   /// others. Collective on the group.
-  PetscErrorCode Gather(const ContactView &view, const std::vector<Index> &nodes);
+  PetscErrorCode Gather(const NodeMotion &motion, const std::vector<Index> &nodes);
 
   int Size() const { return static_cast<int>(states_.size()); }
   const NodeState &At(int number) const { return states_[number]; }
@@ -68,7 +68,7 @@ public:
 
   /// Sends impulses, of which tractions have given a part, to the owners of the nodes, who change velocities by them. On the
   /// first rank [nodes] N s, after Restrict. Collective on the group.
-  PetscErrorCode Push(const ContactView &view, const std::vector<Vec3> &impulses, const std::vector<Vec3> &of_friction,
+  PetscErrorCode Push(const NodeMotion &motion, const std::vector<Vec3> &impulses, const std::vector<Vec3> &of_friction,
                       ContactReport *report) const;
 
 private:
@@ -76,7 +76,7 @@ private:
     int node, on;
     double weight;
   };
-  PetscErrorCode GatherStates(const ContactView &view, const std::vector<Index> &nodes, std::vector<NodeLink> *links);
+  PetscErrorCode GatherStates(const NodeMotion &motion, const std::vector<Index> &nodes, std::vector<NodeLink> *links);
   std::vector<NodeState> states_;
   std::unordered_map<std::uint64_t, int> number_;
   void RestrictLight(const std::vector<Hanging> &light, int coarser, std::vector<Vec3> *u) const;

@@ -26,7 +26,8 @@ public:
   explicit Friction(double coefficient) : coefficient_(coefficient) {}
 
   /// Begins a step from the ratios of the last one, by the columns' keys.
-  void Begin(const ContactView &view, const SegmentProblem &problem, const std::unordered_map<std::int64_t, Ratio> &before);
+  void Begin(const BoundaryConditions &sides, int dim, const SegmentProblem &problem,
+             const std::unordered_map<std::int64_t, Ratio> &before);
   /// Finds the ratios beside pressures q, with the indenter moving by `way`. Returns the change of the impulses since the last
   /// time, as a share of the pressures' impulse.
   double Solve(const SegmentProblem &problem, const std::vector<double> &q, Vec3 way);

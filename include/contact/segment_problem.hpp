@@ -47,8 +47,8 @@ class SegmentProblem : public PressureProblem
 public:
   /// From segments in their order and the nodes that they push, which must stay. before: L_j of the last step; strains: that
   /// points under columns have flowed in it; last: its pressures, in the order of segments.
-  void Build(const ContactView &view, const ContactNodes &nodes, std::vector<Segment> segments, const ColumnNumbers &before,
-             const ColumnNumbers &strains, const std::vector<PatchPressure> &last);
+  void Build(const GridGeometry &grid, GeometryKind geometry, double dt, const ContactNodes &nodes, std::vector<Segment> segments,
+             const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchPressure> &last);
 
   int Size() const override { return static_cast<int>(candidates_.size()); }
   void Multiply(const double *q, double *y) const override;
@@ -58,8 +58,9 @@ public:
   /// The pressures of a solution.
   std::vector<PatchPressure> PressuresOf(const std::vector<double> &q) const;
 
-  /// Takes the solution: impulses of nodes, columns, footprint.
-  void Take(const ContactView &view, const std::vector<double> &q, double travel);
+  /// Takes the solution: impulses of nodes, columns, footprint. border: to the next coarser level, or null; tip: at the start of
+  /// the step, m; travel: of a free tip, m.
+  void Take(const BorderNodes *border, Vec3 tip, const std::vector<double> &q, double travel);
 
   /// What the surface of segments flows by in the step, m.
   struct Flow {
@@ -104,7 +105,7 @@ public:
   const Footprint &Shape() const { return shape_; }
   const std::vector<SurfaceColumn> &Columns() const { return columns_; }
   /// Columns all around which some surface presses, after Take.
-  std::vector<PressedColumn> PressedAround(const ContactView &view) const;
+  std::vector<PressedColumn> PressedAround(const BoundaryConditions &sides) const;
   const ContactNodes &Nodes() const { return *nodes_; }
   const std::vector<Vec3> &Impulses() const { return impulses_; }
 
@@ -138,10 +139,11 @@ private:
       (*nodes)[weights_[n].node] = (*nodes)[weights_[n].node] + weights_[n].weight * value;
   }
   const std::array<int, 8> &NodesOfCell(Index cell);
-  bool FindWeights(const ContactView &view, const Segment &segment, Candidate *one);
-  void SumColumns(const ContactView &view);
-  void AddCandidates(const ContactView &view, const ColumnNumbers &before);
-  void SetCompliance(const ContactView &view);
+  bool FindWeights(const Segment &segment, Candidate *one);
+  void SumColumns();
+  void AddCandidates(const ColumnNumbers &before);
+  void SetCompliance(GeometryKind geometry);
+  bool CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const;
   void SetFlow(const ColumnNumbers &strains);
   void StartFrom(const std::vector<PatchPressure> &last);
   void SumMeans(const double *q, double Candidate::*root, std::vector<double> *means) const;
@@ -156,6 +158,7 @@ private:
   int dim_ = 2, on_columns_ = 2;
   bool flows_step_ = false; ///< some surface flows in the step
   double dt_ = 0, h_ = 0;
+  GridGeometry grid_{};
   const ContactNodes *nodes_ = nullptr;
   std::vector<SurfaceColumn> columns_;
   std::unordered_map<std::int64_t, int> column_number_;

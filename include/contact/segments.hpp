@@ -18,7 +18,7 @@ struct CellPlace {
   Index cell; ///< the first corner of its cell
   Vec3 part;  ///< from 0 to 1 along each axis
 };
-CellPlace Locate(const Grid &grid, Vec3 x, int dim);
+CellPlace Locate(const GridGeometry &grid, Vec3 x);
 
 /// Corner c of a cell: bit a of c chooses the upper node along axis a.
 inline Index Corner(Index cell, int c) { return {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2 & 1)}; }
@@ -46,20 +46,19 @@ struct Segment {
 };
 
 /// A number for a column of the grid, a line of nodes along the last axis, named by its horizontal node.
-inline std::int64_t ColumnKey(const ContactView &view, Index column)
+inline std::int64_t ColumnKey(const GridGeometry &grid, Index column)
 {
-  const GridGeometry &grid = view.grid.Geometry();
   return column[0] + grid.padding + std::int64_t(grid.Nodes(0)) * (column[1] + grid.Padding(1));
 }
 /// Calls work(key, column, hat) for the columns at the corners of a cell.
-template <class Work> void ForEachColumn(const ContactView &view, const CellPlace &place, Work work)
+template <class Work> void ForEachColumn(const GridGeometry &grid, const CellPlace &place, Work work)
 {
-  const int up = view.geometry.Dim() - 1;
+  const int up = grid.dim - 1;
   const std::array<double, 8> hats = Hats(place.part, up);
   for (int c = 0; c < 1 << up; ++c) {
     Index at = Corner(place.cell, c);
     at[up] = 0;
-    work(ColumnKey(view, at), at, hats[c]);
+    work(ColumnKey(grid, at), at, hats[c]);
   }
 }
 
@@ -72,13 +71,14 @@ struct SegmentFlow {
 
 /// Adds the segments of this rank's patches that are near the indenter, and face it or lie beside it. least_gap: of all near it,
 /// m; penetration: deepest place inside the indenter at the start of the step, m; both as they were where nothing is less, or
-/// deeper.
-void CollectSegments(const ContactView &view, std::vector<Segment> *segments, double *least_gap, double *penetration);
+/// deeper. rank: this one, in the group. rank: this one, in the group.
+void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPIInt rank, std::vector<Segment> *segments,
+                     double *least_gap, double *penetration);
 
 /// Brings segments to the first rank of the group, by their numbers. Collective on the group.
-PetscErrorCode GatherSegments(const ContactView &view, std::vector<Segment> *segments);
+PetscErrorCode GatherSegments(MPI_Comm comm, std::vector<Segment> *segments);
 
 /// The nodes that their patches' corners move with.
-std::vector<Index> NodesOf(const ContactView &view, const std::vector<Segment> &segments);
+std::vector<Index> NodesOf(const Grid &grid, const std::vector<Segment> &segments);
 
 } // namespace mlgimp

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/tensor.hpp"
-#include "grid/grid.hpp"
 #include "contact/near_points.hpp"
+#include "grid/grid.hpp"
 #include "grid/nodes.hpp"
 #include "points/points.hpp"
 #include "pointwise/indenter.hpp"
@@ -11,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace mlgimp
@@ -73,8 +72,8 @@ public:
   /// the new one. Where no point is near, f = 1. Corners at sides stay there.
   void Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
             const std::vector<CornerMotion> &motion, double mass_cutoff, double dt);
-  /// Halves what is longer than it may be, m.
-  void Split(const Geometry &geometry, const std::function<double(const SurfacePatch &)> &longest);
+  /// Halves what is longer than it may be, the less the nearer it is to the indenter with its tip there. h: of the grid, m.
+  void Split(const Geometry &geometry, const Indenter &indenter, Vec3 tip, double h);
 
   const std::vector<SurfacePatch> &Patches() const { return patches_; }
   std::vector<SurfacePatch> &Patches() { return patches_; }

@@ -28,6 +28,7 @@ struct GridGeometry {
   /// Box index of the node nearest to x.
   int Nearest(int axis, double x) const { return static_cast<int>(std::floor((x - lower[axis]) / spacing + 0.5)); }
   Index Nearest(Vec3 x) const { return {Nearest(0, x[0]), Nearest(1, x[1]), dim == 3 ? Nearest(2, x[2]) : 0}; }
+  double Coordinate(int axis, int index) const { return lower[axis] + index * spacing; }
   int Padding(int axis) const { return axis < dim ? padding : 0; }
   int Nodes(int axis) const { return axis < dim ? cells[axis] + 1 + 2 * padding : 1; }
   /// All nodes, by their box indices.
@@ -135,7 +136,7 @@ public:
     const int x = ghosted_.Size(0), y = ghosted_.Size(1);
     return ghosted_.lower + Index{static_cast<int>(place % x), static_cast<int>(place / x % y), static_cast<int>(place / x / y)};
   }
-  double Coordinate(int axis, int index) const { return geometry_.lower[axis] + index * geometry_.spacing; }
+  double Coordinate(int axis, int index) const { return geometry_.Coordinate(axis, index); }
   Index Nearest(Vec3 x) const { return geometry_.Nearest(x); }
   /// The block that holds a node, which is also its owner's rank in Comm(); -1 outside the grid.
   int BlockOfNode(Index node) const;

@@ -1,12 +1,15 @@
 // One grid level: its grid, its points, and one explicit step of both.
 #pragma once
 
+#include "contact/border_nodes.hpp"
 #include "contact/contact.hpp"
-#include "level/events.hpp"
+#include "contact/strain_under.hpp"
+#include "contact/surface.hpp"
+#include "contact/surface_motion.hpp"
 #include "grid/light_nodes.hpp"
+#include "level/events.hpp"
 #include "level/model.hpp"
 #include "points/points.hpp"
-#include "contact/surface.hpp"
 
 #include <memory>
 
@@ -172,7 +175,7 @@ public:
   const LevelGeometry &Geometry() const { return geometry_; }
   Surface &BodySurface() { return surface_; }
   /// Halves what has become too long of it, or too near to the indenter with its tip there.
-  void SplitSurface(Vec3 tip);
+  void SplitSurface(Vec3 tip) { surface_.Split(model_.geometry, *model_.indenter, tip, geometry_.grid.spacing); }
   const Surface &BodySurface() const { return surface_; }
   /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
   bool PatchesDue() const { return patches_due_; }
@@ -194,7 +197,7 @@ private:
   /// A new grid by the layout, in the place of the one before.
   PetscErrorCode CreateGrid(const GridLayout &layout);
   void SetCoupledPlaces(CoupledPlaces places);
-  ContactView ViewOfContact(double time, double dt, const TipStep &tip);
+  SurfaceInputs SurfaceNow();
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
   void FindFollowing(Vec3 tip);
@@ -205,11 +208,8 @@ private:
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode FindLightNodes();
   PetscErrorCode ExchangeRates(double dt, double xpic);
-  void NoteStrains();
-  PetscErrorCode LetSurfaceFlow(double dt);
   PetscErrorCode PrepareSurface();
   PetscErrorCode MoveSurface(bool rates, double dt);
-  double HeldByContact(Vec3 x, double distance, bool flows);
   PetscErrorCode AddWorkOfLoads(bool rates, double dt);
   /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
   double NoiseEnergy();
@@ -234,13 +234,10 @@ private:
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
   Surface surface_;
-  NearPoints near_;
-  double drift_path_ = 0;                                   ///< sum of the clock's drift since the run began or went on, cells
-  std::vector<Surface::CornerMotion> corners_;              ///< of the surface in the step
-  std::unordered_map<std::int64_t, double> pressed_around_; ///< share of PressedColumn by key, in the step
-  bool flows_ = false;                                      ///< contact has touched metal in the step
-  std::vector<std::pair<int, double>> flowing_;             ///< points near it, and their plastic strains before
-  std::vector<ColumnStrain> under_columns_;                 ///< their parts in columns, strains to come
+  SurfaceMotion surface_motion_;
+  StrainUnder strain_under_;
+  bool touched_ = false;  ///< contact has been solved in the step
+  double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
   bool patches_due_ = true;
   NodeBodies node_bodies_;
   LightNodes light_;

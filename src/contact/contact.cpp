@@ -10,12 +10,12 @@ std::vector<std::string> ContactMethods(GeometryKind geometry)
   return {"pressure", "point_pressure", "multimesh"};
 }
 
-PetscErrorCode CreateContact(const ContactSettings &settings, std::unique_ptr<Contact> *contact)
+PetscErrorCode CreateContact(const ContactSettings &settings, const ContactGroup &group, std::unique_ptr<Contact> *contact)
 {
   PetscFunctionBeginUser;
-  if (settings.method == "pressure") *contact = MakePressureContact();
-  if (settings.method == "point_pressure") *contact = MakePointPressureContact();
-  if (settings.method == "multimesh") *contact = MakeMultimeshContact();
+  if (settings.method == "pressure") *contact = MakePressureContact(group);
+  if (settings.method == "point_pressure") *contact = MakePointPressureContact(group);
+  if (settings.method == "multimesh") *contact = MakeMultimeshContact(group);
   PetscCall((*contact)->Create(settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

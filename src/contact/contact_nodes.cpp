@@ -21,10 +21,9 @@ struct NodeImpulse {
   Vec3 impulse, of_friction; ///< N s
 };
 
-PetscMPIInt OwnerOf(const ContactView &view, const NodeState &node)
+PetscMPIInt OwnerOf(const NodeMotion &motion, const NodeState &node)
 {
-  if (node.coarser) return view.group.RankOf(view.border->BlockOf(node.at));
-  return OwnerOf(view, node.at);
+  return node.coarser ? motion.Group().RankOf(motion.Border()->BlockOf(node.at)) : motion.OwnerOf(node.at);
 }
 
 /// Orders nodes by place and leaves one of each.
@@ -40,30 +39,29 @@ void Unite(std::vector<NodeState> *nodes)
 NodeState Asked(Index node, int coarser) { return {node, coarser, -1, 0, 1, false, 1, {}, {}}; }
 
 /// Adds those that nodes of this rank hang on, of its own level and of the coarser one.
-void AddDonors(const ContactView &view, std::vector<NodeState> *nodes, std::vector<NodeLink> *links)
+void AddDonors(const NodeMotion &motion, std::vector<NodeState> *nodes, std::vector<NodeLink> *links)
 {
   std::vector<NodeState> more;
   for (const NodeState &node : *nodes) {
-    const std::ptrdiff_t self = view.grid.Place(node.at);
-    if (view.light)
-      view.light->ForEachDonor(self, [&](std::ptrdiff_t place, double weight) {
-        if (place == self) return;
-        more.push_back(Asked(view.grid.NodeAt(place), 0));
-        links->push_back({node.at, more.back().at, 0, weight});
-      });
+    const std::ptrdiff_t self = motion.Mesh().Place(node.at);
+    motion.Light().ForEachDonor(self, [&](std::ptrdiff_t place, double weight) {
+      if (place == self) return;
+      more.push_back(Asked(motion.Mesh().NodeAt(place), 0));
+      links->push_back({node.at, more.back().at, 0, weight});
+    });
   }
   nodes->insert(nodes->end(), more.begin(), more.end());
   Unite(nodes);
-  if (!view.border) return;
+  if (!motion.Border()) return;
   more.clear();
   for (const NodeState &node : *nodes) {
-    const NodeBlend blend = view.border->BlendOf(node.at);
+    const NodeBlend blend = motion.Border()->BlendOf(node.at);
     for (int a = 0; a < blend.count; ++a) more.push_back(Asked(blend.node[a], 1));
   }
   Unite(&more);
   nodes->insert(nodes->end(), more.begin(), more.end());
   for (const NodeState &node : more)
-    view.border->ForEachDonor(node.at, [&](Index on, double weight) {
+    motion.Border()->ForEachDonor(node.at, [&](Index on, double weight) {
       if (on == node.at) return;
       nodes->push_back(Asked(on, 1));
       links->push_back({node.at, on, 1, weight});
@@ -72,43 +70,43 @@ void AddDonors(const ContactView &view, std::vector<NodeState> *nodes, std::vect
 }
 
 /// Fills in what the owner knows.
-void FindState(const ContactView &view, NodeState *node)
+void FindState(const NodeMotion &motion, NodeState *node)
 {
   constexpr Vec3 kAll = {1, 1, 1};
-  const double mass = node->coarser ? view.border->MassOf(node->at) : MassOf(view, node->at);
-  node->rank = RankIn(view.group.Comm());
+  const double mass = node->coarser ? motion.Border()->MassOf(node->at) : motion.MassOf(node->at);
+  node->rank = RankIn(motion.Group().Comm());
   if (node->coarser)
-    view.border->ForEachDonor(node->at, [&](Index on, double weight) {
+    motion.Border()->ForEachDonor(node->at, [&](Index on, double weight) {
       if (on == node->at) node->own = weight;
     });
-  else if (view.light)
-    view.light->ForEachDonor(view.grid.Place(node->at), [&](std::ptrdiff_t place, double weight) {
-      if (place == view.grid.Place(node->at)) node->own = weight;
+  else
+    motion.Light().ForEachDonor(motion.Mesh().Place(node->at), [&](std::ptrdiff_t place, double weight) {
+      if (place == motion.Mesh().Place(node->at)) node->own = weight;
     });
-  node->moves = node->own < 1 || mass > view.mass_cutoff;
-  if (mass <= view.mass_cutoff) return;
+  node->moves = node->own < 1 || !motion.IsEmpty(mass);
+  if (motion.IsEmpty(mass)) return;
   node->mass = mass;
   if (node->coarser) {
-    node->free = view.border->FreePart(node->at, kAll);
+    node->free = motion.Border()->FreePart(node->at, kAll);
   } else {
-    node->free = FreePart(view, node->at, kAll);
-    node->velocity = VelocityOf(view, node->at);
-    if (view.border) node->share = view.border->BlendOf(node->at).beta;
+    node->free = motion.FreePart(node->at, kAll);
+    node->velocity = motion.VelocityOf(node->at);
+    if (motion.Border()) node->share = motion.Border()->BlendOf(node->at).beta;
   }
-  for (int axis = view.geometry.Dim(); axis < 3; ++axis) node->free[axis] = 0;
+  for (int axis = motion.Mesh().Geometry().dim; axis < 3; ++axis) node->free[axis] = 0;
 }
 
-void PushOwned(const ContactView &view, const NodeImpulse &one, ContactReport *report)
+void PushOwned(const NodeMotion &motion, const NodeImpulse &one, ContactReport *report)
 {
   constexpr double kRounding = 1e-9; // of the impulse
   if (one.coarser) {
-    const Vec3 taken = view.border->FreePart(one.at, one.impulse);
-    view.border->Push(one.at, (1 / view.border->MassOf(one.at)) * taken);
+    const Vec3 taken = motion.Border()->FreePart(one.at, one.impulse);
+    motion.Border()->Push(one.at, (1 / motion.Border()->MassOf(one.at)) * taken);
     report->impulse = report->impulse + one.impulse;
     report->side_impulse = report->side_impulse + taken - one.impulse;
     return;
   }
-  PushNode(view, one.at, one.share * one.impulse, report);
+  motion.Push(one.at, one.share * one.impulse, report);
   report->pushed.back().has_traction = Norm(one.of_friction) > kRounding * Norm(one.impulse);
   report->friction_impulse = report->friction_impulse + one.of_friction;
 }
@@ -116,20 +114,20 @@ void PushOwned(const ContactView &view, const NodeImpulse &one, ContactReport *r
 } // namespace
 
 /// On the first rank, in their order; `links` of the light ones among them.
-PetscErrorCode ContactNodes::GatherStates(const ContactView &view, const std::vector<Index> &nodes, std::vector<NodeLink> *links)
+PetscErrorCode ContactNodes::GatherStates(const NodeMotion &motion, const std::vector<Index> &nodes, std::vector<NodeLink> *links)
 {
-  const MPI_Comm comm = view.group.Comm();
-  const auto owner_of = [&](const NodeState &node) { return OwnerOf(view, node); };
+  const MPI_Comm comm = motion.Group().Comm();
+  const auto owner_of = [&](const NodeState &node) { return OwnerOf(motion, node); };
   PetscFunctionBeginUser;
   states_.clear();
   for (const Index node : nodes) states_.push_back(Asked(node, 0));
   Unite(&states_);
   PetscCall(ExchangeRecords(comm, &states_, owner_of));
   Unite(&states_);
-  AddDonors(view, &states_, links);
+  AddDonors(motion, &states_, links);
   PetscCall(ExchangeRecords(comm, &states_, owner_of));
   Unite(&states_);
-  for (NodeState &node : states_) FindState(view, &node);
+  for (NodeState &node : states_) FindState(motion, &node);
   PetscCall(ExchangeRecords(
       comm, &states_, [](const NodeState &) { return 0; }, kAllToFirst));
   PetscCall(ExchangeRecords(
@@ -138,14 +136,14 @@ PetscErrorCode ContactNodes::GatherStates(const ContactView &view, const std::ve
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactNodes::Gather(const ContactView &view, const std::vector<Index> &nodes)
+PetscErrorCode ContactNodes::Gather(const NodeMotion &motion, const std::vector<Index> &nodes)
 {
   std::vector<NodeLink> links;
   const auto key = [](const NodeLink &link) {
     return std::tuple(NodeKey(link.node, link.coarser), NodeKey(link.on, link.coarser));
   };
   PetscFunctionBeginUser;
-  PetscCall(GatherStates(view, nodes, &links));
+  PetscCall(GatherStates(motion, nodes, &links));
   number_.clear(), light_.clear(), light_coarser_.clear(), at_border_.clear();
   for (int k = 0; k < Size(); ++k) number_.emplace(NodeKey(states_[k].at, states_[k].coarser), k);
   std::sort(links.begin(), links.end(), [&](const NodeLink &a, const NodeLink &b) { return key(a) < key(b); });
@@ -157,9 +155,9 @@ PetscErrorCode ContactNodes::Gather(const ContactView &view, const std::vector<I
   for (NodeState &node : states_) node.velocity = node.own * node.velocity;
   for (const Hanging &one : light_)
     states_[one.node].velocity = states_[one.node].velocity + one.weight * states_[one.on].velocity;
-  for (int k = 0; k < Size() && view.border; ++k) {
+  for (int k = 0; k < Size() && motion.Border(); ++k) {
     if (states_[k].coarser) continue;
-    const NodeBlend blend = view.border->BlendOf(states_[k].at);
+    const NodeBlend blend = motion.Border()->BlendOf(states_[k].at);
     for (int a = 0; a < blend.count; ++a)
       at_border_.push_back({k, number_.at(NodeKey(blend.node[a], true)), (1 - blend.beta) * blend.weight[a]});
   }
@@ -211,7 +209,7 @@ std::vector<Vec3> ContactNodes::Mobility(double dt) const
   return mobility;
 }
 
-PetscErrorCode ContactNodes::Push(const ContactView &view, const std::vector<Vec3> &impulses,
+PetscErrorCode ContactNodes::Push(const NodeMotion &motion, const std::vector<Vec3> &impulses,
                                   const std::vector<Vec3> &of_friction, ContactReport *report) const
 {
   std::vector<NodeImpulse> pushed;
@@ -221,8 +219,8 @@ PetscErrorCode ContactNodes::Push(const ContactView &view, const std::vector<Vec
       pushed.push_back(
           {node.at, node.coarser, node.rank, node.share, impulses[k], of_friction.empty() ? Vec3{} : of_friction[k]});
   PetscCall(ExchangeRecords(
-      view.group.Comm(), &pushed, [](const NodeImpulse &one) { return one.rank; }, kFirstToAll));
-  for (const NodeImpulse &one : pushed) PushOwned(view, one, report);
+      motion.Group().Comm(), &pushed, [](const NodeImpulse &one) { return one.rank; }, kFirstToAll));
+  for (const NodeImpulse &one : pushed) PushOwned(motion, one, report);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,10 +18,10 @@ Vec3 SurfaceTangent(Vec3 normal, int axis, int up)
   return tangent - turned * middle;
 }
 
-void Friction::Begin(const ContactView &view, const SegmentProblem &problem,
+void Friction::Begin(const BoundaryConditions &sides, int dim, const SegmentProblem &problem,
                      const std::unordered_map<std::int64_t, Ratio> &before)
 {
-  up_ = view.geometry.Dim() - 1, axes_ = up_;
+  up_ = dim - 1, axes_ = up_;
   tangents_.resize(problem.Size());
   for (int k = 0; k < problem.Size(); ++k)
     for (int a = 0; a < axes_; ++a)
@@ -31,7 +31,7 @@ void Friction::Begin(const ContactView &view, const SegmentProblem &problem,
   for (std::size_t j = 0; j < columns.size(); ++j) {
     for (int a = 0; a < axes_; ++a)
       for (const Side side : SidesAcross(a)) // tractions of both its sides are opposite
-        if (view.sides.kind[side] != BoundaryKind::kFree && view.sides.Reaches(side, columns[j].at)) free_[j][a] = 0;
+        if (sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, columns[j].at)) free_[j][a] = 0;
     if (const auto found = before.find(columns[j].key); found != before.end())
       for (int a = 0; a < axes_; ++a) ratios_[j][a] = free_[j][a] * found->second[a];
   }

@@ -51,7 +51,7 @@ std::array<double, 9> Change(const double *before, const double *after, int dim)
 
 void NearPoints::Mark(const Grid &grid, Vec3 x)
 {
-  ForEach(Around(grid, Locate(grid, x, grid.Geometry().dim).cell), [&](Index cell) {
+  ForEach(Around(grid, Locate(grid.Geometry(), x).cell), [&](Index cell) {
     int &first = first_[grid.Place(cell)];
     if (first == kNoInterest) first = kNone, marked_.push_back(grid.Place(cell));
   });
@@ -114,7 +114,7 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, P
   const PointArrays points = store.Arrays();
   for (const int p : around_) {
     const Vec3 x = points.Position(p);
-    const Index cell = Locate(grid, x, grid.Geometry().dim).cell;
+    const Index cell = Locate(grid.Geometry(), x).cell;
     if (!grid.Ghosted().Contains(cell)) continue;
     int &first = first_[grid.Place(cell)];
     if (first == kNoInterest) continue;
@@ -131,7 +131,7 @@ NearPoints::Sum NearPoints::SumAt(const Grid &grid, const Place &place) const
   const int dim = grid.Geometry().dim;
   const double inverse_square = 1 / (grid.Geometry().spacing * grid.Geometry().spacing);
   Sum sum;
-  ForEach(Around(grid, Locate(grid, place.x, dim).cell), [&](Index cell) {
+  ForEach(Around(grid, Locate(grid.Geometry(), place.x).cell), [&](Index cell) {
     for (int k = first_[grid.Place(cell)]; k >= 0; k = moved_[k].next) {
       const Moved &one = moved_[k];
       const Vec3 d = place.x - one.from;

@@ -6,6 +6,7 @@
 #include "contact/methods.hpp"
 
 #include "base/exchange.hpp"
+#include "contact/body.hpp"
 #include "contact/contact_nodes.hpp"
 #include "contact/pressure_solver.hpp"
 
@@ -41,9 +42,9 @@ template <class Work> void ForEachNode(const PressedPoint &point, Work work)
 class PointProblem : public PressureProblem
 {
 public:
-  void Build(const ContactView &view, const ContactNodes &nodes, std::vector<PressedPoint> points)
+  void Build(double dt, const ContactNodes &nodes, std::vector<PressedPoint> points)
   {
-    dt_ = view.dt, nodes_ = &nodes, points_ = std::move(points);
+    dt_ = dt, nodes_ = &nodes, points_ = std::move(points);
     gaps_.clear(), closing_.clear(), node_.clear();
     for (const PressedPoint &point : points_) {
       Vec3 velocity{};
@@ -52,7 +53,7 @@ public:
         if (node_.back() >= 0) velocity = velocity + point.weight[k] * nodes.At(node_.back()).velocity;
       });
       gaps_.push_back(std::sqrt(point.area) * (point.gap + dt_ * Dot(point.normal, velocity)));
-      closing_.push_back(-std::sqrt(point.area) * point.normal[view.indenter.up]);
+      closing_.push_back(-std::sqrt(point.area) * point.normal[1]);
     }
     SetDiagonal();
   }
@@ -122,6 +123,8 @@ struct Outcome {
 class PointPressureContact : public Contact
 {
 public:
+  using Contact::Contact;
+
   PetscErrorCode Create(const ContactSettings &settings) override
   {
     settings_ = settings;
@@ -131,7 +134,8 @@ public:
   ContactPressures Pressures() const override { return pressures_; }
   void SetPressures(const ContactPressures &pressures) override { pressures_ = pressures; }
 
-  PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
+  PetscErrorCode Apply(const SurfaceInputs &surface, const NodeMotion &motion, const ContactStep &step,
+                       ContactReport *report) override
   {
     std::vector<PressedPoint> points;
     std::vector<Index> nodes;
@@ -139,52 +143,54 @@ public:
     Outcome outcome{0, 0, 1, 0, 0, 1};
     PetscFunctionBeginUser;
     *report = {};
-    const PointArrays arrays = view.points.Arrays();
-    for (int p : view.points.SurfacePoints())
-      if (!FarFromIndenter(view, arrays.Position(p))) AddPoint(view, arrays, p, &points, report);
+    const PointArrays arrays = surface.points.Arrays();
+    for (int p : surface.points.SurfacePoints())
+      if (!FarFromIndenter(surface, step.tip.end, arrays.Position(p))) AddPoint(surface, step.tip, p, &points, report);
     for (const PressedPoint &point : points) ForEachNode(point, [&](int, Index node) { nodes.push_back(node); });
-    PetscCall(nodes_.Gather(view, nodes));
+    PetscCall(nodes_.Gather(motion, nodes));
     PetscCall(ExchangeRecords(
-        view.group.Comm(), &points, [](const PressedPoint &) { return 0; }, kAllToFirst));
+        group_.Comm(), &points, [](const PressedPoint &) { return 0; }, kAllToFirst));
     std::sort(points.begin(), points.end(), [](const PressedPoint &a, const PressedPoint &b) { return a.id < b.id; });
-    if (RankIn(view.group.Comm()) == 0) PetscCall(SolveOnFirst(view, std::move(points), &outcome, &impulses, report));
+    if (RankIn(group_.Comm()) == 0)
+      PetscCall(SolveOnFirst(step, surface.grid.Geometry().spacing, std::move(points), &outcome, &impulses, report));
     std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
-    PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
+    PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
     std::copy(numbers.begin(), numbers.end(), &outcome.travel);
     report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
     report->half_width = outcome.half_width, report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
-    PetscCall(nodes_.Push(view, impulses, {}, report));
+    PetscCall(nodes_.Push(motion, impulses, {}, report));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
+  PetscErrorCode PressuresOnPoints(const SurfaceInputs &surface, Vec3, std::vector<double> *pressures) override
   {
     std::vector<std::pair<std::int64_t, double>> all(pressures_.begin(), pressures_.end());
     PetscFunctionBeginUser;
-    PetscCall(BroadcastList(view.group.Comm(), &all));
+    PetscCall(BroadcastList(group_.Comm(), &all));
     const std::unordered_map<std::int64_t, double> by_id(all.begin(), all.end());
-    const PointArrays points = view.points.Arrays();
+    const PointArrays points = surface.points.Arrays();
     pressures->assign(points.count, 0.0);
-    for (int p : view.points.SurfacePoints())
+    for (int p : surface.points.SurfacePoints())
       if (const auto found = by_id.find(static_cast<std::int64_t>(points.id[p])); found != by_id.end())
         (*pressures)[p] = found->second;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
 private:
-  static void AddPoint(const ContactView &view, const PointArrays &points, int p, std::vector<PressedPoint> *pressed,
+  static void AddPoint(const SurfaceInputs &surface, const TipStep &tip, int p, std::vector<PressedPoint> *pressed,
                        ContactReport *report)
   {
+    const PointArrays points = surface.points.Arrays();
     const Vec3 x = points.Position(p);
-    const SurfaceGap gap = view.indenter.Gap(x, view.tip.end);
+    const SurfaceGap gap = surface.indenter.Gap(x, tip.end);
     double length = 0, area = 0;
-    ForEachSegment(points, p, view.geometry, HUGE_VAL, [&](const SurfaceSegment &segment) {
+    ForEachSegment(points, p, surface.geometry, HUGE_VAL, [&](const SurfaceSegment &segment) {
       if (Faces(segment, gap.normal)) length += 2 * segment.half_width, area += segment.area;
     });
     if (length == 0) return;
-    report->penetration = std::max(report->penetration, -view.indenter.Gap(x, view.tip.start).distance);
+    report->penetration = std::max(report->penetration, -surface.indenter.Gap(x, tip.start).distance);
     PressedPoint point{static_cast<std::int64_t>(points.id[p]),
-                       view.grid.Nearest(x),
+                       surface.grid.Nearest(x),
                        {},
                        gap.normal,
                        area,
@@ -193,7 +199,7 @@ private:
                        x[0] + 0.5 * length};
     AxisStencils<2> w;
     ComputeAxisStencils<PlaneStrain, ContiguousGimp>(
-        view.grid.IndexSpace(), 1, Extents<2>(1, points.position + 2 * p, points.half_size + 2 * p, points.F + 4 * p), w);
+        surface.grid.IndexSpace(), 1, Extents<2>(1, points.position + 2 * p, points.half_size + 2 * p, points.F + 4 * p), w);
     ForEachNode(point, [&](int k, Index node) {
       const Index by = node - point.nearest;
       point.weight[k] = w.w[0][by[0] + 1][0] * w.w[1][by[1] + 1][0];
@@ -201,15 +207,15 @@ private:
     pressed->push_back(point);
   }
 
-  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<PressedPoint> points, Outcome *outcome,
+  PetscErrorCode SolveOnFirst(const ContactStep &step, double h, std::vector<PressedPoint> points, Outcome *outcome,
                               std::vector<Vec3> *impulses, ContactReport *report)
   {
     PressureReport found;
     PetscFunctionBeginUser;
-    problem_.Build(view, nodes_, std::move(points));
+    problem_.Build(step.dt, nodes_, std::move(points));
     if (problem_.Size() == 0) {
       pressures_.clear();
-      if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
+      if (step.tip.IsFree()) outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q;
@@ -217,10 +223,10 @@ private:
       const auto before = pressures_.find(point.id);
       q.push_back(before != pressures_.end() ? std::sqrt(point.area) * before->second : 0);
     }
-    PetscCall(solver_.Solve(problem_, view.tip, 0, &q, &found));
-    if (settings_.monitor && found.pressing) PetscCall(PrintSolve(view.time, problem_.Size(), found));
+    PetscCall(solver_.Solve(problem_, step.tip, 0, &q, &found));
+    if (settings_.monitor && found.pressing) PetscCall(PrintSolve(step.time, problem_.Size(), found));
     *impulses = problem_.Spread(q.data());
-    for (Vec3 &impulse : *impulses) impulse = view.dt * impulse;
+    for (Vec3 &impulse : *impulses) impulse = step.dt * impulse;
     nodes_.Restrict(impulses);
     pressures_.clear();
     double left = HUGE_VAL, right = -HUGE_VAL;
@@ -231,7 +237,7 @@ private:
       outcome->peak = std::max(outcome->peak, pressure);
       left = std::min(left, point.left), right = std::max(right, point.right);
     }
-    if (left < right) outcome->half_width = HalfWidth(left, right, view.tip.start[0], view.grid.Geometry().spacing);
+    if (left < right) outcome->half_width = HalfWidth(left, right, step.tip.start[0], h);
     outcome->at_border = nodes_.AreAtBorder();
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     report->local_points = found.pressing, report->set_updates = std::max(found.turns, 1);
@@ -254,6 +260,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Contact> MakePointPressureContact() { return std::make_unique<PointPressureContact>(); }
+std::unique_ptr<Contact> MakePointPressureContact(const ContactGroup &group)
+{
+  return std::make_unique<PointPressureContact>(group);
+}
 
 } // namespace mlgimp

@@ -22,6 +22,8 @@ struct Outcome {
 class PressureContact : public Contact
 {
 public:
+  using Contact::Contact;
+
   PetscErrorCode Create(const ContactSettings &settings) override
   {
     settings_ = settings;
@@ -55,40 +57,41 @@ public:
     std::reverse(last_.begin(), last_.end()); // in the order of segments
   }
 
-  PetscErrorCode Apply(const ContactView &view, ContactReport *report) override
+  PetscErrorCode Apply(const SurfaceInputs &surface, const NodeMotion &motion, const ContactStep &step,
+                       ContactReport *report) override
   {
     std::vector<Segment> segments;
     std::vector<Vec3> impulses, of_friction;
     Outcome outcome{};
-    double least_gap = kContactRange * view.grid.Geometry().spacing;
+    double least_gap = kContactRange * surface.grid.Geometry().spacing;
     PetscFunctionBeginUser;
     *report = {};
-    CollectSegments(view, &segments, &least_gap, &report->penetration);
-    PetscCall(nodes_.Gather(view, NodesOf(view, segments)));
-    PetscCall(GatherSegments(view, &segments));
-    PetscCallMPI(MPI_Reduce(&least_gap, &outcome.least_gap, 1, MPI_DOUBLE, MPI_MIN, 0, view.group.Comm()));
-    if (RankIn(view.group.Comm()) == 0)
-      PetscCall(SolveOnFirst(view, std::move(segments), &outcome, &impulses, &of_friction, report));
+    CollectSegments(surface, step.tip, RankIn(group_.Comm()), &segments, &least_gap, &report->penetration);
+    PetscCall(nodes_.Gather(motion, NodesOf(surface.grid, segments)));
+    PetscCall(GatherSegments(group_.Comm(), &segments));
+    PetscCallMPI(MPI_Reduce(&least_gap, &outcome.least_gap, 1, MPI_DOUBLE, MPI_MIN, 0, group_.Comm()));
+    if (RankIn(group_.Comm()) == 0)
+      PetscCall(SolveOnFirst(surface, motion, step, std::move(segments), &outcome, &impulses, &of_friction, report));
     std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
-    PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
+    PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
     std::copy(numbers.begin(), numbers.end(), &outcome.travel);
     report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
     report->half_width = outcome.half_width, report->reach = outcome.reach, report->crosses = outcome.crosses != 0;
     report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
-    if (outcome.empty != 0) report->room = outcome.least_gap - kCandidateGap * view.grid.Geometry().spacing;
-    PetscCall(ShareColumns(view, static_cast<std::size_t>(outcome.columns), report));
-    PetscCall(nodes_.Push(view, impulses, of_friction, report));
+    if (outcome.empty != 0) report->room = outcome.least_gap - kCandidateGap * surface.grid.Geometry().spacing;
+    PetscCall(ShareColumns(static_cast<std::size_t>(outcome.columns), report));
+    PetscCall(nodes_.Push(motion, impulses, of_friction, report));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  PetscErrorCode Flow(const ContactView &view, std::vector<ColumnStrain> strains, Surface *surface, double *work) override
+  PetscErrorCode Flow(std::vector<ColumnStrain> strains, Surface *surface, double *work) override
   {
     std::vector<SegmentFlow> flows;
     PetscFunctionBeginUser;
     *work = 0;
     PetscCall(ExchangeRecords(
-        view.group.Comm(), &strains, [](const ColumnStrain &) { return 0; }, kAllToFirst));
-    if (RankIn(view.group.Comm()) == 0) {
+        group_.Comm(), &strains, [](const ColumnStrain &) { return 0; }, kAllToFirst));
+    if (RankIn(group_.Comm()) == 0) {
       NoteStrains(strains);
       *work = problem_.Shape().flow_work;
       for (const SegmentProblem::Flow &flow : problem_.Flows()) {
@@ -97,21 +100,22 @@ public:
       }
     }
     PetscCall(ExchangeRecords(
-        view.group.Comm(), &flows, [](const SegmentFlow &one) { return one.rank; }, kFirstToAll));
+        group_.Comm(), &flows, [](const SegmentFlow &one) { return one.rank; }, kFirstToAll));
     for (const SegmentFlow &one : flows) surface->Patches()[one.at].flow += one.by;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  PetscErrorCode PressuresOnPoints(const ContactView &view, std::vector<double> *pressures) override
+  PetscErrorCode PressuresOnPoints(const SurfaceInputs &surface, Vec3 tip, std::vector<double> *pressures) override
   {
     PetscFunctionBeginUser;
-    PetscCall(SpreadLoads(view, FacesOfPoints(view), view.points.Count(), pressures));
+    PetscCall(SpreadLoads(surface.grid.Geometry(), FacesOfPoints(surface, tip), surface.points.Count(), pressures));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscErrorCode PressuresOnPatches(const ContactView &view, std::vector<double> *pressures) override
+  PetscErrorCode PressuresOnPatches(const SurfaceInputs &surface, Vec3 tip, std::vector<double> *pressures) override
   {
     PetscFunctionBeginUser;
-    PetscCall(SpreadLoads(view, FacesOfPatches(view), static_cast<int>(view.surface.Patches().size()), pressures));
+    PetscCall(SpreadLoads(surface.grid.Geometry(), FacesOfPatches(surface, tip),
+                          static_cast<int>(surface.patches.Patches().size()), pressures));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -138,10 +142,9 @@ private:
   };
 
   /// Calls work(key, hat) for the lines of half cells along the last axis around a place.
-  template <class Work> static void ForEachLine(const ContactView &view, const CellPlace &place, Work work)
+  template <class Work> static void ForEachLine(const GridGeometry &grid, const CellPlace &place, Work work)
   {
-    const GridGeometry &grid = view.grid.Geometry();
-    const int up = view.geometry.Dim() - 1;
+    const int up = grid.dim - 1;
     Index first{};
     Vec3 part{};
     for (int a = 0; a < up; ++a) {
@@ -157,39 +160,41 @@ private:
 
   /// Adds a segment to the faces where it looks at the indenter. as_tip: its slope is that of the indenter there, not its own,
   /// which points' faces have in steps.
-  static void AddFace(const ContactView &view, int owner, const SurfaceSegment &s, bool as_tip, std::vector<PressedFace> *faces)
+  static void AddFace(const SurfaceInputs &surface, Vec3 tip, int owner, const SurfaceSegment &s, bool as_tip,
+                      std::vector<PressedFace> *faces)
   {
-    const int dim = view.geometry.Dim();
-    const SurfaceGap gap = view.indenter.Gap(s.x, view.tip.end);
-    if (gap.distance > kContactRange * view.grid.Geometry().spacing || !Faces(s, gap.normal)) return;
+    const GridGeometry &grid = surface.grid.Geometry();
+    const int dim = grid.dim;
+    const SurfaceGap gap = surface.indenter.Gap(s.x, tip);
+    if (gap.distance > kContactRange * grid.spacing || !Faces(s, gap.normal)) return;
     PressedFace face{owner, 0, s.area, s.area * (as_tip ? -gap.normal[dim - 1] : s.normal[dim - 1]), {}, {}};
-    ForEachLine(view, Locate(view.grid, s.x, dim),
+    ForEachLine(grid, Locate(grid, s.x),
                 [&](std::int64_t key, double hat) { face.key[face.lines] = key, face.hat[face.lines++] = hat; });
     faces->push_back(face);
   }
-  static std::vector<PressedFace> FacesOfPoints(const ContactView &view)
+  static std::vector<PressedFace> FacesOfPoints(const SurfaceInputs &surface, Vec3 tip)
   {
     std::vector<PressedFace> faces;
-    const PointArrays points = view.points.Arrays();
-    for (const int p : view.points.SurfacePoints()) {
-      if (FarFromIndenter(view, points.Position(p))) continue;
-      ForEachSegment(points, p, view.geometry, 0.125 * view.grid.Geometry().spacing,
-                     [&](const SurfaceSegment &s) { AddFace(view, p, s, true, &faces); });
+    const PointArrays points = surface.points.Arrays();
+    for (const int p : surface.points.SurfacePoints()) {
+      if (FarFromIndenter(surface, tip, points.Position(p))) continue;
+      ForEachSegment(points, p, surface.geometry, 0.125 * surface.grid.Geometry().spacing,
+                     [&](const SurfaceSegment &s) { AddFace(surface, tip, p, s, true, &faces); });
     }
     return faces;
   }
-  static std::vector<PressedFace> FacesOfPatches(const ContactView &view)
+  static std::vector<PressedFace> FacesOfPatches(const SurfaceInputs &surface, Vec3 tip)
   {
     std::vector<PressedFace> faces;
-    const std::vector<SurfacePatch> &patches = view.surface.Patches();
+    const std::vector<SurfacePatch> &patches = surface.patches.Patches();
     for (std::size_t k = 0; k < patches.size(); ++k)
-      if (!FarFromIndenter(view, patches[k].Center(view.geometry.Dim())))
-        AddFace(view, static_cast<int>(k), SegmentOf(patches[k], 0.5, 0.5, view.geometry), false, &faces);
+      if (!FarFromIndenter(surface, tip, patches[k].Center(surface.geometry.Dim())))
+        AddFace(surface, tip, static_cast<int>(k), SegmentOf(patches[k], 0.5, 0.5, surface.geometry), false, &faces);
     return faces;
   }
 
   /// Loads of segments go to lines half a cell apart, by hats about them, and over the areas that the faces have there.
-  PetscErrorCode SpreadLoads(const ContactView &view, const std::vector<PressedFace> &faces, int count,
+  PetscErrorCode SpreadLoads(const GridGeometry &grid, const std::vector<PressedFace> &faces, int count,
                              std::vector<double> *pressures)
   {
     std::vector<LineArea> areas;
@@ -198,9 +203,9 @@ private:
     for (const PressedFace &face : faces)
       for (int c = 0; c < face.lines; ++c) areas.push_back({face.key[c], face.hat[c] * face.projected});
     PetscCall(ExchangeRecords(
-        view.group.Comm(), &areas, [](const LineArea &) { return 0; }, kAllToFirst));
-    if (RankIn(view.group.Comm()) == 0) lines = PressuresOfLines(view, areas);
-    PetscCall(BroadcastList(view.group.Comm(), &lines));
+        group_.Comm(), &areas, [](const LineArea &) { return 0; }, kAllToFirst));
+    if (RankIn(group_.Comm()) == 0) lines = PressuresOfLines(grid, areas);
+    PetscCall(BroadcastList(group_.Comm(), &lines));
     const std::unordered_map<std::int64_t, double> by_key(lines.begin(), lines.end());
     std::vector<double> whole(count, 0.0);
     pressures->assign(count, 0.0);
@@ -216,12 +221,13 @@ private:
   }
 
   /// Loads of the last solve over the lines' areas now, Pa, by key.
-  std::vector<std::pair<std::int64_t, double>> PressuresOfLines(const ContactView &view, const std::vector<LineArea> &areas) const
+  std::vector<std::pair<std::int64_t, double>> PressuresOfLines(const GridGeometry &grid,
+                                                                const std::vector<LineArea> &areas) const
   {
     ColumnNumbers projected, loads;
     for (const LineArea &one : areas) projected[one.key] += one.area;
     for (const SegmentProblem::Load &load : problem_.Loads())
-      ForEachLine(view, problem_.Segments()[load.segment].place,
+      ForEachLine(grid, problem_.Segments()[load.segment].place,
                   [&](std::int64_t key, double hat) { loads[key] += hat * load.force; });
     std::vector<std::pair<std::int64_t, double>> pressures;
     for (const auto &[key, load] : loads)
@@ -231,37 +237,38 @@ private:
   }
 
   /// Tells all ranks of the group so many of the first one's columns.
-  static PetscErrorCode ShareColumns(const ContactView &view, std::size_t count, ContactReport *report)
+  PetscErrorCode ShareColumns(std::size_t count, ContactReport *report) const
   {
     std::vector<double> numbers;
     PetscFunctionBeginUser;
     if (count == 0) PetscFunctionReturn(PETSC_SUCCESS);
     for (const PressedColumn &one : report->columns) numbers.insert(numbers.end(), {static_cast<double>(one.key), one.share});
     numbers.resize(2 * count);
-    PetscCall(ShareFromFirst(view.group.Comm(), &numbers, kFirstToAll));
+    PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
     report->columns.clear();
     for (std::size_t k = 0; k < numbers.size(); k += 2)
       report->columns.push_back({static_cast<std::int64_t>(numbers[k]), numbers[k + 1]});
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  PetscErrorCode SolveOnFirst(const ContactView &view, std::vector<Segment> segments, Outcome *outcome,
-                              std::vector<Vec3> *impulses, std::vector<Vec3> *of_friction, ContactReport *report)
+  PetscErrorCode SolveOnFirst(const SurfaceInputs &surface, const NodeMotion &motion, const ContactStep &step,
+                              std::vector<Segment> segments, Outcome *outcome, std::vector<Vec3> *impulses,
+                              std::vector<Vec3> *of_friction, ContactReport *report)
   {
     PressureReport found;
     PetscFunctionBeginUser;
-    problem_.Build(view, nodes_, std::move(segments), means_, strains_, last_);
+    problem_.Build(surface.grid.Geometry(), surface.geometry.kind, step.dt, nodes_, std::move(segments), means_, strains_, last_);
     outcome->solved = 1, outcome->empty = problem_.Size() == 0;
     means_.clear(), strains_.clear(), last_.clear();
     if (problem_.Size() == 0) {
       ratios_.clear();
-      if (view.tip.IsFree()) outcome->travel = view.tip.FreeTravel();
+      if (step.tip.IsFree()) outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q = problem_.Start();
-    PetscCall(solver_.Solve(problem_, view.tip, 0, &q, &found));
-    if (settings_.friction > 0) PetscCall(AddFriction(view, &q, of_friction, &found, report));
-    problem_.Take(view, q, found.travel);
+    PetscCall(solver_.Solve(problem_, step.tip, 0, &q, &found));
+    if (settings_.friction > 0) PetscCall(AddFriction(surface.indenter, motion.Sides(), step, &q, of_friction, &found, report));
+    problem_.Take(motion.Border(), step.tip.start, q, found.travel);
     last_ = problem_.PressuresOf(q);
     for (const SurfaceColumn &column : problem_.Columns())
       if (column.mean > 0) means_[column.key] = column.mean;
@@ -271,52 +278,52 @@ private:
     outcome->at_border = nodes_.AreAtBorder();
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
-    outcome->half_width = HalfWidth(view, shape.area);
+    outcome->half_width = HalfWidth(surface, motion.Sides(), step.tip.start, shape.area);
     report->area = shape.area, report->stored = shape.stored;
-    report->columns = problem_.PressedAround(view);
+    report->columns = problem_.PressedAround(motion.Sides());
     outcome->columns = static_cast<double>(report->columns.size());
     report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
-    if (settings_.monitor && found.pressing) PetscCall(PrintSolve(view.time, problem_.Size(), found));
+    if (settings_.monitor && found.pressing) PetscCall(PrintSolve(step.time, problem_.Size(), found));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
   /// Tractions and pressures in turns, until the impulses of tractions stay.
-  PetscErrorCode AddFriction(const ContactView &view, std::vector<double> *q, std::vector<Vec3> *impulses, PressureReport *found,
-                             ContactReport *report)
+  PetscErrorCode AddFriction(const Indenter &indenter, const BoundaryConditions &sides, const ContactStep &step,
+                             std::vector<double> *q, std::vector<Vec3> *impulses, PressureReport *found, ContactReport *report)
   {
     constexpr int kMostTurns = 20;
     constexpr double kStop = 1e-7; // of the pressures' impulse
     Friction friction(settings_.friction);
     PetscFunctionBeginUser;
-    friction.Begin(view, problem_, ratios_);
+    friction.Begin(sides, indenter.up + 1, problem_, ratios_);
     for (int turn = 0; turn < kMostTurns; ++turn) {
-      const Vec3 way = view.tip.end - view.tip.start + view.indenter.Up(-found->travel);
+      const Vec3 way = step.tip.end - step.tip.start + indenter.Up(-found->travel);
       const double change = friction.Solve(problem_, *q, way);
       if (change < kStop) break; // also where there are none
       problem_.SetFriction(friction.Motion());
-      PetscCall(solver_.Solve(problem_, view.tip, friction.UpwardForce(), q, found));
+      PetscCall(solver_.Solve(problem_, step.tip, friction.UpwardForce(), q, found));
     }
     ratios_.clear();
     for (std::size_t j = 0; j < problem_.Columns().size(); ++j)
       if (friction.Ratios()[j] != Friction::Ratio{}) ratios_[problem_.Columns()[j].key] = friction.Ratios()[j];
     impulses->clear();
-    for (const Vec3 &force : friction.Forces()) impulses->push_back(view.dt * force);
+    for (const Vec3 &force : friction.Forces()) impulses->push_back(step.dt * force);
     nodes_.Restrict(impulses);
     report->friction_work = friction.Heat();
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
-  static double HalfWidth(const ContactView &view, double area)
+  static double HalfWidth(const SurfaceInputs &surface, const BoundaryConditions &sides, Vec3 tip, double area)
   {
     int parts = 1; // of the tip, by sides of symmetry through it
-    for (int axis = 0; axis < view.geometry.Dim() - 1; ++axis)
+    for (int axis = 0; axis < surface.geometry.Dim() - 1; ++axis)
       for (const Side side : SidesAcross(axis)) {
-        const double off = view.tip.start[axis] - view.grid.Coordinate(axis, view.sides.node[side]);
-        if (view.sides.kind[side] == BoundaryKind::kSymmetry && std::abs(off) < 1e-6 * view.grid.Geometry().spacing) parts *= 2;
+        const double off = tip[axis] - surface.grid.Coordinate(axis, sides.node[side]);
+        if (sides.kind[side] == BoundaryKind::kSymmetry && std::abs(off) < 1e-6 * surface.grid.Geometry().spacing) parts *= 2;
       }
-    if (view.geometry.Dim() == 3) return std::sqrt(parts * area / M_PI);
-    if (view.geometry.HasHoop()) return std::sqrt(area / M_PI);
-    return area / view.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
+    if (surface.geometry.Dim() == 3) return std::sqrt(parts * area / M_PI);
+    if (surface.geometry.HasHoop()) return std::sqrt(area / M_PI);
+    return area / surface.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
   }
 
   static constexpr std::int64_t kNumbers = 4;     ///< of a column: mean pressure, two ratios of tractions, plastic strain
@@ -333,6 +340,6 @@ private:
 
 } // namespace
 
-std::unique_ptr<Contact> MakePressureContact() { return std::make_unique<PressureContact>(); }
+std::unique_ptr<Contact> MakePressureContact(const ContactGroup &group) { return std::make_unique<PressureContact>(group); }
 
 } // namespace mlgimp

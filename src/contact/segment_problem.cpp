@@ -14,26 +14,26 @@ namespace
 /// Compliance between the nodes, of h/E*: what an elastic half space yields to waves of pressure more than the grid's nodes do,
 /// where it is even, shorter than two cells. Where waves run in all directions, as in space and under an axis, that is less.
 constexpr double kInPlane = 0.45, kInSpace = 0.36;
-/// Flow between the nodes: its rate, and the offset that a pressure as large as the mean one at which the metal flows holds, cells.
+/// Flow between the nodes: its rate, and the offset that a pressure as large as the mean one at which the metal flows holds,
+/// cells.
 constexpr double kRate = 3, kBack = 0.5;
 constexpr double kTabor = 2.8; ///< mean pressure of a contact over the flow stress (Tabor)
 
-/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
-bool CrossesBorderAt(const ContactView &view, Index column)
-{
-  const int up = view.geometry.Dim() - 1;
-  column[up] = Locate(view.grid, view.tip.start, view.geometry.Dim()).cell[up];
-  return view.border && view.border->BlendOf(column).beta == 0;
-}
-
 } // namespace
 
-void SegmentProblem::SumColumns(const ContactView &view)
+/// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
+bool SegmentProblem::CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const
+{
+  column[dim_ - 1] = Locate(grid_, tip).cell[dim_ - 1];
+  return border && border->BlendOf(column).beta == 0;
+}
+
+void SegmentProblem::SumColumns()
 {
   columns_.clear(), numbers_.clear(), hats_.clear();
   column_number_.clear();
   for (const Segment &segment : segments_) {
-    ForEachColumn(view, segment.place, [&](std::int64_t key, Index at, double hat) {
+    ForEachColumn(grid_, segment.place, [&](std::int64_t key, Index at, double hat) {
       const auto [found, is_new] = column_number_.try_emplace(key, static_cast<int>(columns_.size()));
       if (is_new) columns_.push_back({key, at});
       numbers_.push_back(found->second), hats_.push_back(hat);
@@ -57,13 +57,13 @@ const std::array<int, 8> &SegmentProblem::NodesOfCell(Index cell)
 }
 
 /// The nodes that move the corners of its patch, with their weights in it; false where none does.
-bool SegmentProblem::FindWeights(const ContactView &view, const Segment &segment, Candidate *one)
+bool SegmentProblem::FindWeights(const Segment &segment, Candidate *one)
 {
   constexpr double kNothing = 1e-9; // of a hat: a corner on a line of nodes but for rounding pushes none beyond
   std::array<NodeWeight, 32> found; // in the order of nodes
   int count = 0;
   for (int c = 0; c < 1 << (dim_ - 1); ++c) {
-    const CellPlace place = Locate(view.grid, segment.corner[c], dim_);
+    const CellPlace place = Locate(grid_, segment.corner[c]);
     const std::array<int, 8> &numbers = NodesOfCell(place.cell);
     const std::array<double, 8> hats = Hats(place.part, dim_);
     const auto counts = [&](int n) { return numbers[n] >= 0 && hats[n] > kNothing; };
@@ -86,23 +86,23 @@ bool SegmentProblem::FindWeights(const ContactView &view, const Segment &segment
   return count > 0;
 }
 
-void SegmentProblem::AddCandidates(const ContactView &view, const ColumnNumbers &before)
+void SegmentProblem::AddCandidates(const ColumnNumbers &before)
 {
   candidates_.clear(), weights_.clear();
   gaps_.clear(), closing_.clear(), start_.clear();
   for (std::size_t k = 0; k < segments_.size(); ++k) {
     const Segment &segment = segments_[k];
-    if (segment.pressed == 0 || segment.gap > kCandidateGap * view.grid.Geometry().spacing) continue;
+    if (segment.pressed == 0 || segment.gap > kCandidateGap * h_) continue;
     Candidate one{};
     one.segment = static_cast<int>(k);
     one.root_area = std::sqrt(segment.pressed);
     one.normal = segment.normal;
     double mean = 0;
-    if (!FindWeights(view, segment, &one)) continue;
+    if (!FindWeights(segment, &one)) continue;
     Vec3 velocity{};
     for (int n = one.first; n < one.end; ++n) velocity = velocity + weights_[n].weight * nodes_->At(weights_[n].node).velocity;
     int c = 0;
-    ForEachColumn(view, segment.place, [&](std::int64_t key, Index, double hat) {
+    ForEachColumn(grid_, segment.place, [&](std::int64_t key, Index, double hat) {
       one.column[c] = column_number_.at(key);
       one.hat[c++] = hat;
       if (const auto found = before.find(key); found != before.end()) mean += hat * found->second;
@@ -115,9 +115,9 @@ void SegmentProblem::AddCandidates(const ContactView &view, const ColumnNumbers 
 }
 
 /// c_s = .45 h/E*, c_p = gamma h/flow.
-void SegmentProblem::SetCompliance(const ContactView &view)
+void SegmentProblem::SetCompliance(GeometryKind geometry)
 {
-  const double h = view.grid.Geometry().spacing, elastic = view.geometry.kind == GeometryKind::kPlaneStrain ? kInPlane : kInSpace;
+  const double elastic = geometry == GeometryKind::kPlaneStrain ? kInPlane : kInSpace;
   for (Candidate &one : candidates_) {
     const Segment &segment = segments_[one.segment];
     one.beside = 1;
@@ -125,24 +125,26 @@ void SegmentProblem::SetCompliance(const ContactView &view)
       const SurfaceColumn &column = columns_[one.column[n]];
       one.beside -= one.hat[n] * column.pressable / column.surface;
     }
-    one.root_c = std::sqrt(h * elastic / segment.modulus);
-    one.back = std::isfinite(segment.flow) ? kBack * h / segment.flow : 0;
+    one.root_c = std::sqrt(h_ * elastic / segment.modulus);
+    one.back = std::isfinite(segment.flow) ? kBack * h_ / segment.flow : 0;
   }
 }
 
-void SegmentProblem::Build(const ContactView &view, const ContactNodes &nodes, std::vector<Segment> segments,
-                           const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchPressure> &last)
+void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, double dt, const ContactNodes &nodes,
+                           std::vector<Segment> segments, const ColumnNumbers &before, const ColumnNumbers &strains,
+                           const std::vector<PatchPressure> &last)
 {
-  dim_ = view.geometry.Dim(), on_columns_ = 1 << (dim_ - 1);
-  dt_ = view.dt, h_ = view.grid.Geometry().spacing;
+  grid_ = grid;
+  dim_ = grid.dim, on_columns_ = 1 << (dim_ - 1);
+  dt_ = dt, h_ = grid.spacing;
   nodes_ = &nodes;
   cell_nodes_.clear();
   segments_ = std::move(segments);
   shape_ = {};
   loads_.clear(), flows_.clear();
-  SumColumns(view);
-  AddCandidates(view, before);
-  SetCompliance(view);
+  SumColumns();
+  AddCandidates(before);
+  SetCompliance(geometry);
   SetFlow(strains);
   StartFrom(last);
   gaps_without_friction_ = gaps_;
@@ -262,7 +264,7 @@ void SegmentProblem::Diagonal(double *diagonal) const
   }
 }
 
-void SegmentProblem::Take(const ContactView &view, const std::vector<double> &q, double travel)
+void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector<double> &q, double travel)
 {
   constexpr double kEdge =
       0.1; // share of a segment's own in its column's pressure where contact ends; with 0.5 half widths are 0.1 cells short
@@ -291,10 +293,10 @@ void SegmentProblem::Take(const ContactView &view, const std::vector<double> &q,
   for (SurfaceColumn &column : columns_) {
     column.mean /= column.surface;
     if (column.load <= 0) continue;
-    shape_.crosses = shape_.crosses || CrossesBorderAt(view, column.at);
+    shape_.crosses = shape_.crosses || CrossesBorderAt(border, tip, column.at);
     if (column.projected > 0) shape_.peak = std::max(shape_.peak, column.load / column.projected);
     for (int a = 0; a < dim_ - 1; ++a)
-      shape_.reach = std::max(shape_.reach, std::abs(view.grid.Coordinate(a, column.at[a]) - view.tip.start[a]));
+      shape_.reach = std::max(shape_.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));
   }
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
@@ -321,15 +323,14 @@ void SegmentProblem::Take(const ContactView &view, const std::vector<double> &q,
   }
 }
 
-std::vector<PressedColumn> SegmentProblem::PressedAround(const ContactView &view) const
+std::vector<PressedColumn> SegmentProblem::PressedAround(const BoundaryConditions &sides) const
 {
   IndexBox around = {{}, {1, 1, 1}};
   for (int a = 0; a < dim_ - 1; ++a) around.lower[a] = -1, around.upper[a] = 2;
   const auto mirrored = [&](Index at) {
     for (int a = 0; a < dim_ - 1; ++a)
       for (const Side side : SidesAcross(a))
-        if (const int end = view.sides.node[side];
-            view.sides.kind[side] == BoundaryKind::kSymmetry && SignOf(side) * (at[a] - end) > 0)
+        if (const int end = sides.node[side]; sides.kind[side] == BoundaryKind::kSymmetry && SignOf(side) * (at[a] - end) > 0)
           at[a] = 2 * end - at[a];
     return at;
   };
@@ -337,7 +338,7 @@ std::vector<PressedColumn> SegmentProblem::PressedAround(const ContactView &view
   for (const SurfaceColumn &column : columns_) {
     double share = column.touching / column.surface;
     ForEach(around, [&](Index d) {
-      const auto beside = column_number_.find(ColumnKey(view, mirrored(column.at + d)));
+      const auto beside = column_number_.find(ColumnKey(grid_, mirrored(column.at + d)));
       if (beside == column_number_.end()) return; // the body ends
       const SurfaceColumn &other = columns_[beside->second];
       share = std::min(share, other.touching / other.surface);

@@ -18,12 +18,11 @@ constexpr double kWallDepth = 0.1; ///< cells; see PressedShare
 /// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
 /// indenter moves, nor does surface that faces the indenter less than half as much as a level one, as the side of a bar under a
 /// plate once it leans, or the wall of a hole with a ball on its rim: it counts as far as it has got in.
-double PressedShare(const ContactView &view, const SurfaceSegment &segment, const SurfaceGap &gap)
+double PressedShare(double h, int up, const SurfaceSegment &segment, const SurfaceGap &gap)
 {
-  const int up = view.geometry.Dim() - 1;
   const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal));
   if (level > kLeastFacing && facing >= 0.5 * level) return 1;
-  const double within = std::clamp(-gap.distance / (kWallDepth * view.grid.Geometry().spacing), 0.0, 1.0);
+  const double within = std::clamp(-gap.distance / (kWallDepth * h), 0.0, 1.0);
   if (level <= kLeastFacing) return within;
   const double least = std::min(kLeastFacing, 0.25 * level);
   return std::max(within, (facing - least) / (0.5 * level - least));
@@ -31,11 +30,11 @@ double PressedShare(const ContactView &view, const SurfaceSegment &segment, cons
 
 } // namespace
 
-CellPlace Locate(const Grid &grid, Vec3 x, int dim)
+CellPlace Locate(const GridGeometry &grid, Vec3 x)
 {
   CellPlace place{};
-  for (int a = 0; a < dim; ++a) {
-    const double from_first = (x[a] - grid.Geometry().lower[a]) / grid.Geometry().spacing, cell = std::floor(from_first);
+  for (int a = 0; a < grid.dim; ++a) {
+    const double from_first = (x[a] - grid.lower[a]) / grid.spacing, cell = std::floor(from_first);
     place.cell[a] = static_cast<int>(cell);
     place.part[a] = from_first - cell;
   }
@@ -53,15 +52,15 @@ std::array<double, 8> Hats(Vec3 part, int axes)
 /// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter
 /// where pressures rise, as beside an edge; there the wall may be nearer than the face that presses, which is the one that a way
 /// down comes out of.
-static SurfaceGap GapAt(const ContactView &view, Vec3 x, const SurfaceGap &nearest)
+static SurfaceGap GapAt(const SurfaceInputs &surface, Vec3 tip, Vec3 x, const SurfaceGap &nearest)
 {
   constexpr double kMostIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
   constexpr int kSteps = 8;
-  const int up = view.geometry.Dim() - 1;
+  const int up = surface.geometry.Dim() - 1;
   if (nearest.distance >= 0 || -nearest.normal[up] > kLeastFacing) return nearest;
   for (int step = 1; step <= kSteps; ++step) {
-    const Vec3 down = view.indenter.Up(-kMostIn * step / kSteps * view.grid.Geometry().spacing);
-    const SurfaceGap below = view.indenter.Gap(x + down, view.tip.end);
+    const Vec3 down = surface.indenter.Up(-kMostIn * step / kSteps * surface.grid.Geometry().spacing);
+    const SurfaceGap below = surface.indenter.Gap(x + down, tip);
     if (-below.normal[up] > kLeastFacing) return {below.distance - Dot(below.normal, down), below.normal};
   }
   return nearest;
@@ -73,19 +72,19 @@ struct PartOfPatch {
 };
 
 /// What lies under a face of the indenter, where an edge of it lies across the k-th patch.
-static PartOfPatch PartUnderFace(const ContactView &view, std::size_t k)
+static PartOfPatch PartUnderFace(const SurfaceInputs &surface, Vec3 tip, std::size_t k)
 {
   constexpr int kColumns = 16;
-  const int dim = view.geometry.Dim(), rows = dim == 2 ? 1 : kColumns;
-  const double range = kPointRange * view.grid.Geometry().spacing;
-  const SurfacePatch &patch = view.surface.Patches()[k];
+  const int dim = surface.geometry.Dim(), rows = dim == 2 ? 1 : kColumns;
+  const double range = kPointRange * surface.grid.Geometry().spacing;
+  const SurfacePatch &patch = surface.patches.Patches()[k];
   const auto is_under_face = [&](Vec3 x, const SurfaceGap &nearest) {
-    return -GapAt(view, x, nearest).normal[dim - 1] > kLeastFacing;
+    return -GapAt(surface, tip, x, nearest).normal[dim - 1] > kLeastFacing;
   };
-  const auto is_under = [&](Vec3 x) { return is_under_face(x, view.indenter.Gap(x, view.tip.end)); };
+  const auto is_under = [&](Vec3 x) { return is_under_face(x, surface.indenter.Gap(x, tip)); };
   int count = 0;
   for (int c = 0; c < 1 << (dim - 1); ++c) {
-    const SurfaceCorner &corner = view.surface.CornerOf(k, c);
+    const SurfaceCorner &corner = surface.patches.CornerOf(k, c);
     count += corner.gap.distance > range ? is_under(corner.x) : is_under_face(corner.x, corner.gap);
   }
   PartOfPatch sum{0, 0, 0};
@@ -93,41 +92,44 @@ static PartOfPatch PartUnderFace(const ContactView &view, std::size_t k)
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < kColumns; ++i) {
         const double s = (i + 0.5) / kColumns, t = (j + 0.5) / rows;
-        if (is_under(SegmentOf(patch, s, t, view.geometry).x)) sum.s += s, sum.t += t, sum.share += 1;
+        if (is_under(SegmentOf(patch, s, t, surface.geometry).x)) sum.s += s, sum.t += t, sum.share += 1;
       }
   if (sum.share == 0) return {0.5, 0.5, 1};
   return {sum.s / sum.share, sum.t / sum.share, sum.share / (kColumns * rows)};
 }
 
-void CollectSegments(const ContactView &view, std::vector<Segment> *segments, double *least_gap, double *penetration)
+void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPIInt rank, std::vector<Segment> *segments,
+                     double *least_gap, double *penetration)
 {
   constexpr double kTabor = 2.8, kStrain = 0.08; // mean pressure of a contact over the flow stress at such a strain (Tabor)
-  const int dim = view.geometry.Dim();
-  const PetscMPIInt rank = RankIn(view.group.Comm());
-  const double range = kContactRange * view.grid.Geometry().spacing, moves = Norm(view.tip.end - view.tip.start);
-  for (std::size_t k = 0; k < view.surface.Patches().size(); ++k) {
-    const SurfacePatch &patch = view.surface.Patches()[k];
-    const SurfaceCorner &first = view.surface.CornerOf(k, 0);
+  const int dim = surface.geometry.Dim();
+  const double range = kContactRange * surface.grid.Geometry().spacing, moves = Norm(tip.end - tip.start);
+  for (std::size_t k = 0; k < surface.patches.Patches().size(); ++k) {
+    const SurfacePatch &patch = surface.patches.Patches()[k];
+    const SurfaceCorner &first = surface.patches.CornerOf(k, 0);
     const double reach = Norm(patch.Center(dim) - first.x);
     if (first.gap.distance - reach > range || !std::isfinite(reach)) continue; // not: beside a failed point
-    SurfaceSegment s = SegmentOf(patch, 0.5, 0.5, view.geometry);
-    SurfaceGap nearest = view.indenter.Gap(s.x, view.tip.end);
+    SurfaceSegment s = SegmentOf(patch, 0.5, 0.5, surface.geometry);
+    SurfaceGap nearest = surface.indenter.Gap(s.x, tip.end);
     if (nearest.distance > range) continue;
     const double center = s.x[0];
-    const PartOfPatch part = PartUnderFace(view, k);
-    if (part.share < 1) s = SegmentOf(patch, part.s, part.t, view.geometry), nearest = view.indenter.Gap(s.x, view.tip.end);
-    const double ring = view.geometry.OutOfPlane(s.x[0]) / (patch.ring * view.geometry.OutOfPlane(center));
+    const PartOfPatch part = PartUnderFace(surface, tip.end, k);
+    if (part.share < 1) s = SegmentOf(patch, part.s, part.t, surface.geometry), nearest = surface.indenter.Gap(s.x, tip.end);
+    const double ring = surface.geometry.OutOfPlane(s.x[0]) / (patch.ring * surface.geometry.OutOfPlane(center));
     s.area /= ring;
-    const SurfaceGap gap = GapAt(view, s.x, nearest);
+    const SurfaceGap gap = GapAt(surface, tip.end, s.x, nearest);
     *least_gap = std::min(*least_gap, gap.distance);
-    if (nearest.distance <= moves) *penetration = std::max(*penetration, -view.indenter.Gap(s.x, view.tip.start).distance);
-    const double pressed = Faces(s, gap.normal) ? part.share * s.area * PressedShare(view, s, gap) : 0;
+    if (nearest.distance <= moves) *penetration = std::max(*penetration, -surface.indenter.Gap(s.x, tip.start).distance);
+    const double pressed =
+        Faces(s, gap.normal) ? part.share * s.area * PressedShare(surface.grid.Geometry().spacing, dim - 1, s, gap) : 0;
     if (pressed == 0 && s.normal[dim - 1] <= kLeastFacing) continue;
-    const Material &material = *view.bodies.material[patch.body];
+    const Material &material = *surface.bodies.material[patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
     const double flow = material.IsMetal() ? kTabor * material.FlowStress(kStrain) : HUGE_VAL;
-    Segment one{patch.number, patch.path, rank, static_cast<int>(k), patch.flow, {},  {}, Locate(view.grid, s.x, dim), gap.normal,
-                s.area,       pressed,    ring, gap.distance,        modulus,    flow};
+    Segment one{patch.number, patch.path, rank,    static_cast<int>(k),
+                patch.flow,   {},         {},      Locate(surface.grid.Geometry(), s.x),
+                gap.normal,   s.area,     pressed, ring,
+                gap.distance, modulus,    flow};
     const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
     std::copy_n(patch.corner, 4, one.corner);
     std::copy(weights.begin(), weights.end(), one.corner_part);
@@ -135,27 +137,27 @@ void CollectSegments(const ContactView &view, std::vector<Segment> *segments, do
   }
 }
 
-PetscErrorCode GatherSegments(const ContactView &view, std::vector<Segment> *segments)
+PetscErrorCode GatherSegments(MPI_Comm comm, std::vector<Segment> *segments)
 {
   PetscFunctionBeginUser;
   PetscCall(ExchangeRecords(
-      view.group.Comm(), segments, [](const Segment &) { return 0; }, kAllToFirst));
+      comm, segments, [](const Segment &) { return 0; }, kAllToFirst));
   const auto key = [](const Segment &one) { return std::tie(one.patch, one.path); };
   std::sort(segments->begin(), segments->end(), [&](const Segment &a, const Segment &b) { return key(a) < key(b); });
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::vector<Index> NodesOf(const ContactView &view, const std::vector<Segment> &segments)
+std::vector<Index> NodesOf(const Grid &grid, const std::vector<Segment> &segments)
 {
   std::vector<Index> cells, nodes;
   const auto unite = [](std::vector<Index> *list) {
     std::sort(list->begin(), list->end());
     list->erase(std::unique(list->begin(), list->end()), list->end());
   };
-  const int dim = view.geometry.Dim();
+  const int dim = grid.Geometry().dim;
   for (const Segment &segment : segments)
     for (int c = 0; c < 1 << (dim - 1); ++c)
-      if (const Index cell = Locate(view.grid, segment.corner[c], dim).cell; cells.empty() || cells.back() != cell)
+      if (const Index cell = Locate(grid.Geometry(), segment.corner[c]).cell; cells.empty() || cells.back() != cell)
         cells.push_back(cell);
   unite(&cells);
   for (const Index cell : cells)

@@ -1,6 +1,8 @@
 // Seeding, motion and halving of patches.
 #include "contact/surface.hpp"
 
+#include "contact/contact.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
@@ -118,7 +120,19 @@ void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std:
   for (std::size_t k = 0; k < number_.size(); ++k) patches_[k / per_patch_].corner[k % per_patch_] = corners_[number_[k]].x;
 }
 
-void Surface::Split(const Geometry &geometry, const std::function<double(const SurfacePatch &)> &longest)
+/// Cells: longer than a point's face, than half of it, and than a quarter: where segments come into contact row by row, each is a
+/// step of the load; in space, where there are many, that counts while the contact is small.
+static double LongestInCells(const SurfacePatch &patch, const Indenter &indenter, Vec3 tip, double h)
+{
+  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95, kSmall = 2;
+  const int dim = indenter.up + 1;
+  const Vec3 center = patch.Center(dim);
+  const double off = indenter.Gap(center, tip).distance / h;
+  const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kSmall * h;
+  return off > kPointRange ? kFar : off > kTouch || beside ? kNear : kTouching;
+}
+
+void Surface::Split(const Geometry &geometry, const Indenter &indenter, Vec3 tip, double h)
 {
   const int dim = geometry.Dim();
   constexpr double kTorn =
@@ -129,7 +143,7 @@ void Surface::Split(const Geometry &geometry, const std::function<double(const S
     const Vec3 *const x = whole.corner;
     const double along = dim == 2 ? Norm(x[1] - x[0]) : std::max(Norm(x[1] - x[0]), Norm(x[2] - x[3])),
                  across = dim == 2 ? 0 : std::max(Norm(x[3] - x[0]), Norm(x[2] - x[1]));
-    const double length = std::max(along, across), most = longest(whole);
+    const double length = std::max(along, across), most = h * LongestInCells(whole, indenter, tip, h);
     if (!(length > most && length < kTorn * most)) {
       ++k;
       continue;

@@ -32,7 +32,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
     PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
                             model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
-  if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, &contact_));
+  if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, group_, &contact_));
   if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
   bodies_ = model_.Table();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -159,7 +159,7 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
-  pushed_.clear(), pressed_around_.clear(), flows_ = false;
+  pushed_.clear(), surface_motion_.Begin(), touched_ = false;
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
   if (ContactAwake()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
   pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
@@ -232,7 +232,6 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  NoteStrains();
   PetscCall(PrepareSurface());
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->ClearRates();
@@ -244,7 +243,6 @@ PetscErrorCode Level::AdvancePoints(double dt)
     budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
     PetscCall(AddWorkOfLoads(false, dt));
     PetscCall(MoveSurface(false, dt));
-    PetscCall(LetSurfaceFlow(dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ExchangeRates(dt, xpic));
@@ -254,7 +252,6 @@ PetscErrorCode Level::AdvancePoints(double dt)
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(MoveSurface(true, dt));
-  PetscCall(LetSurfaceFlow(dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,8 +1,7 @@
 // What a level does with contact in a step, and what it adds up of it.
 #include "level/level.hpp"
 
-#include "contact/body.hpp"
-#include "contact/segments.hpp"
+#include "contact/node_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -121,18 +120,13 @@ void Level::FindFollowing(Vec3 tip)
   }
 }
 
-ContactView Level::ViewOfContact(double time, double dt, const TipStep &tip)
-{
-  return {*grid_, group_, points_, surface_, bodies_, geometry_.sides, *model_.indenter, model_.geometry, nodal_.mass_cutoff,
-          time,   dt,     tip,     border_,  shared_, &light_};
-}
+SurfaceInputs Level::SurfaceNow() { return {*grid_, model_.geometry, surface_, points_, bodies_, *model_.indenter}; }
 
 PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressures)
 {
   PetscFunctionBeginUser;
   pressures->assign(points_.Count(), 0.0);
-  if (ContactAwake() && group_.Participates())
-    PetscCall(contact_->PressuresOnPoints(ViewOfContact(time_, 0, {tip, tip}), pressures));
+  if (ContactAwake() && group_.Participates()) PetscCall(contact_->PressuresOnPoints(SurfaceNow(), tip, pressures));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,8 +134,7 @@ PetscErrorCode Level::FindSurfacePressures(Vec3 tip, std::vector<double> *pressu
 {
   PetscFunctionBeginUser;
   pressures->clear();
-  if (ContactAwake() && group_.Participates())
-    PetscCall(contact_->PressuresOnPatches(ViewOfContact(time_, 0, {tip, tip}), pressures));
+  if (ContactAwake() && group_.Participates()) PetscCall(contact_->PressuresOnPatches(SurfaceNow(), tip, pressures));
   pressures->resize(surface_.Patches().size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -152,15 +145,15 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   ContactReport report;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const ContactView view = ViewOfContact(time, dt, tip);
-  PetscCall(contact_->Apply(view, &report));
+  const NodeMotion nodes(*grid_, geometry_.sides, light_, nodal_.mass_cutoff, group_, border_, shared_);
+  PetscCall(contact_->Apply(SurfaceNow(), nodes, {time, dt, tip}, &report));
   pushes_beyond_ = pushes_beyond_ || report.at_border;
   pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
   contact_room_ = report.room;
-  for (const PressedColumn &one : report.columns) pressed_around_[one.key] = one.share;
-  flows_ = model_.HasMetal();
+  surface_motion_.SetPressed(report.columns);
+  touched_ = true;
   contact_tip_ = tip.end;
   NoteContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
@@ -177,55 +170,18 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The part of the motion of a place of the surface that goes with the nodes: where contact presses they are in balance with the
-/// forces in the body on any line of nodes, and points are not; in bodies that flow where it presses all around, as the crest
-/// beside a steep tip, where few points are, runs away with them.
-double Level::HeldByContact(Vec3 x, double distance, bool flows)
-{
-  constexpr double kLeast = 0.25, kFade = 0.25; // share of the surface; cells off the indenter
-  double share = 0;
-  if (pressed_around_.empty()) return 0;
-  const double off = distance / (kFade * geometry_.grid.spacing);
-  if (off >= 1 || !flows) return 1 - SmoothStep(off);
-  const ContactView view = ViewOfContact(time_, 0, {contact_tip_, contact_tip_});
-  ForEachColumn(view, Locate(*grid_, x, geometry_.grid.dim), [&](std::int64_t key, Index, double hat) {
-    if (const auto found = pressed_around_.find(key); found != pressed_around_.end()) share += hat * found->second;
-  });
-  return SmoothStep((share - kLeast) / (1 - kLeast)) * (1 - SmoothStep(off));
-}
-
-void Level::SplitSurface(Vec3 tip)
-{
-  // Cells: longer than a point's face, than half of it, and than a quarter: where segments come into contact row by row, each
-  // is a step of the load; in space, where there are many, that counts while the contact is small.
-  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95, kSmall = 2;
-  const int dim = geometry_.grid.dim;
-  const double h = geometry_.grid.spacing;
-  surface_.Split(model_.geometry, [&](const SurfacePatch &patch) {
-    const Vec3 center = patch.Center(dim);
-    const double off = model_.indenter->Gap(center, tip).distance / h;
-    const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kSmall * h;
-    return h * (off > kPointRange ? kFar : off > kTouch || beside ? kNear : kTouching);
-  });
-}
-
 /// Finds how corners of the surface will move, before the points do.
 PetscErrorCode Level::PrepareSurface()
 {
-  std::vector<NearPoints::Place> places;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
-  const double range = kContactRange * geometry_.grid.spacing; // no segment is beyond it, and nodes and points move alike
-  corners_.clear();
-  for (const SurfaceCorner &corner : surface_.Corners()) {
-    corners_.push_back({1, {}});
-    if (!ContactAwake() || corner.gap.distance > range) continue;
-    const bool flows = bodies_.material[corner.body]->IsMetal();
-    corners_.back().by_nodes = HeldByContact(corner.x, corner.gap.distance, flows);
-    if (corners_.back().by_nodes < 1) places.push_back({corner.x, corner.body});
-  }
-  if (ContactAwake()) PetscCall(near_.Begin(*grid_, places, points_, drift_path_ * geometry_.grid.spacing));
+  if (ContactAwake())
+    PetscCall(surface_motion_.Prepare(*grid_, surface_, bodies_, points_, drift_path_ * geometry_.grid.spacing));
+  else
+    surface_motion_.PrepareFar(surface_);
+  strain_under_.Clear();
+  if (touched_ && model_.HasMetal()) strain_under_.Begin(SurfaceNow(), contact_tip_);
   PetscCall(PetscLogEventEnd(events_.surface, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -233,53 +189,17 @@ PetscErrorCode Level::PrepareSurface()
 /// rates: points that do not average their volume are strained by the second velocity.
 PetscErrorCode Level::MoveSurface(bool rates, double dt)
 {
-  std::vector<NearPoints::Sum> sums;
   std::vector<char> by_rates;
+  double work = 0;
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
-  for (std::size_t body = 0; body < model_.bodies.size(); ++body)
-    by_rates.push_back(rates && bodies_.average[body] < 0);
-  if (ContactAwake()) PetscCall(near_.Finish(*grid_, points_.Arrays(), &sums));
-  auto next = sums.begin();
-  for (Surface::CornerMotion &corner : corners_)
-    if (corner.by_nodes < 1) corner.sums = *next++;
-  surface_.Move(*grid_, geometry_.sides, by_rates, corners_, nodal_.mass_cutoff, dt);
+  for (const int average : bodies_.average) by_rates.push_back(rates && average < 0);
+  PetscCall(surface_motion_.Finish(*grid_, geometry_.sides, points_.Arrays(), by_rates, nodal_.mass_cutoff, dt, &surface_));
   PetscCall(PetscLogEventEnd(events_.surface, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The plastic strains of the points of the surface near the indenter, and under which columns they lie, before the step's
-/// strain.
-void Level::NoteStrains()
-{
-  flowing_.clear(), under_columns_.clear();
-  if (!flows_) return;
-  const ContactView view = ViewOfContact(time_, 0, {contact_tip_, contact_tip_});
-  const PointArrays points = points_.Arrays();
-  for (const int p : points_.SurfacePoints()) {
-    if (FarFromIndenter(view, points.Position(p)) || !bodies_.Of(points, p).IsMetal()) continue;
-    flowing_.push_back({p, points.history[PointArrays::At(p, points.history_components)]});
-    ForEachColumn(view, Locate(*grid_, points.Position(p), points.dim), [&](std::int64_t key, Index, double hat) {
-      under_columns_.push_back({key, 0, hat * points.mass[p]});
-    });
-  }
-}
-
-/// Tells contact what they have flowed since.
-PetscErrorCode Level::LetSurfaceFlow(double dt)
-{
-  double work = 0;
-  PetscFunctionBeginUser;
-  if (!flows_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!touched_ || !model_.HasMetal()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
-  const PointArrays points = points_.Arrays();
-  const std::size_t columns = 1U << (points.dim - 1);
-  for (std::size_t k = 0; k < flowing_.size(); ++k) {
-    const double by = points.history[PointArrays::At(flowing_[k].first, points.history_components)] - flowing_[k].second;
-    for (std::size_t c = k * columns; c < (k + 1) * columns; ++c) under_columns_[c].strain = by * under_columns_[c].weight;
-  }
-  PetscCall(contact_->Flow(ViewOfContact(time_, dt, {contact_tip_, contact_tip_}), under_columns_, &surface_, &work));
+  PetscCall(contact_->Flow(strain_under_.End(points_.Arrays()), &surface_, &work));
   budgets_.contact_plastic_work += work;
   PetscCall(PetscLogEventEnd(events_.contact, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,22 +20,17 @@ struct PressedBody {
   static constexpr double kH = 0.25; // m
   Grid grid;
   ContactGroup group;
-  Points points;
-  Surface surface;
-  BodyTable bodies;
   BoundaryConditions sides;
-  Indenter indenter;
+  LightNodes light;
   Geometry geometry;
   std::vector<Segment> segments;
   ContactNodes nodes;
   SegmentProblem problem;
 
-  ContactView View()
-  {
-    ContactView view{grid, group, points, surface, bodies, sides, indenter, geometry, 0, 0, 1e-3};
-    view.tip.start = view.tip.end = {2, 2, 2};
-    return view;
-  }
+  static constexpr double kDt = 1e-3;     // s
+  static constexpr Vec3 kTip = {2, 2, 2}; // m
+
+  void Build(const ColumnNumbers &before) { problem.Build(grid.Geometry(), geometry.kind, kDt, nodes, segments, before, {}, {}); }
 
   /// Segments across the whole width, with pressures of the last step by columns.
   PetscErrorCode Create(GeometryKind kind, const ColumnNumbers &before = {})
@@ -49,6 +44,7 @@ struct PressedBody {
     layout.ranks = {0};
     PetscCall(grid.Create(PETSC_COMM_SELF, shape, layout));
     PetscCall(group.Create(grid, kAllNodes));
+    light.Create(grid, sides, {}, false, std::vector<double>(grid.GhostedNodes(), 1.0));
     ForEach(grid.Owned(), [&](Index node) {
       const std::ptrdiff_t place = grid.Place(node);
       grid.Sums()[place].mass = 1 + 0.3 * std::sin(node[0] + 7.0 * node[up]);
@@ -71,11 +67,12 @@ struct PressedBody {
         one.corner_part[c] = part[c];
         x = x + part[c] * one.corner[c];
       }
-      one.place = Locate(grid, x, dim);
+      one.place = Locate(grid.Geometry(), x);
       segments.push_back(one);
     }
-    PetscCall(nodes.Gather(View(), NodesOf(View(), segments)));
-    problem.Build(View(), nodes, segments, before, {}, {});
+    const NodeMotion motion(grid, sides, light, 0, group, nullptr, nullptr);
+    PetscCall(nodes.Gather(motion, NodesOf(grid, segments)));
+    Build(before);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 };
@@ -124,7 +121,7 @@ TEST(Segments, EvenPressuresMoveNodesAlone)
     ASSERT_EQ(body.Create(kind), PETSC_SUCCESS);
     std::unordered_map<std::int64_t, double> even;
     for (const SurfaceColumn &column : body.problem.Columns()) even[column.key] = 3;
-    body.problem.Build(body.View(), body.nodes, body.segments, even, {}, {});
+    body.Build(even);
     const std::vector<double> &q = body.problem.Start();
     std::vector<double> Aq(q.size());
     body.problem.Multiply(q.data(), Aq.data());
@@ -138,7 +135,7 @@ TEST(Segments, EvenPressuresMoveNodesAlone)
       EXPECT_NEAR(q[k] / root_area, 3, 1e-13);
       EXPECT_NEAR(Aq[k], root_area * Dot(motion[k], body.problem.NormalOf(k)), 1e-12 * std::abs(Aq[k]));
     }
-    body.problem.Take(body.View(), q, 0);
+    body.problem.Take(nullptr, PressedBody::kTip, q, 0);
     EXPECT_NEAR(body.problem.Shape().stored, 0, 1e-12);
   }
 }
@@ -155,7 +152,7 @@ TEST(Segments, TakesTheSolution)
     std::vector<double> q = body.problem.Start();
     ASSERT_EQ(solver.Solve(body.problem, {}, 0, &q, &report), PETSC_SUCCESS);
     EXPECT_TRUE(report.solved && report.pressing > 3 && report.pressing < body.problem.Size());
-    body.problem.Take(body.View(), q, 0);
+    body.problem.Take(nullptr, PressedBody::kTip, q, 0);
     Vec3 given{}, taken{};
     for (int k = 0; k < body.problem.Size(); ++k) given = given + (1e-3 * body.problem.ForceOf(k, q)) * body.problem.NormalOf(k);
     for (const Vec3 &impulse : body.problem.Impulses()) taken = taken + impulse;
@@ -207,7 +204,7 @@ TEST(Friction, CoulombsConditionsHold)
     std::vector<double> q(problem.Size());
     for (double &one : q) one = std::pow(10, Random(0, 5));
     Friction friction(kMu);
-    friction.Begin(body.View(), problem, {});
+    friction.Begin(body.sides, body.geometry.Dim(), problem, {});
     friction.Solve(problem, q, way);
     // Slips of segments, then of columns, weighted by pressures.
     std::vector<Vec3> forces, moved;

@@ -34,7 +34,7 @@ struct ContactStep {
   TipStep tip{};
 };
 
-/// A column of the grid and the share of its surface, and of that of its neighbours, that presses: the least of them.
+/// A column of the grid and the share of its surface that presses.
 struct PressedColumn {
   std::int64_t key;
   double share;

@@ -104,8 +104,8 @@ public:
   };
   const Footprint &Shape() const { return shape_; }
   const std::vector<SurfaceColumn> &Columns() const { return columns_; }
-  /// Columns all around which some surface presses, after Take.
-  std::vector<PressedColumn> PressedAround(const BoundaryConditions &sides) const;
+  /// Columns of which some surface presses, after Take.
+  std::vector<PressedColumn> Pressed() const;
   const ContactNodes &Nodes() const { return *nodes_; }
   const std::vector<Vec3> &Impulses() const { return impulses_; }
 

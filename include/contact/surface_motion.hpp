@@ -16,7 +16,7 @@ class SurfaceMotion
 public:
   /// Before contact: nothing presses yet in the step.
   void Begin() { pressed_.clear(); }
-  /// The columns around which contact presses in the step.
+  /// The columns in which contact presses in the step.
   void SetPressed(const std::vector<PressedColumn> &columns)
   {
     for (const PressedColumn &one : columns) pressed_[one.key] = one.share;

@@ -280,7 +280,7 @@ private:
     outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
     outcome->half_width = HalfWidth(surface, motion.Sides(), step.tip.start, shape.area);
     report->area = shape.area, report->stored = shape.stored;
-    report->columns = problem_.PressedAround(motion.Sides());
+    report->columns = problem_.Pressed();
     outcome->columns = static_cast<double>(report->columns.size());
     report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
     if (settings_.monitor && found.pressing) PetscCall(PrintSolve(step.time, problem_.Size(), found));

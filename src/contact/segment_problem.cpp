@@ -323,28 +323,11 @@ void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector
   }
 }
 
-std::vector<PressedColumn> SegmentProblem::PressedAround(const BoundaryConditions &sides) const
+std::vector<PressedColumn> SegmentProblem::Pressed() const
 {
-  IndexBox around = {{}, {1, 1, 1}};
-  for (int a = 0; a < dim_ - 1; ++a) around.lower[a] = -1, around.upper[a] = 2;
-  const auto mirrored = [&](Index at) {
-    for (int a = 0; a < dim_ - 1; ++a)
-      for (const Side side : SidesAcross(a))
-        if (const int end = sides.node[side]; sides.kind[side] == BoundaryKind::kSymmetry && SignOf(side) * (at[a] - end) > 0)
-          at[a] = 2 * end - at[a];
-    return at;
-  };
   std::vector<PressedColumn> pressed;
-  for (const SurfaceColumn &column : columns_) {
-    double share = column.touching / column.surface;
-    ForEach(around, [&](Index d) {
-      const auto beside = column_number_.find(ColumnKey(grid_, mirrored(column.at + d)));
-      if (beside == column_number_.end()) return; // the body ends
-      const SurfaceColumn &other = columns_[beside->second];
-      share = std::min(share, other.touching / other.surface);
-    });
-    if (share > 0) pressed.push_back({column.key, share});
-  }
+  for (const SurfaceColumn &column : columns_)
+    if (column.touching > 0) pressed.push_back({column.key, column.touching / column.surface});
   return pressed;
 }
 

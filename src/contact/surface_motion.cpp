@@ -8,8 +8,8 @@ namespace mlgimp
 {
 
 /// The part of the motion of a corner that goes with the nodes: where contact presses they are in balance with the forces in the
-/// body on any line of nodes, and points are not; in bodies that flow where it presses all around, as the crest beside a steep
-/// tip, where few points are, runs away with them.
+/// body on any line of nodes, and points are not; in bodies that flow where most of the surface presses, as the crest beside a
+/// steep tip, where few points are, runs away with them.
 double SurfaceMotion::PartOfNodes(const GridGeometry &grid, const SurfaceCorner &corner, bool flows) const
 {
   constexpr double kLeast = 0.25, kFade = 0.25; // share of the surface; cells off the indenter

@@ -172,8 +172,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
   }
 }
 
-/// An indenter of which less than a cell ever meets the surface does not act, as a pressure belongs to a column of cells; one
-/// that is curved and yet flat over the whole domain has a size in another unit.
+/// Under an indenter of which less than a cell ever meets the surface the load is that of the cells; one that is curved and yet
+/// flat over the whole domain has a size in another unit.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
   const Indenter &indenter = *c.model.indenter;

@@ -163,8 +163,6 @@ private:
   std::vector<SurfaceColumn> columns_;
   std::unordered_map<std::int64_t, int> column_number_;
   std::vector<Segment> segments_;
-  std::vector<int> numbers_; ///< [segments][columns of each]
-  std::vector<double> hats_; ///< likewise
   std::vector<Candidate> candidates_;
   std::vector<NodeWeight> weights_;
   std::unordered_map<Index, std::array<int, 8>, IndexHash> cell_nodes_;

@@ -174,4 +174,12 @@ template <class Geometry> double AdvanceDeformation(int count, double dt, const 
   return std::isfinite(total) ? dt * largest : NAN;
 }
 
+/// Mean pressure of a contact under which a material flows, 2.8 times its flow stress at a strain of 8 % (Tabor 1951), Pa;
+/// infinite where it does not flow.
+inline double ContactPressureOfFlow(const Material &material)
+{
+  constexpr double kTabor = 2.8, kStrain = 0.08;
+  return kTabor * material.FlowStress(kStrain);
+}
+
 } // namespace mlgimp

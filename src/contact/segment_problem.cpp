@@ -14,10 +14,9 @@ namespace
 /// Compliance between the nodes, of h/E*: what an elastic half space yields to waves of pressure more than the grid's nodes do,
 /// where it is even, shorter than two cells. Where waves run in all directions, as in space and under an axis, that is less.
 constexpr double kInPlane = 0.45, kInSpace = 0.36;
-/// Flow between the nodes: its rate, and the offset that a pressure as large as the mean one at which the metal flows holds,
-/// cells.
-constexpr double kRate = 3, kBack = 0.5;
-constexpr double kTabor = 2.8; ///< mean pressure of a contact over the flow stress (Tabor)
+/// Flow between the nodes, for a pressure as large as the mean one at which the metal flows under a contact: the offset that a
+/// strain of 1 makes, three times 2.8, and the largest one that it holds, cells.
+constexpr double kRate = 8.4, kBack = 0.5;
 
 } // namespace
 
@@ -30,13 +29,11 @@ bool SegmentProblem::CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index 
 
 void SegmentProblem::SumColumns()
 {
-  columns_.clear(), numbers_.clear(), hats_.clear();
-  column_number_.clear();
+  columns_.clear(), column_number_.clear();
   for (const Segment &segment : segments_) {
     ForEachColumn(grid_, segment.place, [&](std::int64_t key, Index at, double hat) {
       const auto [found, is_new] = column_number_.try_emplace(key, static_cast<int>(columns_.size()));
       if (is_new) columns_.push_back({key, at});
-      numbers_.push_back(found->second), hats_.push_back(hat);
       SurfaceColumn &column = columns_[found->second];
       column.surface += hat * segment.area;
       column.pressable += hat * segment.pressed;
@@ -188,7 +185,7 @@ void SegmentProblem::SetFlow(const ColumnNumbers &strains)
       if (const auto found = strains.find(columns_[one.column[n]].key); found != strains.end())
         strain += one.hat[n] * found->second;
     if (one.back == 0 || strain == 0) continue;
-    one.relaxes = -std::expm1(-kRate * h_ * kTabor / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
+    one.relaxes = -std::expm1(-kRate * h_ / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
     one.root_flow = std::sqrt(one.relaxes * one.back);
     gaps_[k] -= one.root_area * one.relaxes * segment.offset;
     flows_step_ = true;

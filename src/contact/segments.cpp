@@ -101,7 +101,6 @@ static PartOfPatch PartUnderFace(const SurfaceInputs &surface, Vec3 tip, std::si
 void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPIInt rank, std::vector<Segment> *segments,
                      double *least_gap, double *penetration)
 {
-  constexpr double kTabor = 2.8, kStrain = 0.08; // mean pressure of a contact over the flow stress at such a strain (Tabor)
   const int dim = surface.geometry.Dim();
   const double range = kContactRange * surface.grid.Geometry().spacing, moves = Norm(tip.end - tip.start);
   for (std::size_t k = 0; k < surface.patches.Patches().size(); ++k) {
@@ -125,7 +124,7 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
     if (pressed == 0 && s.normal[dim - 1] <= kLeastFacing) continue;
     const Material &material = *surface.bodies.material[patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
-    const double flow = material.IsMetal() ? kTabor * material.FlowStress(kStrain) : HUGE_VAL;
+    const double flow = ContactPressureOfFlow(material);
     Segment one{patch.number, patch.path, rank,    static_cast<int>(k),
                 patch.flow,   {},         {},      Locate(surface.grid.Geometry(), s.x),
                 gap.normal,   s.area,     pressed, ring,

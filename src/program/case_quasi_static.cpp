@@ -98,16 +98,15 @@ double LoadExponent(const Case &c, double depth)
 }
 
 /// Share of a depth that comes back until half of the load is gone: 1 - 2^(-1/m) of what is elastic. In a metal that is
-/// m P/S = m pi H a/(2 E*), with a hardness H of 2.8 times the flow stress at a strain of 8 % (Tabor).
+/// m P/S = m pi H a/(2 E*), with a hardness H.
 double SpringBack(const Case &c, double exponent, double depth)
 {
-  constexpr double kTabor = 2.8, kStrain = 0.08;
   const double half = 1 - std::pow(0.5, 1 / exponent);
   const Material *material = MaterialAt(c.model, ContactPlace(c));
   if (!material || !(depth > 0)) return half;
   const double mu = material->Mu(), lambda = material->Lambda(), modulus = 4 * mu * (lambda + mu) / (lambda + 2 * mu);
   const double slope = 0.5 * c.model.indenter->surface->Width(depth) / depth; // a/h
-  return half * std::min(1.0, exponent * M_PI / 2 * kTabor * material->FlowStress(kStrain) / modulus * slope);
+  return half * std::min(1.0, exponent * M_PI / 2 * ContactPressureOfFlow(*material) / modulus * slope);
 }
 
 /// The speed from which on inertia presses a metal noticeably: rho c V against the shear yield stress sy/sqrt 3.

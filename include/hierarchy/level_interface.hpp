@@ -6,8 +6,8 @@
 // kind are the interface nodes. They advance with the fine step; fine nodes with beta = 0 are constrained. See docs/levels.md.
 #pragma once
 
-#include "hierarchy/mapping.hpp"
 #include "contact/border_nodes.hpp"
+#include "hierarchy/mapping.hpp"
 #include "level/level.hpp"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // Pressure on the sides of bodies: it acts on the current faces of the points and follows them.
 #pragma once
 
-#include "points/face.hpp"
 #include "grid/grid.hpp"
 #include "level/kernels.hpp"
+#include "points/face.hpp"
 #include "points/points.hpp"
 #include "pointwise/indenter.hpp"
 

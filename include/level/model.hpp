@@ -2,9 +2,9 @@
 #pragma once
 
 #include "contact/settings.hpp"
+#include "grid/nodes.hpp"
 #include "level/kernels.hpp"
 #include "level/loads.hpp"
-#include "grid/nodes.hpp"
 #include "pointwise/geometry.hpp"
 #include "pointwise/indenter.hpp"
 #include "pointwise/material.hpp"

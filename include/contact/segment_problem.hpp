@@ -34,11 +34,12 @@ struct SurfaceColumn {
 /// A number of columns, by their keys.
 using ColumnNumbers = std::unordered_map<std::int64_t, double>;
 
-/// The pressure that a patch had, Pa.
-struct PatchPressure {
+/// What a patch leaves to the next step.
+struct PatchState {
   std::int64_t patch;
   int path;
-  double pressure;
+  double pressure;                ///< Pa
+  std::array<double, 2> traction; ///< along the indenter's tangents, Pa
 };
 
 /// The problem of the pressures on segments, and what its solution means.
@@ -46,17 +47,17 @@ class SegmentProblem : public PressureProblem
 {
 public:
   /// From segments in their order and the nodes that they push, which must stay. before: L_j of the last step; strains: that
-  /// points under columns have flowed in it; last: its pressures, in the order of segments.
+  /// points under columns have flowed in it; last: what patches had in it, in the order of segments.
   void Build(const GridGeometry &grid, GeometryKind geometry, double dt, const ContactNodes &nodes, std::vector<Segment> segments,
-             const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchPressure> &last);
+             const ColumnNumbers &before, const ColumnNumbers &strains, const std::vector<PatchState> &last);
 
   int Size() const override { return static_cast<int>(candidates_.size()); }
   void Multiply(const double *q, double *y) const override;
   void Diagonal(double *diagonal) const override;
   /// q of the last step's pressures, those of columns on patches that had none.
   const std::vector<double> &Start() const { return start_; }
-  /// The pressures of a solution.
-  std::vector<PatchPressure> PressuresOf(const std::vector<double> &q) const;
+  /// What a solution leaves to the next step, without tractions.
+  std::vector<PatchState> StatesOf(const std::vector<double> &q) const;
 
   /// Takes the solution: impulses of nodes, columns, footprint. border: to the next coarser level, or null; tip: at the start of
   /// the step, m; travel: of a free tip, m.
@@ -83,14 +84,17 @@ public:
   std::vector<Vec3> MotionOf(const std::vector<Vec3> &nodes) const;
   /// How they move in the step before contact, m.
   std::vector<Vec3> MotionBefore() const;
+  /// How they yield between the nodes to tractions t along a tangent, c (t - Pi t), both times the roots of areas. odd: the columns
+  /// in which the tractions of both halves at a side take each other off.
+  std::vector<double> YieldTo(const std::vector<double> &tractions, const std::vector<char> &odd) const;
   /// Replaces what friction moves nodes by, of which the gaps have a part, m.
   void SetFriction(const std::vector<Vec3> &nodes);
-  /// Of a candidate: w_s p_s, N; the indenter's normal; columns with their hats.
+  /// Of a candidate: w_s p_s, N; the indenter's normal; the root of w_s; c, m/Pa; its traction in the last step, Pa.
   double ForceOf(int k, const std::vector<double> &q) const { return candidates_[k].root_area * q[k]; }
   const Vec3 &NormalOf(int k) const { return candidates_[k].normal; }
-  int ColumnsOfEach() const { return on_columns_; }
-  int ColumnOf(int k, int c) const { return candidates_[k].column[c]; }
-  double HatOf(int k, int c) const { return candidates_[k].hat[c]; }
+  double RootArea(int k) const { return candidates_[k].root_area; }
+  double Compliance(int k) const { return candidates_[k].root_c * candidates_[k].root_c; }
+  const std::array<double, 2> &TractionBefore(int k) const { return tractions_before_[k]; }
 
   // Of the solution.
   struct Footprint {
@@ -145,7 +149,7 @@ private:
   void SetCompliance(GeometryKind geometry);
   bool CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const;
   void SetFlow(const ColumnNumbers &strains);
-  void StartFrom(const std::vector<PatchPressure> &last);
+  void StartFrom(const std::vector<PatchState> &last);
   void SumMeans(const double *q, double Candidate::*root, std::vector<double> *means) const;
   /// root (root q - Pi root q) of a candidate, with the means that SumMeans has found.
   double BeyondColumns(const Candidate &one, double q, double root, const std::vector<double> &means) const
@@ -167,6 +171,7 @@ private:
   std::vector<NodeWeight> weights_;
   std::unordered_map<Index, std::array<int, 8>, IndexHash> cell_nodes_;
   std::vector<double> gaps_without_friction_, start_;
+  std::vector<std::array<double, 2>> tractions_before_;
   mutable std::vector<Vec3> moved_;
   mutable std::vector<double> means_, flow_means_;
   std::vector<Flow> flows_;

@@ -15,9 +15,10 @@ struct ContactSettings {
   bool monitor = false;            ///< a line per solve
 };
 
-/// Numbers that a column of cells leaves to the next step with `pressure`: a mean pressure, and ratios of tractions to pressures
-/// along two axes; else one for each unknown.
-inline int NumbersPerColumn(const ContactSettings &settings) { return settings.method == "pressure" ? 3 : 1; }
+/// Numbers that a column of cells, or a patch, leaves to the next step with `pressure`, of which the first is a pressure.
+inline constexpr int kKeptOfEach = 4;
+/// The same with any method; one for each unknown with the others.
+inline int KeptOfEach(const ContactSettings &settings) { return settings.method == "pressure" ? kKeptOfEach : 1; }
 
 /// Whether the method finds pressures, which its points then have.
 inline bool FindsPressures(const ContactSettings &settings)

@@ -12,7 +12,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 22;
+inline constexpr int kFormatVersion = 23;
 
 inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
 

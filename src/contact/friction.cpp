@@ -1,4 +1,4 @@
-// The ratios of tractions to pressures.
+// The tractions of segments.
 #include "contact/friction.hpp"
 
 #include <algorithm>
@@ -18,125 +18,153 @@ Vec3 SurfaceTangent(Vec3 normal, int axis, int up)
   return tangent - turned * middle;
 }
 
-void Friction::Begin(const BoundaryConditions &sides, int dim, const SegmentProblem &problem,
-                     const std::unordered_map<std::int64_t, Ratio> &before)
+void Friction::Begin(const BoundaryConditions &sides, int dim, const SegmentProblem &problem)
 {
   up_ = dim - 1, axes_ = up_;
-  tangents_.resize(problem.Size());
-  for (int k = 0; k < problem.Size(); ++k)
-    for (int a = 0; a < axes_; ++a)
-      tangents_[k][a] = SurfaceTangent((1 / Norm(problem.NormalOf(k))) * problem.NormalOf(k), a, up_);
+  const std::size_t count = problem.Size();
+  tangents_.resize(count), tractions_.assign(count, {});
   const std::vector<SurfaceColumn> &columns = problem.Columns();
-  ratios_.assign(columns.size(), {}), free_.assign(columns.size(), {1, axes_ > 1 ? 1.0 : 0.0});
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    for (int a = 0; a < axes_; ++a)
-      for (const Side side : SidesAcross(a)) // tractions of both its sides are opposite
-        if (sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, columns[j].at)) free_[j][a] = 0;
-    if (const auto found = before.find(columns[j].key); found != before.end())
-      for (int a = 0; a < axes_; ++a) ratios_[j][a] = free_[j][a] * found->second[a];
+  for (int a = 0; a < axes_; ++a) {
+    held_[a].assign(columns.size(), 0);
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (const Side side : SidesAcross(a))
+        held_[a][j] |= sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, columns[j].at);
   }
+  for (std::size_t k = 0; k < count; ++k)
+    for (int a = 0; a < axes_; ++a) {
+      tangents_[k][a] = SurfaceTangent((1 / Norm(problem.NormalOf(k))) * problem.NormalOf(k), a, up_);
+      tractions_[k][a] = problem.RootArea(k) * problem.TractionBefore(k)[a];
+    }
+  Yield(problem, tractions_, &yields_before_);
   motion_.assign(problem.Nodes().Size(), {}), forces_ = motion_;
-  upward_force_ = heat_ = 0;
+  upward_force_ = heat_ = stored_ = 0;
 }
 
-void Friction::SetForces(const SegmentProblem &problem, const Field &ratios)
+Friction::Along Friction::Traction(const SegmentProblem &problem, int k) const
 {
-  on_segments_.assign(tangents_.size(), {});
-  for (int k = 0; k < problem.Size(); ++k) {
-    if (normal_forces_[k] == 0) continue;
-    for (int c = 0; c < problem.ColumnsOfEach(); ++c)
-      for (int a = 0; a < axes_; ++a)
-        on_segments_[k] =
-            on_segments_[k] + (normal_forces_[k] * problem.HatOf(k, c) * ratios[problem.ColumnOf(k, c)][a]) * tangents_[k][a];
+  return {tractions_[k][0] / problem.RootArea(k), tractions_[k][1] / problem.RootArea(k)};
+}
+
+void Friction::Yield(const SegmentProblem &problem, const Field &tractions, Field *yields) const
+{
+  yields->assign(tractions.size(), {});
+  std::vector<double> one(tractions.size());
+  for (int a = 0; a < axes_; ++a) {
+    for (std::size_t k = 0; k < one.size(); ++k) one[k] = tractions[k][a];
+    const std::vector<double> yield = problem.YieldTo(one, held_[a]);
+    for (std::size_t k = 0; k < one.size(); ++k) (*yields)[k][a] = yield[k];
   }
 }
 
 Friction::Field Friction::SlipsOf(const SegmentProblem &problem, const std::vector<Vec3> &motion) const
 {
-  Field slips(ratios_.size());
-  for (int k = 0; k < problem.Size(); ++k) {
-    if (normal_forces_[k] == 0) continue;
-    for (int a = 0; a < axes_; ++a) {
-      const double along = normal_forces_[k] * Dot(tangents_[k][a], motion[k]);
-      for (int c = 0; c < problem.ColumnsOfEach(); ++c) slips[problem.ColumnOf(k, c)][a] += problem.HatOf(k, c) * along;
-    }
-  }
+  Field slips(tangents_.size());
+  for (std::size_t k = 0; k < slips.size(); ++k)
+    for (int a = 0; a < axes_; ++a) slips[k][a] = problem.RootArea(k) * Dot(tangents_[k][a], motion[k]);
   return slips;
 }
 
-/// R r: the slips that ratios cause; leaves forces on nodes and what these move.
-Friction::Field Friction::Response(const SegmentProblem &problem, const Field &ratios)
+Friction::Field Friction::Response(const SegmentProblem &problem, const Field &tractions)
 {
-  SetForces(problem, ratios);
-  problem.Spread(on_segments_, &forces_);
+  std::vector<Vec3> forces(tangents_.size());
+  for (std::size_t k = 0; k < forces.size(); ++k)
+    for (int a = 0; a < axes_; ++a) forces[k] = forces[k] + problem.RootArea(k) * tractions[k][a] * tangents_[k][a];
+  problem.Spread(forces, &forces_);
   motion_ = forces_;
   problem.Move(&motion_);
-  return SlipsOf(problem, problem.MotionOf(motion_));
+  Field slips = SlipsOf(problem, problem.MotionOf(motion_));
+  Yield(problem, tractions, &yields_);
+  for (std::size_t k = 0; k < slips.size(); ++k)
+    for (int a = 0; a < axes_; ++a) slips[k][a] += yields_[k][a];
+  return slips;
 }
 
-void Friction::Project(Ratio *ratio) const
+/// Of the response on the diagonal. All weights are positive, so that an even traction on what presses bounds what nodes move by;
+/// between them it yields less than without Pi.
+std::vector<double> Friction::Bounds(const SegmentProblem &problem, const std::vector<double> &q)
 {
-  const double size = std::hypot((*ratio)[0], (*ratio)[1]);
-  if (size > coefficient_)
-    for (double &one : *ratio) one *= coefficient_ / size;
+  constexpr double kAcross = 1.1; // tangents along two axes are coupled a little
+  Field even(tangents_.size());
+  for (std::size_t k = 0; k < even.size(); ++k) even[k][0] = q[k] > 0 ? problem.RootArea(k) : 0;
+  Response(problem, even);
+  const Field slips = SlipsOf(problem, problem.MotionOf(motion_));
+  std::vector<double> bounds(even.size(), DBL_MIN);
+  for (std::size_t k = 0; k < even.size(); ++k)
+    if (q[k] > 0) bounds[k] = (slips[k][0] / problem.RootArea(k) + problem.Compliance(k)) * (axes_ > 1 ? kAcross : 1);
+  return bounds;
+}
+
+static double LimitTo(double most, Friction::Along *traction)
+{
+  const double size = std::hypot((*traction)[0], (*traction)[1]);
+  if (size > most)
+    for (double &one : *traction) one *= most / size;
+  return size;
 }
 
 double Friction::Solve(const SegmentProblem &problem, const std::vector<double> &q, Vec3 way)
 {
   constexpr int kMost = 1000;
-  constexpr double kStop = 1e-10, kAcross = 1.1; // of the ratios' size; tangents along two axes are coupled a little
-  const std::size_t columns = ratios_.size();
+  constexpr double kStop = 1e-10; // of the tractions' size
+  const std::size_t count = tangents_.size();
   const std::vector<Vec3> forces_before = forces_;
-  normal_forces_.resize(problem.Size());
-  double pressed = 0;
-  for (int k = 0; k < problem.Size(); ++k) normal_forces_[k] = problem.ForceOf(k, q), pressed += normal_forces_[k];
   // What slips without friction.
-  std::vector<Vec3> by_pressures(problem.Size()), nodes;
-  for (int k = 0; k < problem.Size(); ++k) by_pressures[k] = normal_forces_[k] * problem.NormalOf(k);
-  problem.Spread(by_pressures, &nodes);
+  std::vector<Vec3> motion(count), nodes;
+  double pressed = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    motion[k] = problem.ForceOf(k, q) * problem.NormalOf(k);
+    pressed += problem.ForceOf(k, q);
+  }
+  problem.Spread(motion, &nodes);
   problem.Move(&nodes);
-  std::vector<Vec3> motion = problem.MotionOf(nodes);
+  motion = problem.MotionOf(nodes);
   const std::vector<Vec3> before = problem.MotionBefore();
-  for (int k = 0; k < problem.Size(); ++k) motion[k] = motion[k] + before[k] - way;
-  const Field free_slips = SlipsOf(problem, motion);
-  // Row sums bound the response of a column, as all weights are positive.
-  Field ones(columns, {1, 0}), ratios = ratios_, ahead = ratios_;
-  const Field sums = Response(problem, ones);
-  double most = 0, theta = 1;
-  std::vector<double> diagonal(columns);
-  for (std::size_t j = 0; j < columns; ++j) most = std::max(most, sums[j][0]);
-  for (std::size_t j = 0; j < columns; ++j)
-    diagonal[j] = std::max({sums[j][0], 1e-9 * most, DBL_MIN}) * (axes_ > 1 ? kAcross : 1);
+  for (std::size_t k = 0; k < count; ++k) motion[k] = motion[k] + before[k] - way;
+  Field free_slips = SlipsOf(problem, motion);
+  for (std::size_t k = 0; k < count; ++k)
+    for (int a = 0; a < axes_; ++a) free_slips[k][a] -= yields_before_[k][a];
+  const std::vector<double> bounds = Bounds(problem, q);
+  for (std::size_t k = 0; k < count; ++k) LimitTo(MostOf(q[k]), &tractions_[k]);
+  Field ahead = tractions_;
+  double theta = 1;
   for (int iteration = 0; iteration < kMost; ++iteration) {
-    const Field slips = Response(problem, ahead), last = ratios;
+    const Field slips = Response(problem, ahead), last = tractions_;
     double uphill = 0, moves = 0, size = 0;
-    for (std::size_t j = 0; j < columns; ++j) {
-      for (int a = 0; a < axes_; ++a) ratios[j][a] = free_[j][a] * (ahead[j][a] - (slips[j][a] + free_slips[j][a]) / diagonal[j]);
-      Project(&ratios[j]);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (int a = 0; a < axes_; ++a) tractions_[k][a] = ahead[k][a] - (slips[k][a] + free_slips[k][a]) / bounds[k];
+      LimitTo(MostOf(q[k]), &tractions_[k]);
       for (int a = 0; a < axes_; ++a) {
-        const double change = ratios[j][a] - last[j][a];
-        uphill += diagonal[j] * (ahead[j][a] - ratios[j][a]) * change;
-        moves += diagonal[j] * change * change, size += diagonal[j] * ratios[j][a] * ratios[j][a];
+        const double change = tractions_[k][a] - last[k][a];
+        uphill += bounds[k] * (ahead[k][a] - tractions_[k][a]) * change;
+        moves += bounds[k] * change * change, size += bounds[k] * tractions_[k][a] * tractions_[k][a];
       }
     }
     const double next = uphill > 0 ? 1 : 0.5 * (1 + std::sqrt(1 + 4 * theta * theta)), part = uphill > 0 ? 0 : (theta - 1) / next;
     theta = next;
-    for (std::size_t j = 0; j < columns; ++j)
-      for (int a = 0; a < axes_; ++a) ahead[j][a] = ratios[j][a] + part * (ratios[j][a] - last[j][a]);
+    for (std::size_t k = 0; k < count; ++k)
+      for (int a = 0; a < axes_; ++a) ahead[k][a] = tractions_[k][a] + part * (tractions_[k][a] - last[k][a]);
     if (moves <= kStop * kStop * size) break;
   }
-  ratios_ = ratios;
-  const Field slips = Response(problem, ratios_);
-  heat_ = upward_force_ = 0;
-  for (std::size_t j = 0; j < columns; ++j) {
-    double heat = 0;
-    for (int a = 0; a < axes_; ++a) heat -= ratios_[j][a] * (slips[j][a] + free_slips[j][a]);
-    if (std::hypot(ratios_[j][0], ratios_[j][1]) > coefficient_ * (1 - 1e-9)) heat_ += std::max(0.0, heat);
-  }
-  for (const Vec3 &force : on_segments_) upward_force_ += force[up_];
+  SumUp(problem, q, free_slips);
   double change = 0;
   for (std::size_t i = 0; i < forces_.size(); ++i) change += Norm(forces_[i] - forces_before[i]);
   return change / std::max(pressed, DBL_MIN);
+}
+
+/// Forces and energies of the tractions.
+void Friction::SumUp(const SegmentProblem &problem, const std::vector<double> &q, const Field &free_slips)
+{
+  const Field slips = Response(problem, tractions_);
+  heat_ = upward_force_ = stored_ = 0;
+  for (std::size_t k = 0; k < slips.size(); ++k) {
+    double heat = 0;
+    for (int a = 0; a < axes_; ++a) {
+      heat -= tractions_[k][a] * (slips[k][a] + free_slips[k][a]);
+      upward_force_ += problem.RootArea(k) * tractions_[k][a] * tangents_[k][a][up_];
+      stored_ += 0.5 * tractions_[k][a] * yields_[k][a];
+    }
+    if (std::hypot(tractions_[k][0], tractions_[k][1]) > MostOf(q[k]) * (1 - 1e-9)) heat_ += std::max(0.0, heat);
+  }
 }
 
 } // namespace mlgimp

@@ -33,28 +33,34 @@ public:
   ContactPressures Pressures() const override
   {
     ContactPressures all;
-    for (const auto &[column, mean] : means_) all[kNumbers * column] = mean;
-    for (const auto &[column, ratio] : ratios_)
-      for (int a = 0; a < 2; ++a)
-        if (ratio[a] != 0) all[kNumbers * column + 1 + a] = ratio[a];
-    for (const auto &[column, strain] : strains_)
-      if (strain > 0) all[kNumbers * column + 3] = strain;
-    for (const PatchPressure &one : last_) all[-(one.patch * kPaths + one.path)] = one.pressure;
+    const auto keep = [&all](std::int64_t key, double value, bool always = false) {
+      if (value != 0 || always) all[key] = value;
+    };
+    for (const auto &[column, mean] : means_) keep(kKeptOfEach * column, mean);
+    for (const auto &[column, strain] : strains_) keep(kKeptOfEach * column + 1, strain);
+    for (const PatchState &one : last_) {
+      const std::int64_t key = -kKeptOfEach * (one.patch * kPaths + one.path);
+      keep(key, one.pressure, true);
+      for (int a = 0; a < 2; ++a) keep(key - 1 - a, one.traction[a]);
+    }
     return all;
   }
   void SetPressures(const ContactPressures &pressures) override
   {
-    means_.clear(), ratios_.clear(), strains_.clear(), last_.clear();
-    for (const auto &[key, value] : pressures)
-      if (key < 0)
-        last_.push_back({-key / kPaths, static_cast<int>(-key % kPaths), value});
-      else if (const int part = static_cast<int>(key % kNumbers); part == 0)
-        means_[key / kNumbers] = value;
-      else if (part == 3)
-        strains_[key / kNumbers] = value;
+    means_.clear(), strains_.clear(), last_.clear();
+    for (auto next = pressures.rbegin(); next != pressures.rend(); ++next) { // patches in the order of segments
+      const auto [key, value] = *next;
+      const std::int64_t owner = std::abs(key) / kKeptOfEach;
+      const int part = static_cast<int>(std::abs(key) % kKeptOfEach);
+      if (key < 0 && part == 0)
+        last_.push_back({owner / kPaths, static_cast<int>(owner % kPaths), value, {}});
+      else if (key < 0)
+        last_.back().traction[part - 1] = value;
+      else if (part == 0)
+        means_[owner] = value;
       else
-        ratios_[key / kNumbers][part - 1] = value;
-    std::reverse(last_.begin(), last_.end()); // in the order of segments
+        strains_[owner] = value;
+    }
   }
 
   PetscErrorCode Apply(const SurfaceInputs &surface, const NodeMotion &motion, const ContactStep &step,
@@ -261,15 +267,17 @@ private:
     outcome->solved = 1, outcome->empty = problem_.Size() == 0;
     means_.clear(), strains_.clear(), last_.clear();
     if (problem_.Size() == 0) {
-      ratios_.clear();
       if (step.tip.IsFree()) outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q = problem_.Start();
     PetscCall(solver_.Solve(problem_, step.tip, 0, &q, &found));
-    if (settings_.friction > 0) PetscCall(AddFriction(surface.indenter, motion.Sides(), step, &q, of_friction, &found, report));
+    Friction friction(settings_.friction);
+    if (settings_.friction > 0)
+      PetscCall(AddFriction(surface.indenter, motion.Sides(), step, &q, &friction, of_friction, &found, report));
     problem_.Take(motion.Border(), step.tip.start, q, found.travel);
-    last_ = problem_.PressuresOf(q);
+    last_ = problem_.StatesOf(q);
+    for (std::size_t k = 0; settings_.friction > 0 && k < last_.size(); ++k) last_[k].traction = friction.Traction(problem_, k);
     for (const SurfaceColumn &column : problem_.Columns())
       if (column.mean > 0) means_[column.key] = column.mean;
     *impulses = problem_.Impulses();
@@ -279,7 +287,7 @@ private:
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
     outcome->half_width = HalfWidth(surface, motion.Sides(), step.tip.start, shape.area);
-    report->area = shape.area, report->stored = shape.stored;
+    report->area = shape.area, report->stored = shape.stored + friction.Stored();
     report->columns = problem_.Pressed();
     outcome->columns = static_cast<double>(report->columns.size());
     report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
@@ -289,27 +297,24 @@ private:
 
   /// Tractions and pressures in turns, until the impulses of tractions stay.
   PetscErrorCode AddFriction(const Indenter &indenter, const BoundaryConditions &sides, const ContactStep &step,
-                             std::vector<double> *q, std::vector<Vec3> *impulses, PressureReport *found, ContactReport *report)
+                             std::vector<double> *q, Friction *friction, std::vector<Vec3> *impulses, PressureReport *found,
+                             ContactReport *report)
   {
     constexpr int kMostTurns = 20;
     constexpr double kStop = 1e-7; // of the pressures' impulse
-    Friction friction(settings_.friction);
     PetscFunctionBeginUser;
-    friction.Begin(sides, indenter.up + 1, problem_, ratios_);
+    friction->Begin(sides, indenter.up + 1, problem_);
     for (int turn = 0; turn < kMostTurns; ++turn) {
       const Vec3 way = step.tip.end - step.tip.start + indenter.Up(-found->travel);
-      const double change = friction.Solve(problem_, *q, way);
+      const double change = friction->Solve(problem_, *q, way);
       if (change < kStop) break; // also where there are none
-      problem_.SetFriction(friction.Motion());
-      PetscCall(solver_.Solve(problem_, step.tip, friction.UpwardForce(), q, found));
+      problem_.SetFriction(friction->Motion());
+      PetscCall(solver_.Solve(problem_, step.tip, friction->UpwardForce(), q, found));
     }
-    ratios_.clear();
-    for (std::size_t j = 0; j < problem_.Columns().size(); ++j)
-      if (friction.Ratios()[j] != Friction::Ratio{}) ratios_[problem_.Columns()[j].key] = friction.Ratios()[j];
     impulses->clear();
-    for (const Vec3 &force : friction.Forces()) impulses->push_back(step.dt * force);
+    for (const Vec3 &force : friction->Forces()) impulses->push_back(step.dt * force);
     nodes_.Restrict(impulses);
-    report->friction_work = friction.Heat();
+    report->friction_work = friction->Heat();
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 
@@ -326,16 +331,16 @@ private:
     return area / surface.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
   }
 
-  static constexpr std::int64_t kNumbers = 4;     ///< of a column: mean pressure, two ratios of tractions, plastic strain
+  // Kept to the next step: of a column a mean pressure and a plastic strain; of a patch, by keys below zero, a pressure and
+  // tractions along two tangents.
   static constexpr std::int64_t kPaths = 1 << 16; ///< more than a patch has parts; keys are doubles in checkpoints
 
   ContactSettings settings_;
   ContactNodes nodes_;
   SegmentProblem problem_;
   PressureSolver solver_;
-  std::vector<PatchPressure> last_; ///< of the last step, on the first rank
+  std::vector<PatchState> last_;    ///< of the last step, on the first rank
   ColumnNumbers means_, strains_;   ///< of the last step, on the first rank: L_j; what points under columns flowed in it
-  std::unordered_map<std::int64_t, Friction::Ratio> ratios_; ///< of tractions, likewise
 };
 
 } // namespace

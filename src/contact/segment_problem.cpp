@@ -129,7 +129,7 @@ void SegmentProblem::SetCompliance(GeometryKind geometry)
 
 void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, double dt, const ContactNodes &nodes,
                            std::vector<Segment> segments, const ColumnNumbers &before, const ColumnNumbers &strains,
-                           const std::vector<PatchPressure> &last)
+                           const std::vector<PatchState> &last)
 {
   grid_ = grid;
   dim_ = grid.dim, on_columns_ = 1 << (dim_ - 1);
@@ -148,26 +148,29 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
   moved_.resize(nodes_->Size());
 }
 
-void SegmentProblem::StartFrom(const std::vector<PatchPressure> &last)
+void SegmentProblem::StartFrom(const std::vector<PatchState> &last)
 {
   auto next = last.begin();
+  tractions_before_.assign(candidates_.size(), {});
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Segment &segment = segments_[candidates_[k].segment];
     const auto key = std::tie(segment.patch, segment.path);
     while (next != last.end() && std::tie(next->patch, next->path) < key) ++next;
     const bool known = next != last.end() && std::tie(next->patch, next->path) == key;
-    if (known && std::isfinite(next->pressure)) start_[k] = candidates_[k].root_area * next->pressure;
+    if (!known || !std::isfinite(next->pressure)) continue;
+    start_[k] = candidates_[k].root_area * next->pressure;
+    tractions_before_[k] = next->traction;
   }
 }
 
-std::vector<PatchPressure> SegmentProblem::PressuresOf(const std::vector<double> &q) const
+std::vector<PatchState> SegmentProblem::StatesOf(const std::vector<double> &q) const
 {
-  std::vector<PatchPressure> pressures;
+  std::vector<PatchState> states;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Segment &segment = segments_[candidates_[k].segment];
-    pressures.push_back({segment.patch, segment.path, q[k] / candidates_[k].root_area});
+    states.push_back({segment.patch, segment.path, q[k] / candidates_[k].root_area, {}});
   }
-  return pressures;
+  return states;
 }
 
 /// dw = kappa h ((p - Pi p) - w/c_p)/flow deps, with the mean of w over the step's end: beta (c_p (p - Pi p) - w) with
@@ -222,6 +225,17 @@ std::vector<Vec3> SegmentProblem::MotionBefore() const
   std::vector<Vec3> nodes(nodes_->Size());
   for (int k = 0; k < nodes_->Size(); ++k) nodes[k] = dt_ * nodes_->At(k).velocity;
   return MotionOf(nodes);
+}
+
+std::vector<double> SegmentProblem::YieldTo(const std::vector<double> &tractions, const std::vector<char> &odd) const
+{
+  std::vector<double> means, yields(candidates_.size());
+  SumMeans(tractions.data(), &Candidate::root_c, &means);
+  for (std::size_t j = 0; j < means.size(); ++j)
+    if (odd[j]) means[j] = 0;
+  for (std::size_t k = 0; k < candidates_.size(); ++k)
+    yields[k] = BeyondColumns(candidates_[k], tractions[k], candidates_[k].root_c, means);
+  return yields;
 }
 
 void SegmentProblem::SetFriction(const std::vector<Vec3> &nodes)

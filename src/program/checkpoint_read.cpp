@@ -271,7 +271,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
     Note(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
-    Note(WrongPressures(keys, values, NumbersPerColumn(case_.model.contact)));
+    Note(WrongPressures(keys, values, KeptOfEach(case_.model.contact)));
   Settle("checkpoint_pace");
   ReadLayout(l);
   ReadPoints(group, level, level.PointStore());

@@ -206,11 +206,12 @@ LEVELS = {**SCRATCH, "cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("name", ("scratch on levels", "space"))
+@pytest.mark.parametrize("name", ("scratch on levels", "the other way", "space"))
 def test_ranks_and_restart(expect, name):
     """From the middle of sliding to the last bit; equations on one rank, and in space on all."""
     sphere = {**in_space(30, 0.1), "indenter": "sphere", "indenter_radius": 12.0, "checkpoint_interval": 15, "points_per_rank": 1, "end_time": 20}
-    case = {"scratch on levels": LEVELS, "space": sphere}[name]
+    back = {**LEVELS, **schedule(TIMES, LOADS, x=along(-SPEED)), "indenter_tip": "22,16", "level_1_lower": "10,6", "level_1_upper": "30,20"}
+    case = {"scratch on levels": LEVELS, "the other way": back, "space": sphere}[name]
     runs = {ranks: harness.run(case, ranks=ranks) for ranks in (1, 2, 3)}
     history = runs[1].history
     for ranks in (2, 3):
@@ -246,14 +247,13 @@ def adhering(poisson):
     return (1 - poisson) * math.log(3 - 4 * poisson) / (1 - 2 * poisson)
 
 
-@pytest.mark.parametrize("poisson", (0.2, 0.3))
+@pytest.mark.parametrize("poisson", (0.0, 0.3))
 def test_sticking_punch(expect, poisson):
-    """On 4 cells under the punch. What ends the block takes as much off the compliance of both, so that a punch that sticks is stiffer by
-    what it is on a half space: fine cells agree within 0.1 %, where the ratio of both is 0.8 % off. verify_sticking_punch has more."""
-    smooth, sticks = (stiffness(poisson, friction, 32, radius=4.0, cell=1) for friction in (0, "inf"))
-    half_space = (1 - poisson**2) / (2 * 4.0)
-    exact = 1 / smooth - half_space * (1 - 1 / adhering(poisson))
-    expect("stiffness of a sticking punch, of the exact one beside a smooth one", sticks * exact, near=1, tolerance=0.005)
+    """On 8 cells under the punch and a block of twelve radii, which ends nearly as a half space does. Without what yields to
+    tractions between the nodes the ratio is 1.5 and 0.5 % high."""
+    levels = {"levels": 2, "level_1_lower": [0, 72], "level_1_upper": [24, 100]}
+    smooth, sticks = (stiffness(poisson, friction, 96, **levels) for friction in (0, "inf"))
+    expect("load of a sticking punch over that of a smooth one, of the exact ratio", sticks / smooth / adhering(poisson), near=1, tolerance=0.003)
 
 
 def verify_sticking_punch(study):

@@ -191,7 +191,7 @@ TEST(Friction, TangentsAreABasis)
   EXPECT_EQ(SurfaceTangent({0, 0, -1}, 1, 2), (Vec3{0, 1, 0}));
 }
 
-/// A column sticks with less than mu of its pressure, or slips against a traction of mu times it; that makes the heat.
+/// A segment sticks with less than mu of its pressure, or slips against a traction of mu times it; that makes the heat.
 TEST(Friction, CoulombsConditionsHold)
 {
   constexpr double kMu = 0.3;
@@ -204,36 +204,45 @@ TEST(Friction, CoulombsConditionsHold)
     std::vector<double> q(problem.Size());
     for (double &one : q) one = std::pow(10, Random(0, 5));
     Friction friction(kMu);
-    friction.Begin(body.sides, body.geometry.Dim(), problem, {});
+    friction.Begin(body.sides, body.geometry.Dim(), problem);
     friction.Solve(problem, q, way);
-    // Slips of segments, then of columns, weighted by pressures.
+    // Slips of segments: of the nodes, and of what yields between them.
     std::vector<Vec3> forces, moved;
     for (int k = 0; k < problem.Size(); ++k) forces.push_back(problem.ForceOf(k, q) * problem.NormalOf(k));
     problem.Spread(forces, &moved);
     problem.Move(&moved);
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = moved[i] + friction.Motion()[i];
     const std::vector<Vec3> motion = problem.MotionOf(moved), before = problem.MotionBefore();
-    std::vector<Friction::Ratio> slips(problem.Columns().size());
+    std::vector<Friction::Along> slips(problem.Size());
+    for (int a = 0; a < axes; ++a) {
+      std::vector<char> odd;
+      for (const SurfaceColumn &column : problem.Columns()) {
+        odd.push_back(0);
+        for (const Side side : SidesAcross(a))
+          odd.back() |= body.sides.kind[side] != BoundaryKind::kFree && body.sides.Reaches(side, column.at);
+      }
+      std::vector<double> tractions(problem.Size());
+      for (int k = 0; k < problem.Size(); ++k) tractions[k] = problem.RootArea(k) * friction.Traction(problem, k)[a];
+      const std::vector<double> yields = problem.YieldTo(tractions, odd);
+      for (int k = 0; k < problem.Size(); ++k)
+        slips[k][a] = Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way) + yields[k] / problem.RootArea(k);
+    }
     double largest = 0, heat = 0;
-    for (int k = 0; k < problem.Size(); ++k)
-      for (int a = 0; a < axes; ++a)
-        for (int c = 0; c < problem.ColumnsOfEach(); ++c)
-          slips[problem.ColumnOf(k, c)][a] += problem.HatOf(k, c) * problem.ForceOf(k, q) *
-                                              Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way);
-    for (const Friction::Ratio &slip : slips) largest = std::max(largest, std::hypot(slip[0], slip[1]));
+    for (const Friction::Along &slip : slips) largest = std::max(largest, std::hypot(slip[0], slip[1]));
     int sticking = 0, slipping = 0;
-    for (std::size_t j = 0; j < slips.size(); ++j) {
-      const Friction::Ratio &r = friction.Ratios()[j], &s = slips[j];
-      const double size = std::hypot(r[0], r[1]), slip = std::hypot(s[0], s[1]), along = r[0] * s[0] + r[1] * s[1];
-      EXPECT_LE(size, kMu * (1 + 1e-14));
-      if (size < kMu * (1 - 1e-6)) {
+    for (int k = 0; k < problem.Size(); ++k) {
+      const Friction::Along t = friction.Traction(problem, k), &s = slips[k];
+      const double area = problem.RootArea(k) * problem.RootArea(k), most = kMu * problem.ForceOf(k, q) / area;
+      const double size = std::hypot(t[0], t[1]), slip = std::hypot(s[0], s[1]), along = t[0] * s[0] + t[1] * s[1];
+      EXPECT_LE(size, most * (1 + 1e-14));
+      if (size < most * (1 - 1e-6)) {
         EXPECT_LE(slip, 1e-7 * largest) << "sticks";
         ++sticking;
       } else {
-        EXPECT_LE(along + kMu * slip, 1e-7 * largest) << "pulls against the slip";
+        EXPECT_LE(along + most * slip, 1e-7 * most * largest) << "pulls against the slip";
         ++slipping;
       }
-      heat -= along;
+      heat -= area * along;
     }
     EXPECT_GT(std::min(sticking, slipping), 0);
     EXPECT_NEAR(friction.Heat(), heat, 1e-7 * heat);

@@ -84,8 +84,8 @@ public:
   std::vector<Vec3> MotionOf(const std::vector<Vec3> &nodes) const;
   /// How they move in the step before contact, m.
   std::vector<Vec3> MotionBefore() const;
-  /// How they yield between the nodes to tractions t along a tangent, c (t - Pi t), both times the roots of areas. odd: the columns
-  /// in which the tractions of both halves at a side take each other off.
+  /// How they yield between the nodes to tractions t along a tangent, c (t - Pi t), both times the roots of areas. odd: the
+  /// columns in which the tractions of both halves at a side take each other off.
   std::vector<double> YieldTo(const std::vector<double> &tractions, const std::vector<char> &odd) const;
   /// Replaces what friction moves nodes by, of which the gaps have a part, m.
   void SetFriction(const std::vector<Vec3> &nodes);

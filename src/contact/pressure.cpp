@@ -339,8 +339,8 @@ private:
   ContactNodes nodes_;
   SegmentProblem problem_;
   PressureSolver solver_;
-  std::vector<PatchState> last_;    ///< of the last step, on the first rank
-  ColumnNumbers means_, strains_;   ///< of the last step, on the first rank: L_j; what points under columns flowed in it
+  std::vector<PatchState> last_;  ///< of the last step, on the first rank
+  ColumnNumbers means_, strains_; ///< of the last step, on the first rank: L_j; what points under columns flowed in it
 };
 
 } // namespace

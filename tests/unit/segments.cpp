@@ -225,7 +225,8 @@ TEST(Friction, CoulombsConditionsHold)
       for (int k = 0; k < problem.Size(); ++k) tractions[k] = problem.RootArea(k) * friction.Traction(problem, k)[a];
       const std::vector<double> yields = problem.YieldTo(tractions, odd);
       for (int k = 0; k < problem.Size(); ++k)
-        slips[k][a] = Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way) + yields[k] / problem.RootArea(k);
+        slips[k][a] =
+            Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way) + yields[k] / problem.RootArea(k);
     }
     double largest = 0, heat = 0;
     for (const Friction::Along &slip : slips) largest = std::max(largest, std::hypot(slip[0], slip[1]));

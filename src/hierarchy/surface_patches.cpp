@@ -27,8 +27,10 @@ PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
   };
   for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
   split();
-  PetscCall(AssignPatches(true));
-  split();
+  for (int l = 0; l < Levels(); ++l) { // each time what is short enough of a level comes to the next one
+    PetscCall(AssignPatches(true));
+    split();
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,7 +98,7 @@ PetscErrorCode Hierarchy::RestorePatches(int l, const std::vector<double> &numbe
   for (std::size_t k = 0; RankIn(comm_) == 0 && k + kOfPatch <= numbers.size(); k += kOfPatch) {
     const double *n = &numbers[k];
     SurfacePatch &patch = patches.emplace_back();
-    patch.number = static_cast<std::int64_t>(n[0]), patch.path = static_cast<int>(n[1]), patch.body = static_cast<int>(n[2]);
+    patch.number = static_cast<std::int64_t>(n[0]), patch.path = static_cast<std::int64_t>(n[1]), patch.body = static_cast<int>(n[2]);
     n += 3;
     for (Vec3 &corner : patch.corner) std::copy_n(n, 3, corner.begin()), n += 3;
     patch.ring = n[0], patch.flow = n[1];

@@ -372,6 +372,12 @@ def wedge_from_first_touch(angle, levels, depth, coarse_cells=64, **options):
     return harness.run(case, timeout=7200)
 
 
+def test_ten_levels_touch_at_once(expect):
+    """What is half a coarse cell long of the surface is halved down to the finest of ten levels before the tip comes."""
+    result = wedge_from_first_touch(70.3, 10, 10e-9, coarse_cells=32)
+    expect("deepest place of the surface inside the indenter, finest cells", result.history["penetration"].max() / 1e-9, at_most=0.3)
+
+
 def verify_wedge(study):
     """An elastic wedge in plane strain from first touch over two decades of depth
 

@@ -42,6 +42,8 @@ private:
   double Goal(double travel) const;
   double EnergyChange(const std::vector<double> &before, const std::vector<double> &gradient_before,
                       const std::vector<double> &q) const;
+  bool GoDownhill(const std::vector<double> &way, const std::vector<double> &before, const std::vector<double> &gradient_before,
+                  double travel, std::vector<double> *q);
   double LoadOf(const std::vector<double> &q) const;
   double FirstTouch(double travel) const;
   double Residual(const std::vector<double> &q) const;

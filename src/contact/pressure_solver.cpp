@@ -151,8 +151,21 @@ double PressureSolver::EnergyChange(const std::vector<double> &before, const std
   return change;
 }
 
-/// With the tip's way given. Each turn goes to the minimum over what presses, and what should, cut off at zero; where that leads
-/// uphill, down the gradient.
+/// Goes as far along a way, cut off at zero, as leads downhill: all of it, a half, a quarter...; false where none does.
+bool PressureSolver::GoDownhill(const std::vector<double> &way, const std::vector<double> &before,
+                                const std::vector<double> &gradient_before, double travel, std::vector<double> *q)
+{
+  constexpr double kLeast = 1e-6; // less is rounding
+  for (double part = 1; part > kLeast; part /= 2) {
+    for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + part * way[k]);
+    FindGradient(*q, travel);
+    if (EnergyChange(before, gradient_before, *q) < 0) return true;
+  }
+  return false;
+}
+
+/// With the tip's way given. Each turn goes toward the minimum over what presses, and what should, cut off at zero; where that
+/// leads uphill, down the gradient.
 PetscErrorCode PressureSolver::SolveAtRest(std::vector<double> *q, double travel, PressureReport *report)
 {
   std::vector<double> right_side(size_), way(size_), before, old_gradient;
@@ -170,20 +183,9 @@ PetscErrorCode PressureSolver::SolveAtRest(std::vector<double> *q, double travel
     for (int k = 0; k < size_; ++k) right_side[k] = -gradient_[k], way[k] = 0;
     PetscCall(SolveFree(right_side, 0.3 * goal, &way, report));
     before = *q, old_gradient = gradient_;
-    for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + way[k]);
-    FindGradient(*q, travel);
-    if (EnergyChange(before, old_gradient, *q) < 0) continue;
-    // Else down the gradient, as far as the energy falls along it within the bounds.
-    double slope = 0, curvature = 0;
-    for (int k = 0; k < size_; ++k) {
-      way[k] = std::max(0.0, before[k] - old_gradient[k] / Square(roots_[k])) - before[k];
-      slope += way[k] * old_gradient[k];
-    }
-    problem_->Multiply(way.data(), masked_.data());
-    for (int k = 0; k < size_; ++k) curvature += way[k] * masked_[k];
-    const double step = std::min(1.0, -slope / curvature);
-    for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + step * way[k]);
-    FindGradient(*q, travel);
+    if (GoDownhill(way, before, old_gradient, travel, q)) continue;
+    for (int k = 0; k < size_; ++k) way[k] = -old_gradient[k] / Square(roots_[k]);
+    GoDownhill(way, before, old_gradient, travel, q);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,6 +47,21 @@ struct SmallProblem : PressureProblem {
       }
     }
   }
+  /// Of a body that yields to few shapes of pressures, by far less to others: rows are nearly alike.
+  static SmallProblem Stiff(int size, int shapes, double other)
+  {
+    SmallProblem problem(0, 1);
+    std::vector<double> B(static_cast<std::size_t>(shapes) * size);
+    for (double &b : B) b = Random(-0.3, 1);
+    for (int j = 0; j < size; ++j) {
+      problem.gaps_.push_back(Random(-1, 0.5)), problem.closing_.push_back(1);
+      for (int k = 0; k < size; ++k) {
+        problem.matrix.push_back(j == k ? other : 0);
+        for (int m = 0; m < shapes; ++m) problem.matrix.back() += B[m * size + j] * B[m * size + k];
+      }
+    }
+    return problem;
+  }
   /// A q + gaps - u closing.
   std::vector<double> Slack(const std::vector<double> &q, double travel) const
   {
@@ -140,6 +155,25 @@ TEST(PressureSolver, FindsTheOnlySolution)
       some += pressing > 0 && pressing < problem.Size();
     }
     EXPECT_GE(some, 20) << "problems with a set of some but not all";
+  }
+}
+
+/// Where the minimum over a set, cut off at zero, lies uphill, it goes a part of the way.
+TEST(PressureSolver, EndsWhereRowsAreNearlyAlike)
+{
+  PressureSolver solver;
+  ASSERT_EQ(solver.Create(), PETSC_SUCCESS);
+  for (int n = 0; n < 100; ++n) {
+    const SmallProblem problem = SmallProblem::Stiff(60, 6 + n % 20, n % 2 ? 1e-2 : 1e-3);
+    std::vector<double> q(problem.Size(), n % 3 ? 1.0 : 0.0);
+    PressureReport report;
+    ASSERT_EQ(solver.Solve(problem, {}, 0, &q, &report), PETSC_SUCCESS);
+    EXPECT_TRUE(report.solved) << "problem " << n;
+    const std::vector<double> slack = problem.Slack(q, 0);
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      EXPECT_GE(slack[k], -1e-6);
+      EXPECT_LE(std::min(q[k], slack[k]), 1e-6);
+    }
   }
 }
 

@@ -20,7 +20,7 @@ namespace mlgimp
 /// and that of a right-handed turn in space.
 struct SurfacePatch {
   std::int64_t number; ///< of the patch at the start that it is part of
-  int path;            ///< which part: 1 is the whole, those of part k are 2 k and 2 k + 1
+  std::int64_t path;   ///< which part: 1 is the whole, those of part k are 2 k and 2 k + 1
   int body;
   Vec3 corner[4]; ///< m; two in the plane
   double ring;    ///< radius of the face that it is part of over its own, which areas are taken at; 1 without an axis
@@ -72,7 +72,8 @@ public:
   /// the new one. Where no point is near, f = 1. Corners at sides stay there.
   void Move(const Grid &grid, const BoundaryConditions &sides, const std::vector<char> &by_rates,
             const std::vector<CornerMotion> &motion, double mass_cutoff, double dt);
-  /// Halves what is longer than it may be, the less the nearer it is to the indenter with its tip there. h: of the grid, m.
+  /// Halves what is longer than it may be, the less the nearer it is to the indenter with its tip there. Halves of what touches
+  /// touch as it does, by their flow: a tilted one would fall into the indenter, and make work. h: of the grid, m.
   void Split(const Geometry &geometry, const Indenter &indenter, Vec3 tip, double h);
 
   const std::vector<SurfacePatch> &Patches() const { return patches_; }

@@ -125,10 +125,10 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
     const Material &material = *surface.bodies.material[patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
     const double flow = ContactPressureOfFlow(material);
-    Segment one{patch.number, patch.path, rank,    static_cast<int>(k),
-                patch.flow,   {},         {},      Locate(surface.grid.Geometry(), s.x),
-                gap.normal,   s.area,     pressed, ring,
-                gap.distance, modulus,    flow};
+    const double offset = std::isfinite(flow) ? patch.flow : 0;
+    Segment one{
+        patch.number, patch.path, rank, static_cast<int>(k), offset,  {},  {}, Locate(surface.grid.Geometry(), s.x), gap.normal,
+        s.area,       pressed,    ring, gap.distance,        modulus, flow};
     const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
     std::copy_n(patch.corner, 4, one.corner);
     std::copy(weights.begin(), weights.end(), one.corner_part);

@@ -157,8 +157,11 @@ void Surface::Split(const Geometry &geometry, const Indenter &indenter, Vec3 tip
       first.corner[3] = second.corner[0] = 0.5 * (x[0] + x[3]);
       first.corner[2] = second.corner[1] = 0.5 * (x[1] + x[2]);
     }
-    for (SurfacePatch *part : {&first, &second})
+    const double gap = indenter.Gap(whole.Center(dim), tip).distance;
+    for (SurfacePatch *part : {&first, &second}) {
       part->ring *= geometry.OutOfPlane(whole.Center(dim)[0]) / geometry.OutOfPlane(part->Center(dim)[0]);
+      if (gap + whole.flow < 0) part->flow += gap - indenter.Gap(part->Center(dim), tip).distance;
+    }
     patches_[k] = first;
     patches_.push_back(second);
   }

@@ -37,7 +37,7 @@ using ColumnNumbers = std::unordered_map<std::int64_t, double>;
 /// What a patch leaves to the next step.
 struct PatchState {
   std::int64_t patch;
-  int path;
+  std::int64_t path;
   double pressure;                ///< Pa
   std::array<double, 2> traction; ///< along the indenter's tangents, Pa
 };

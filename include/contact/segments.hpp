@@ -28,7 +28,7 @@ std::array<double, 8> Hats(Vec3 part, int axes);
 /// A patch that the indenter may press, or the part of it under a face of the indenter.
 struct Segment {
   std::int64_t patch; ///< number of its patch, and that of the part of it
-  int path;
+  std::int64_t path;
   PetscMPIInt rank;      ///< of the group, that has the patch
   int at;                ///< its place in the list there
   double offset;         ///< by which it has flowed out of the line of the corners, m

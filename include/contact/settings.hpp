@@ -15,8 +15,8 @@ struct ContactSettings {
   bool monitor = false;            ///< a line per solve
 };
 
-/// Numbers that a column of cells, or a patch, leaves to the next step with `pressure`, of which the first is a pressure.
-inline constexpr int kKeptOfEach = 4;
+/// Room for the numbers that a column of cells, or a patch, leaves to the next step with `pressure`; the first is not negative.
+inline constexpr int kKeptOfEach = 8;
 /// The same with any method; one for each unknown with the others.
 inline int KeptOfEach(const ContactSettings &settings) { return settings.method == "pressure" ? kKeptOfEach : 1; }
 

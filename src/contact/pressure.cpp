@@ -6,6 +6,7 @@
 #include "contact/pressure_solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mlgimp
@@ -33,33 +34,26 @@ public:
   ContactPressures Pressures() const override
   {
     ContactPressures all;
-    const auto keep = [&all](std::int64_t key, double value, bool always = false) {
-      if (value != 0 || always) all[key] = value;
-    };
-    for (const auto &[column, mean] : means_) keep(kKeptOfEach * column, mean);
-    for (const auto &[column, strain] : strains_) keep(kKeptOfEach * column + 1, strain);
+    for (const auto &[column, mean] : means_) all[kKeptOfEach * column] = mean;
+    for (const auto &[column, strain] : strains_) all[kKeptOfEach * column + 1] = strain;
+    std::int64_t key = 0;
     for (const PatchState &one : last_) {
-      const std::int64_t key = -kKeptOfEach * (one.patch * kPaths + one.path);
-      keep(key, one.pressure, true);
-      for (int a = 0; a < 2; ++a) keep(key - 1 - a, one.traction[a]);
+      key -= kKeptOfEach;
+      const double numbers[] = {double(one.patch), double(one.path), one.pressure, one.traction[0], one.traction[1]};
+      for (int k = 0; k < kOfPatch; ++k) all[key - k] = numbers[k];
     }
     return all;
   }
   void SetPressures(const ContactPressures &pressures) override
   {
+    const auto whole = [](double number) { return static_cast<std::int64_t>(std::clamp(number, 0.0, 9e15)); };
     means_.clear(), strains_.clear(), last_.clear();
-    for (auto next = pressures.rbegin(); next != pressures.rend(); ++next) { // patches in the order of segments
-      const auto [key, value] = *next;
-      const std::int64_t owner = std::abs(key) / kKeptOfEach;
-      const int part = static_cast<int>(std::abs(key) % kKeptOfEach);
-      if (key < 0 && part == 0)
-        last_.push_back({owner / kPaths, static_cast<int>(owner % kPaths), value, {}});
-      else if (key < 0)
-        last_.back().traction[part - 1] = value;
-      else if (part == 0)
-        means_[owner] = value;
-      else
-        strains_[owner] = value;
+    for (const auto &[key, value] : pressures)
+      if (key >= 0) (key % kKeptOfEach == 0 ? means_ : strains_)[key / kKeptOfEach] = value;
+    std::array<double, kOfPatch> numbers;
+    for (std::int64_t key = -kKeptOfEach; pressures.count(key) > 0; key -= kKeptOfEach) {
+      for (int k = 0; k < kOfPatch; ++k) numbers[k] = pressures.count(key - k) > 0 ? pressures.at(key - k) : 0;
+      last_.push_back({whole(numbers[0]), whole(numbers[1]), numbers[2], {numbers[3], numbers[4]}});
     }
   }
 
@@ -331,9 +325,8 @@ private:
     return area / surface.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
   }
 
-  // Kept to the next step: of a column a mean pressure and a plastic strain; of a patch, by keys below zero, a pressure and
-  // tractions along two tangents.
-  static constexpr std::int64_t kPaths = 1 << 16; ///< more than a patch has parts; keys are doubles in checkpoints
+  static constexpr int kOfPatch = 5; ///< numbers that a patch leaves to the next step, by keys below zero: its own two, a
+                                     ///< pressure, tractions; a column, from zero on, leaves a mean pressure and a plastic strain
 
   ContactSettings settings_;
   ContactNodes nodes_;

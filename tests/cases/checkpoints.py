@@ -186,7 +186,7 @@ def handmade():
     yield every_point("level_0/id", 5)
     for value in (-1, -2**31, 16):
         yield scalar("level_0/faces", 0, value)
-    for value in (math.nan, -0.1, 1.5):
+    for value in (math.nan, -0.1, math.inf):
         yield scalar("level_0/load_share", 5, value)
     for value in (3, 0, -1, 17, 1e10, 1e300, math.nan, math.inf, 15.5, 2**31):
         yield scalar("level_0/counts", 0, value)

@@ -29,7 +29,7 @@ def segments(level, axisymmetric):
 Pressed = namedtuple("Pressed", "places pressures areas moment")  # moment: root of the mean of r^2 under the pressure
 
 
-PADDING, NUMBERS = 3, 4  # layers of nodes beyond a grid; numbers that contact keeps of a column, the first its mean pressure
+PADDING, NUMBERS = 3, 8  # layers of nodes beyond a grid; numbers that contact keeps of a column, the first its mean pressure
 
 
 def nodal_pressure(result, lower, spacing, axisymmetric=False):

@@ -98,7 +98,8 @@ PetscErrorCode Hierarchy::RestorePatches(int l, const std::vector<double> &numbe
   for (std::size_t k = 0; RankIn(comm_) == 0 && k + kOfPatch <= numbers.size(); k += kOfPatch) {
     const double *n = &numbers[k];
     SurfacePatch &patch = patches.emplace_back();
-    patch.number = static_cast<std::int64_t>(n[0]), patch.path = static_cast<std::int64_t>(n[1]), patch.body = static_cast<int>(n[2]);
+    patch.number = static_cast<std::int64_t>(n[0]), patch.path = static_cast<std::int64_t>(n[1]),
+    patch.body = static_cast<int>(n[2]);
     n += 3;
     for (Vec3 &corner : patch.corner) std::copy_n(n, 3, corner.begin()), n += 3;
     patch.ring = n[0], patch.flow = n[1];

@@ -155,8 +155,9 @@ double PressureSolver::EnergyChange(const std::vector<double> &before, const std
 bool PressureSolver::GoDownhill(const std::vector<double> &way, const std::vector<double> &before,
                                 const std::vector<double> &gradient_before, double travel, std::vector<double> *q)
 {
-  constexpr double kLeast = 1e-6; // less is rounding
-  for (double part = 1; part > kLeast; part /= 2) {
+  constexpr int kMost = 20; // less of it is rounding
+  double part = 1;
+  for (int halved = 0; halved < kMost; ++halved, part /= 2) {
     for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + part * way[k]);
     FindGradient(*q, travel);
     if (EnergyChange(before, gradient_before, *q) < 0) return true;

@@ -71,7 +71,7 @@ struct SegmentFlow {
 
 /// Adds the segments of this rank's patches that are near the indenter, and face it or lie beside it. least_gap: of all near it,
 /// m; penetration: deepest place inside the indenter at the start of the step, m; both as they were where nothing is less, or
-/// deeper. rank: this one, in the group. rank: this one, in the group.
+/// deeper. rank: this one, in the group.
 void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPIInt rank, std::vector<Segment> *segments,
                      double *least_gap, double *penetration);
 

@@ -172,6 +172,30 @@ TEST(Segments, TakesTheSolution)
   }
 }
 
+/// Halves of a tilted patch whose middle touches touch as it does, by their flow; those of one above the indenter keep none.
+TEST(Surface, HalvesTouchAsTheWhole)
+{
+  constexpr double kH = 1;
+  const Geometry plane;
+  const Indenter cone{CreateCone(GeometryKind::kPlaneStrain, 70.3, 0), {}, {0, 0, 0}};
+  for (const double height : {0.5, -0.1}) { // of the face above its middle
+    Surface surface;
+    const double middle = 2 / std::tan(70.3 * M_PI / 180) - height;
+    surface.Add({1, 1, 0, {{2.5, middle - 0.2, 0}, {1.5, middle + 0.2, 0}}, 1, 0});
+    surface.NumberCorners(2);
+    const double whole = cone.Gap(surface.Patches()[0].Center(2), cone.tip).distance;
+    surface.Split(plane, cone, cone.tip, kH);
+    ASSERT_GE(surface.Patches().size(), 4u);
+    for (const SurfacePatch &part : surface.Patches()) {
+      const double gap = cone.Gap(part.Center(2), cone.tip).distance;
+      if (whole < 0)
+        EXPECT_NEAR(gap + part.flow, whole, 1e-14);
+      else
+        EXPECT_EQ(part.flow, 0);
+    }
+  }
+}
+
 /// The tangents and the normal are a basis like that of the axes; under a level face they are the axes.
 TEST(Friction, TangentsAreABasis)
 {

@@ -14,7 +14,8 @@ namespace mlgimp
 
 inline constexpr PetscMPIInt kFewRanks = 8; ///< among so many a message to each takes no longer than a collective call
 
-/// Who may send something to whom in an exchange among few ranks, as far as all of them know it: a bit for each pair.
+/// Which rank may send to which other rank in an exchange among few ranks, as all of them know it: a bit for each pair (sender,
+/// receiver).
 using SendPattern = std::uint64_t;
 inline constexpr SendPattern kAnyToAny = ~SendPattern(0);
 inline constexpr SendPattern Sends(PetscMPIInt from, PetscMPIInt to) { return SendPattern(1) << (kFewRanks * from + to); }

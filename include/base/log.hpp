@@ -40,7 +40,7 @@ inline constexpr std::array<double, 14> kInverseFactorial = [] {
   return k * kLn2Upper - ((s * (f - (odd + even)) - k * kLn2Lower) - f);
 }
 
-/// ln(1 + x), to round-off: x less what 1 + x has of it, over 1 + x, is what the logarithm of that lacks.
+/// ln(1 + x), to round-off: x less what 1 + x has of it, over 1 + x, is the missing part of the logarithm.
 [[gnu::always_inline]] inline double Log1p(double x)
 {
   const double sum = 1 + x;
@@ -51,9 +51,9 @@ inline constexpr std::array<double, 14> kInverseFactorial = [] {
 /// x = k ln 2 + r with |r| <= (ln 2)/2; exp r by its series.
 [[gnu::always_inline]] inline double Exp(double x)
 {
-  constexpr double kMost = 690, kInverseLn2 = 1.44269504088896338700, kRounding = 6755399441055744.0; // 1.5 2^52
+  constexpr double kMaxExponent = 690, kInverseLn2 = 1.44269504088896338700, kRounding = 6755399441055744.0; // 1.5 2^52
   constexpr std::uint64_t kBias = 1023;
-  const double limited = std::min(std::max(x, -kMost), kMost), shifted = limited * kInverseLn2 + kRounding;
+  const double limited = std::min(std::max(x, -kMaxExponent), kMaxExponent), shifted = limited * kInverseLn2 + kRounding;
   const double k = shifted - kRounding, r = limited - k * kLn2Upper - k * kLn2Lower;
   double sum = kInverseFactorial[13];
 #pragma GCC unroll 13

@@ -42,8 +42,8 @@ inline void TurnPlane(double &first, double &second, double &between, double &fi
 inline Spectrum Decompose(Sym3 a)
 {
   Vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
-  constexpr int kMostSweeps = 12;
-  for (int sweep = 0; sweep < kMostSweeps && (a.xy != 0 || a.yz != 0 || a.xz != 0); ++sweep) {
+  constexpr int kMaxSweeps = 12;
+  for (int sweep = 0; sweep < kMaxSweeps && (a.xy != 0 || a.yz != 0 || a.xz != 0); ++sweep) {
     TurnPlane(a.xx, a.yy, a.xy, a.xz, a.yz, x, y);
     TurnPlane(a.yy, a.zz, a.yz, a.xy, a.xz, y, z);
     TurnPlane(a.xx, a.zz, a.xz, a.xy, a.yz, x, z);

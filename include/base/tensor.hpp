@@ -41,7 +41,7 @@ inline Vec3 TurnRight(Vec3 a) { return {a[1], -a[0], 0}; }
 /// F a in the plane, for F stored as xx, xy, yx, yy.
 inline Vec3 Multiply(const double F[4], Vec3 a) { return {F[0] * a[0] + F[1] * a[1], F[2] * a[0] + F[3] * a[1], 0}; }
 
-// Loops over points vectorise only where all that they call is inlined; what GCC would leave out of large ones is told so.
+// Loops over points vectorise only where all that they call is inlined; the attribute makes GCC inline in large loops too.
 
 /// A second-order tensor by rows.
 struct Mat3 {

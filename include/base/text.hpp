@@ -1,4 +1,4 @@
-// How messages tell a place.
+// How messages name a place.
 #pragma once
 
 #include "base/tensor.hpp"

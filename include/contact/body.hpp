@@ -18,13 +18,13 @@ struct SurfaceSegment {
   double half_width; ///< half its length in the plane, m
 };
 
-inline constexpr int kMostParts = 4; ///< of an edge of a face
+inline constexpr int kMaxParts = 4; ///< of an edge of a face
 /// Calls work(segment) for those of all outer faces of a point: midpoints of parts along each edge, of which there are so many
-/// that none is longer than `longest`, m, but at most kMostParts.
+/// that none is longer than `longest`, m, but at most kMaxParts.
 template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, double longest, Work work)
 {
   const auto parts = [longest](Vec3 half_edge) {
-    return static_cast<int>(std::clamp<double>(std::ceil(2 * Norm(half_edge) / longest), 1, kMostParts));
+    return static_cast<int>(std::clamp<double>(std::ceil(2 * Norm(half_edge) / longest), 1, kMaxParts));
   };
   const auto along = [](int k, int count) { return (2 * k + 1.0) / count - 1; }; // the half edge
   for (const Side side : SidesOf{geometry.Dim()}) {
@@ -47,7 +47,7 @@ SurfaceSegment SegmentOf(const SurfacePatch &patch, double s, double t, const Ge
 /// True where a segment faces the indenter, so that it can be pressed by it.
 inline bool Faces(const SurfaceSegment &segment, Vec3 indenter_normal)
 {
-  return Dot(segment.normal, indenter_normal) < -kLeastFacing;
+  return Dot(segment.normal, indenter_normal) < -kMinFacing;
 }
 
 /// True where a point or a patch is far enough from the indenter with its tip there to be left out without looking at its faces.

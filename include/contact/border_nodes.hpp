@@ -23,9 +23,9 @@ struct NodeBlend {
 
 /// A node of the coarser level that also moves nodes of the finer one. Doubles throughout.
 struct SharedNode {
-  double finer_mass = 0; ///< of the finer level's points on it, kg
-  Vec3 finer_push{};     ///< change of its velocity by contact on the finer level in the step, m/s
-  Vec3 impulse{};        ///< of contact on its own level, N s: that of the step before, then that of the step
+  double finer_mass = 0;       ///< of the finer level's points on it, kg
+  Vec3 finer_contact_change{}; ///< change of its velocity by contact on the finer level in the step, m/s
+  Vec3 impulse{};              ///< of contact on its own level, N s: that of the step before, then that of the step
 };
 
 /// The border of a level to the next coarser one, as its contact sees it.
@@ -46,10 +46,10 @@ public:
   // Of coarser nodes that this rank advances.
   virtual double MassOf(Index coarse) const = 0;                ///< of the points of both levels, kg; 0 beyond the grid
   virtual Vec3 FreePart(Index coarse, Vec3 change) const = 0;   ///< what sides leave of a change of velocity
-  virtual void Push(Index coarse, Vec3 change_of_velocity) = 0; ///< felt after Spread
-  /// Gives the coarser nodes and those that hang on them what they were pushed by, and adds what these felt to `pushed`.
+  virtual void Push(Index coarse, Vec3 change_of_velocity) = 0; ///< takes effect in Spread
+  /// Applies the pushes to the coarser nodes and to the finer nodes that hang on them, and adds the latter's changes to `pushed`.
   /// Collective on the finer level's ranks.
-  virtual PetscErrorCode Spread(std::vector<PushedNode> *pushed) = 0;
+  virtual PetscErrorCode Spread(std::vector<NodeChange> *pushed) = 0;
 };
 
 } // namespace mlgimp

@@ -43,23 +43,23 @@ struct PressedColumn {
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
 /// ranks of the group.
 struct ContactReport {
-  Vec3 impulse{};                 ///< on the body, N s
-  Vec3 side_impulse{};            ///< what sides take up of it at once, N s
-  Vec3 friction_impulse{};        ///< the part of the impulse that tractions give, N s
-  double friction_work = 0;       ///< heat that slipping makes, -sum tau . s, J
-  std::vector<PushedNode> pushed; ///< owned nodes that contact has moved
-  double penetration = 0;         ///< deepest place of the surface inside the indenter at `time`, m
-  int local_points = 0;           ///< points under pressure; of `pressure` faces that points had at the start
-  int set_updates = 0;            ///< turns of the active set; on the group's first rank alone
-  bool solved = true;             ///< false: the linear solver did not converge
-  double travel = 0;              ///< of a tip that is free, downward; the same on all ranks, m
-  bool limited = false;           ///< the tip would have gone farther, so that the load is not the one set
-  double half_width = 0;          ///< of the contact, in space sqrt(area/pi), m
-  double reach = 0;               ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
-  bool crosses = false;           ///< of `pressure`: a loaded column is at the border to the coarser level, or beyond it
-  double room = 0;          ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
-                            ///< each other until something can; the same on all ranks, m
-  bool at_border = true;    ///< nodes of the coarser level may have been pushed; the same on all ranks
+  Vec3 impulse{};                        ///< on the body, N s
+  Vec3 side_impulse{};                   ///< what sides take up of it at once, N s
+  Vec3 friction_impulse{};               ///< the part of the impulse that tractions give, N s
+  double friction_work = 0;              ///< heat that slipping makes, -sum tau . s, J
+  std::vector<NodeChange> contact_nodes; ///< owned nodes that contact has moved
+  double penetration = 0;                ///< deepest place of the surface inside the indenter at `time`, m
+  int local_points = 0;                  ///< points under pressure; of `pressure` faces that points had at the start
+  int set_updates = 0;                   ///< turns of the active set; on the group's first rank alone
+  bool solved = true;                    ///< false: the linear solver did not converge
+  double travel = 0;                     ///< of a tip that is free, downward; the same on all ranks, m
+  bool limited = false;                  ///< the tip would have gone farther, so that the load is not the one set
+  double half_width = 0;                 ///< of the contact, in space sqrt(area/pi), m
+  double reach = 0;                      ///< of `pressure`: from the tip to the farthest loaded column along a horizontal axis, m
+  bool crosses_border = false;           ///< of `pressure`: a loaded column is at the border to the coarser level, or beyond it
+  double clearance = 0; ///< of `pressure`, where nothing touches: what the surface and the indenter may still move toward
+                        ///< each other until something can; the same on all ranks, m
+  bool may_reach_coarser_level = true; ///< nodes of the coarser level may have been pushed; the same on all ranks
   double area = 0;          ///< of the contact, projected on the plane normal to the indenter's axis; of `pressure` only, m2
   double peak_pressure = 0; ///< largest pressure found, Pa
   std::vector<PressedColumn> columns; ///< of `pressure`, where the share is not 0; the same on all ranks of the group
@@ -92,8 +92,8 @@ public:
   /// Lets the surface between the nodes flow by what the points under it have flowed since the last Apply, of which each rank
   /// knows a part. work: that pressures do on it, on the first rank alone, J. Collective on the group.
   virtual PetscErrorCode Flow(std::vector<ColumnStrain>, Surface *, double * /*work*/) { return PETSC_SUCCESS; }
-  /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that looks
-  /// at the indenter with its tip there; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
+  /// Pressure of the last Apply on this rank's points where they are now, the mean over the part of their outer faces that is
+  /// turned at the indenter with its tip there; 0 elsewhere, [points] Pa. Empty where a method has no pressures.
   virtual PetscErrorCode PressuresOnPoints(const SurfaceInputs &, Vec3 /*tip*/, std::vector<double> *pressures)
   {
     pressures->clear();
@@ -120,12 +120,12 @@ inline constexpr double kPointRange = kContactRange + 1.5;
 /// Gap of a segment, in cells, beyond which it cannot touch in a step.
 inline constexpr double kCandidateGap = 0.5;
 /// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of segments
-/// that of those that may be candidates; the other methods look at nodes and at points.
+/// that of those that may be candidates; the other methods read nodes and points.
 inline double TouchRange(const ContactSettings &settings)
 {
   return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;
 }
 /// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
-inline constexpr double kLeastFacing = 0.1;
+inline constexpr double kMinFacing = 0.1;
 
 } // namespace mlgimp

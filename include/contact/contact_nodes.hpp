@@ -66,8 +66,8 @@ public:
   /// Whether some nodes hang on others.
   bool AreAtBorder() const { return !at_border_.empty(); }
 
-  /// Sends impulses, of which tractions have given a part, to the owners of the nodes, who change velocities by them. On the
-  /// first rank [nodes] N s, after Restrict. Collective on the group.
+  /// Sends impulses, of which tractions have given a part, to the ranks that own the nodes, which change velocities by them. On
+  /// the first rank [nodes] N s, after Restrict. Collective on the group.
   PetscErrorCode Push(const NodeMotion &motion, const std::vector<Vec3> &impulses, const std::vector<Vec3> &of_friction,
                       ContactReport *report) const;
 

@@ -98,13 +98,13 @@ public:
 
   // Of the solution.
   struct Footprint {
-    double area = 0;      ///< projected, m2
-    double stored = 0;    ///< energy of the compliance, J
-    double flow_work = 0; ///< of pressures on what flows, J
-    double peak = 0;      ///< largest mean pressure of a column, Pa
-    double reach = 0;     ///< from the tip to the farthest loaded column along a horizontal axis, m
-    bool crosses = false; ///< a loaded column is at the border to the coarser level, or beyond
-    int points = 0;       ///< that have a segment under pressure
+    double area = 0;             ///< projected, m2
+    double stored = 0;           ///< energy of the compliance, J
+    double flow_work = 0;        ///< of pressures on what flows, J
+    double peak = 0;             ///< largest mean pressure of a column, Pa
+    double reach = 0;            ///< from the tip to the farthest loaded column along a horizontal axis, m
+    bool crosses_border = false; ///< a loaded column is at the border to the coarser level, or beyond
+    int points = 0;              ///< that have a segment under pressure
   };
   const Footprint &Shape() const { return shape_; }
   const std::vector<SurfaceColumn> &Columns() const { return columns_; }

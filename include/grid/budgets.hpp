@@ -63,7 +63,7 @@ struct VectorBudget : Budget {
 
 /// Budgets of a part of the run on one rank, or of the whole run. SI units; forces and impulses are those on the bodies.
 struct Budgets {
-  // history.csv, in its order. What one number tells for the whole run (time, depth, load) is set in the sums.
+  // history.csv, in its order. What is one number for the whole run (time, depth, load) is set in the sums.
   ScalarBudget time{"time", Adds::kNow, Shown::kColumn}, depth{"depth", Adds::kNow, Shown::kColumn},
       load{"load", Adds::kNow, Shown::kColumn};
   ScalarBudget contact_points{"contact_points", Adds::kNow, Shown::kColumn};

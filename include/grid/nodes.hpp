@@ -75,9 +75,9 @@ public:
   /// fraction: of a step of level 0, in which the level makes so many steps.
   XpicSchedule(double fraction, double steps)
   {
-    constexpr double kMostShare = 0.08;
-    constexpr int kMostSteps = 4;
-    while (interval_ < kMostSteps && (interval_ + 1) * fraction <= kMostShare * (1 + 1e-9)) ++interval_;
+    constexpr double kMaxShare = 0.08;
+    constexpr int kMaxSteps = 4;
+    while (interval_ < kMaxSteps && (interval_ + 1) * fraction <= kMaxShare * (1 + 1e-9)) ++interval_;
     share_ = 1 - std::pow(1 - fraction / steps, interval_);
   }
   /// The share of XPIC in the velocity update of a step of the level; the first is step 0.
@@ -103,7 +103,7 @@ struct CoupledPlaces {
 };
 
 /// An owned node and a part of the change of its velocity in the step, m/s.
-struct PushedNode {
+struct NodeChange {
   std::ptrdiff_t node; ///< place in the ghosted arrays
   Vec3 change;
   bool has_traction = false; ///< tractions of friction are a part of it
@@ -113,16 +113,16 @@ struct PushedNode {
 /// faces move with the new velocity, and points strained by that of points alone lag behind, so that noise of a bar under a punch
 /// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
 /// Nodes that hang on others have none: a flat surface on a line of nodes else splits its last two layers of points.
-inline constexpr double kPushedAhead = 0.1, kAheadWithTraction = 0.3;
+inline constexpr double kContactLead = 0.1, kTractionLead = 0.3;
 /// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
-std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
-                                                    const LightNodes &light);
+std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
+                                                     const LightNodes &light);
 
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
 /// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
 /// see, do not count as work. Where there are no rates, P = p + m dv. ahead: what
-/// AdvancePushedNodes has put into `rates`.
-double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates,
+/// AdvanceContactNodes has put into `rates`.
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, bool rates,
                     const std::map<std::ptrdiff_t, double> &ahead);
 
 // What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
@@ -136,7 +136,7 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
 /// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed. held: by how
 /// much the velocities of owned nodes change.
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             std::vector<PushedNode> *held, Budgets &budgets);
+                             std::vector<NodeChange> *held, Budgets &budgets);
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
@@ -146,14 +146,14 @@ void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const
 
 /// Keeps by how much the coupling of levels has changed the velocities of nodes: dv less dt f/m of the level's own points.
 /// Before sides and contact change them too.
-void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
+void RecordCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
 
 /// Adds up the kinetic energy that the level's points get in a step from neighbouring levels, and from sides, which do no work on
 /// nodes but on points beside them. With p and P the momenta of the points on a node before and after (P: in `rates`, not yet
 /// divided), it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Also takes off what
 /// `ahead` would add to the energy of forces, which UpdateRates adds up. Both together, less the works known otherwise and the
 /// strain energy that points give for it, are what coupling brings: see Budgets::exchange_energy.
-void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<PushedNode> &held,
+void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<NodeChange> &held,
                  const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets);
 
 /// What the second velocities of a level's nodes take beside sums.

@@ -18,7 +18,7 @@ struct NodalField {
 };
 
 /// One message to and from each rank with nodes in common brings the sums to all ranks that have a node, its owner and others
-/// alike, so that nobody has to send them on. Contributions are added in the order of the ranks: the sums are the same on all.
+/// alike, so no second message is needed. Contributions are added in the order of the ranks: the sums are the same on all.
 class SharedNodes
 {
 public:
@@ -42,7 +42,7 @@ public:
 private:
   PetscErrorCode Exchange(int numbers);
 
-  MPI_Comm comm_ = MPI_COMM_NULL; ///< PETSc's own beside the one given, with a tag that nobody else uses
+  MPI_Comm comm_ = MPI_COMM_NULL; ///< PETSc's own beside the one given, with a tag that no other library uses
   PetscMPIInt tag_ = 0, rank_ = 0;
   std::vector<Common> with_;
   std::vector<std::ptrdiff_t> all_; ///< nodes that some other rank has too

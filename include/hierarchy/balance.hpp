@@ -20,7 +20,7 @@ PetscErrorCode FirstLayout(MPI_Comm world, int ranks, double least_points, const
 bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points);
 
 /// The layout that suits the points of a level now: on the same ranks, or, where NeedsOtherRanks, on as many as suit them,
-/// the first ones. `changed` tells whether it is better than that in use. Collective on `world`.
+/// the first ones. `changed`: whether it is better than that in use. Collective on `world`.
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed);
 
 /// The first layout for points of any rank on a grid. Collective on `world`.

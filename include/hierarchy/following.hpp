@@ -20,7 +20,7 @@ struct BoxMargin {
 /// How the boxes of levels move.
 struct FollowSettings {
   FollowKind kind = FollowKind::kNone;
-  int interval = 1;                      ///< level-0 steps between two looks
+  int interval = 1;                      ///< level-0 steps between two checks
   double cells_max = 64, cells_min = 12; ///< of the finest level in half the contact's width: with more it ends, with fewer a
                                          ///< finer one begins
   std::vector<BoxMargin> margins;        ///< [levels]

@@ -55,7 +55,7 @@ struct CopyState {
   Vec3 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
 };
 
-/// Where the boxes of levels are, and how far the contact has come since they were last looked at.
+/// Where the boxes of levels are, and how far the contact has come since the last check.
 struct FollowState {
   BoxPlan plan;
   double half_width = 0, reach = 0; ///< see ContactPlace; m
@@ -88,10 +88,10 @@ public:
   /// Prepares for the next `steps` steps of length dt from `time` on: migrates with intervals that suit the speeds, wakes
   /// contact on levels that the indenter can reach, and re-cuts ownership where points have become uneven.
   PetscErrorCode Adapt(const SpeedCheck &speeds, double time, double dt, int steps);
-  /// After a step that ends at `time`: moves the boxes that follow where it is due, adds what has moved to `moves`, and tells
-  /// why a box cannot lie where it should; the same on every rank. next_look: when boxes may move again, s. Collective.
-  PetscErrorCode Follow(double step, double time, double next_look, std::vector<LevelMove> *moves, std::string *problem);
-  /// Where boxes are now; while they follow, what the contact has reached since they were last looked at.
+  /// After a step that ends at `time`: moves the boxes that follow where it is due and adds the moves to `moves`.
+  /// problem: why a box cannot lie where it should; the same on every rank. next_check: when boxes may move again, s. Collective.
+  PetscErrorCode Follow(double step, double time, double next_check, std::vector<LevelMove> *moves, std::string *problem);
+  /// Where boxes are now; while they follow, what the contact has reached since the last check.
   const FollowState &Following() const { return follow_; }
   /// Puts empty levels there. Collective.
   PetscErrorCode RestoreFollowing(const FollowState &state);
@@ -152,7 +152,7 @@ private:
   PetscErrorCode Rebalance(int l);
   int LevelAt(Vec3 x, int now) const;
   PetscErrorCode AssignPatches(bool to_levels);
-  PetscErrorCode FindContact(double time, double next_look, ContactPlace *place);
+  PetscErrorCode FindContact(double time, double next_check, ContactPlace *place);
   PetscErrorCode MoveLevels(const BoxPlan &next);
   PetscErrorCode SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active);
   PetscErrorCode SortIntoBoxes(const std::vector<LevelGeometry> &next, int active);
@@ -175,7 +175,7 @@ private:
   CopyState copies_;
   TipTrack tip_;
   FollowState follow_;
-  double patch_drift_ = 0; ///< cells of their level that patches may have moved since they were last looked at
+  double patch_drift_ = 0; ///< cells of their level that patches may have moved since the last check
 };
 
 } // namespace mlgimp

@@ -28,7 +28,7 @@ struct BlendNode {
 };
 
 /// Width of the band inside a border, cells of the coarser level: where boxes leave room, and at the least.
-inline constexpr double kBlendWidth = 4, kLeastBlendWidth = 2;
+inline constexpr double kBlendWidth = 4, kMinBlendWidth = 2;
 /// Cells beside the band that a border needs free of other borders and of contact.
 inline constexpr double kBorderCells = 3;
 
@@ -61,7 +61,7 @@ public:
   void ForEachDonor(Index coarse, const DonorWork &work) const override;
   Vec3 FreePart(Index coarse, Vec3 change) const override;
   void Push(Index coarse, Vec3 change_of_velocity) override;
-  PetscErrorCode Spread(std::vector<PushedNode> *pushed) override;
+  PetscErrorCode Spread(std::vector<NodeChange> *pushed) override;
 
   /// Adds to the coarse forces of the step before those of points that have changed levels, which are no change to
   /// extrapolate: what is in `sums` of the coarse level, or of the fine level's constrained nodes. Collective on all.
@@ -144,10 +144,10 @@ private:
       if (own_[k] != 1) work(static_cast<int>(k));
   }
   bool FineContactMeets() const;
-  bool MeetsContact() const;
+  bool MayMeetContact() const;
   PetscErrorCode ShareContact();
   /// True where all that contact has done to interface nodes is over: it lasts for two coarse steps more.
-  bool IsClear() const { return clear_steps_ > 2; }
+  bool IsFarFromContact() const { return steps_far_from_contact_ > 2; }
   PetscErrorCode FindPlaces();
   std::vector<NodeState> States() const;
   void SetState(const NodeState &state);
@@ -192,17 +192,17 @@ private:
   std::vector<NodeSums> coarse_sums_; ///< [owned_]: of the coarse points
   std::vector<Vec3> previous_force_;  ///< [owned_]
   std::vector<Vec3> contact_,
-      left_;                       ///< [owned_]: impulse of contact on the coarse level; what fine points have not got of it yet
+      impulse_carried_over_;       ///< [owned_]: impulse of contact on the coarse level; what fine points have not got of it yet
   std::vector<SharedNode> shared_; ///< by place on the coarse level
   std::vector<double> finer_masses_; ///< likewise, see FinerMasses
   std::vector<double> by_hats_;      ///< [owned_]: the same
-  std::vector<SharedNode> to_share_; ///< [owned_]
-  int clear_steps_ = 0;              ///< coarse steps in a row in which contact could push no interface node
+  std::vector<SharedNode> outgoing_; ///< [owned_]
+  int steps_far_from_contact_ = 0;   ///< coarse steps in a row in which contact could push no interface node
   UnitHandle shared_unit_, up_unit_, state_unit_;
-  std::vector<NodeSums> sums_;   ///< [known_]: of the fine points, restricted; owned_mass: the same by hats alone
-  std::vector<double> velocity_; ///< [known_][velocity_size_]: (v, dv) of the substep
-  std::vector<double> pushed_;   ///< [known_][velocity_size_]: what contact on the finer level adds to it
-  std::vector<double> mean_;     ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
+  std::vector<NodeSums> sums_;         ///< [known_]: of the fine points, restricted; owned_mass: the same by hats alone
+  std::vector<double> velocity_;       ///< [known_][velocity_size_]: (v, dv) of the substep
+  std::vector<double> contact_change_; ///< [known_][velocity_size_]: what contact on the finer level adds to it
+  std::vector<double> mean_;           ///< [owned_][velocity_size_]: mean v and sum of dv over substeps
   bool has_previous_ = false;
   Budgets budgets_;
 };

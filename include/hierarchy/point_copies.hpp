@@ -68,7 +68,7 @@ public:
 
   /// Renews the copies on both sides when both levels are at the same time; dt: the coarse step. Collective.
   PetscErrorCode Exchange(double dt);
-  /// Ownership as printed: who is inside the box belongs to the finer level, be it a copy or not. Loses and doubles points
+  /// Ownership as printed: a point inside the box belongs to the finer level, be it a copy or not. Loses and doubles points
   /// whose copy and owner disagree. Collective.
   PetscErrorCode DecideByPlace();
   /// Mass of this rank's points that have copies, kg.

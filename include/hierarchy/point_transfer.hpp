@@ -14,7 +14,7 @@ Box WidenedBox(const LevelGeometry &geometry, double distance);
 std::vector<int> PointsIn(const PointArrays &points, const Box &box, bool inside);
 /// How far the nearest point outside a box (or the nearest inside one) may move and stay there, m; not above zero where a point
 /// is already inside (outside).
-double LeastWay(const PointArrays &points, const Box &box, bool inside);
+double MinDistance(const PointArrays &points, const Box &box, bool inside);
 
 /// Distances from the finer level's box where points change levels that are coupled through nodes, its cells; not one, where
 /// points may lie at the start.
@@ -44,8 +44,8 @@ public:
   /// each with the parent's F and stress and the velocity v + L dx. dt: the coarse step, s; border: the one that couples
   /// the levels through nodes, or null. Collective on all ranks; while all are too far away to change levels, none asks another.
   PetscErrorCode Transfer(double dt, LevelInterface *border);
-  /// Points have come or boxes have moved: where points are must be looked at anew. To be called by all ranks.
-  void LookAnew() { room_ = 0; }
+  /// Must be called by all ranks when points have come or boxes have moved: the clearance is no longer known.
+  void InvalidateClearance() { clearance_ = 0; }
   /// Splits the points of coarse size in the ring around the box; they stay where they are.
   PetscErrorCode SplitRing(); // collective on the coarser level's ranks
 
@@ -60,7 +60,7 @@ private:
   {
     return FindParents(coarse_, points, fine_.Geometry().grid.spacing, ratio_, numbers_, &budgets_);
   }
-  PetscErrorCode FindRoom(double room[2]);
+  PetscErrorCode FindClearance(double clearance[2]);
   PetscErrorCode Enter(std::vector<int> points, double dt, double shift, LevelInterface *border);
   PetscErrorCode Split(const std::vector<int> &parents, const std::vector<VelocitySample> &samples, std::vector<int> *points);
   PetscErrorCode Send(Level &from, Level &to, const std::vector<int> &points, double step, double shift);
@@ -70,7 +70,7 @@ private:
   int ratio_;
   PointNumbers numbers_;
   PointTransferRule rule_;
-  double room_ = 0; ///< that points of all ranks may still move before one changes levels, m; the same on every rank
+  double clearance_ = 0; ///< that points of all ranks may still move before one changes levels, m; the same on every rank
   Budgets budgets_;
 };
 

@@ -22,7 +22,7 @@ public:
 
   /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
   Vec3 At(double time) const;
-  /// What a step of level l from `time` on is told; start: the tip when it began.
+  /// The tip and the load in a step of level l from `time` on; start: the tip when the step began.
   TipStep Step(int l, Vec3 start, double time, double dt) const;
   /// Takes up what level l did in that step. Collective on all ranks.
   PetscErrorCode Follow(MPI_Comm comm, int l, const Level &level, double time, double dt);
@@ -44,7 +44,7 @@ private:
   double time_ = 0, travel_ = 0; ///< end of the last step, s; way down since the start, m
   double speed_ = 0;             ///< in that step, downward, m/s
   double overrun_ = 0;
-  std::vector<double> beside_; ///< load on each other level in its last step, N
+  std::vector<double> load_on_other_levels_; ///< load on each other level in its last step, N
 };
 
 } // namespace mlgimp

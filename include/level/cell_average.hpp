@@ -88,14 +88,14 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
 /// The gradients of L become those with the mean growth of volume over the points of the cell,
 /// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g, q = kSettling dt |D|; I + dt L
 /// keeps its form in the plane, or in space. The last factor is of points that come from other cells: without it they keep what
-/// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact would feel
-/// it. Adds up the work of the stress on the difference.
+/// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact
+/// would be noisy by it. Adds up the work of the stress on the difference.
 template <class Geometry>
 void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
                    Motion<Geometry::kDim> &motion, Budgets &budgets)
 {
   constexpr int dim = Geometry::kDim;
-  constexpr double kLeast = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
+  constexpr double kMinSum = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   alignas(64) double sums[3][kBlock]; // of the point's cell
   alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors
@@ -105,7 +105,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
     const CellSums &cell = cells[parts.cell[p]];
     sums[0][p] = cell.mass, sums[1][p] = cell.growth, sums[2][p] = cell.relative_volume;
   }
-  const double exponent = 2 * (1 - b.material.OwnGrowth()) / dim, rate = 1 / dt;
+  const double exponent = 2 * (1 - b.material.KeptVolumeShare()) / dim, rate = 1 / dt;
   const double settling = b.material.IsMetal() ? kSettling * dt / dim : 0, specific_volume = 1 / b.material.Density();
   const double *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
   const int *const faces = b.faces;
@@ -115,7 +115,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   for (int p = 0; p < b.count; ++p) {
     // ln((1 + mean)/(1 + growth)) = 2 atanh s; the means are sums over the cell's mass, and all is over one division.
     const double cell_mass = sums[0][p], mean = sums[1][p], own = cell_mass * growth[p]; // growths, times that mass
-    const double sum = std::max(2 * cell_mass + mean + own, kLeast * cell_mass), inverse = 1 / (sum * volume[p] * cell_mass);
+    const double sum = std::max(2 * cell_mass + mean + own, kMinSum * cell_mass), inverse = 1 / (sum * volume[p] * cell_mass);
     const double s = (mean - own) * (volume[p] * cell_mass) * inverse;
     double square = 0; // |D|^2
 #pragma GCC unroll 3

@@ -14,7 +14,7 @@ struct LogEvents {
 PetscErrorCode RegisterLogEvents(LogEvents *events);
 
 /// Calls `work` as a log event.
-template <class Work> PetscErrorCode Logged(PetscLogEvent event, Work work)
+template <class Work> PetscErrorCode Timed(PetscLogEvent event, Work work)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));

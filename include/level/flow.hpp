@@ -8,7 +8,7 @@
 namespace mlgimp
 {
 
-/// Takes the shear out of boxes with outer faces of metals that split (`SplitsStretched`) where it is more than kMostShear: of
+/// Takes the shear out of boxes with outer faces of metals that split (`SplitsStretched`) where it is more than kMaxShear: of
 /// the edges of such a box, each becomes its part normal to those before it, the longest first, those across outer faces last.
 /// Boxes keep their volumes, and faces their planes and areas: they are shifted along themselves. Of F a metal's stress takes det
 /// F alone. Points at an edge of the body stay, and those within it. In axisymmetry edges end at the axis, and volumes stay: by

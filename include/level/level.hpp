@@ -48,7 +48,7 @@ struct LevelClock {
   long steps = 0;
   double drift = 0;          ///< how far points may have moved since they were last sent to their owners, cells
   double drift_per_step = 1; ///< cells
-  bool contact_awake = true;
+  bool contact_active = true;
   IndexBox contact_zone = kAllNodes; ///< nodes that contact may reach while it is awake
 };
 
@@ -120,14 +120,14 @@ public:
   /// Moves the level to another place; its points must lie there. Contact starts from nothing. Collective on all ranks.
   PetscErrorCode Move(const LevelGeometry &geometry, const GridLayout &layout);
   /// Nothing touches the level while it has no points.
-  void Rest();
-  /// Nothing is known of the points that have come: they migrate, and contact looks for them, until speeds are measured again.
-  /// Collective on all ranks.
-  PetscErrorCode Wake();
-  /// Points have come, or ranks: whether anything may touch must be looked at in the next step. To be called by all ranks.
-  void LookForContact() { contact_room_ = 0; }
-  /// Whether there may be contact in the steps until it is looked at again; the same on all ranks.
-  bool ContactAwake() const { return contact_ && clock_.contact_awake; }
+  void Deactivate();
+  /// Called when points of unknown speed have come: they migrate, and contact searches them, in every step until speeds are
+  /// measured again. Collective on all ranks.
+  PetscErrorCode Activate();
+  /// Must be called by all ranks when points or ranks have come: the next step searches the surface for contact.
+  void InvalidateClearance() { contact_clearance_ = 0; }
+  /// Whether there may be contact in the steps until the next check; the same on all ranks.
+  bool ContactActive() const { return contact_ && clock_.contact_active; }
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.
@@ -201,7 +201,7 @@ private:
   PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
   void PrepareSharedNodes();
   void FindFollowing(Vec3 tip);
-  void NoteContact(const ContactReport &report, double area);
+  void RecordContact(const ContactReport &report, double area);
   PetscErrorCode Regroup();
   PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
@@ -216,7 +216,7 @@ private:
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not added up. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);
-  void NoteFailure(const PointFailure &failure, double time);
+  void RecordFailure(const PointFailure &failure, double time);
 
   const Model &model_;
   const Flops flops_{model_.geometry.Dim()};
@@ -247,18 +247,18 @@ private:
   BorderNodes *border_ = nullptr;
   SharedNode *shared_ = nullptr;
   const double *finer_masses_ = nullptr;
-  std::vector<PushedNode> pushed_;     ///< by contact in the step
-  std::vector<PushedNode> held_nodes_; ///< by sides in the step
-  bool pushes_beyond_ = true;          ///< contact in the step may have pushed nodes of the coarser level
+  std::vector<NodeChange> contact_nodes_; ///< by contact in the step
+  std::vector<NodeChange> held_nodes_;    ///< by sides in the step
+  bool reaches_coarser_level_ = true;     ///< contact in the step may have contact_nodes nodes of the coarser level
   bool is_coupled_ = false, measures_noise_ = false;
   std::vector<FaceForce> applied_; ///< by loads in the step
   Budgets budgets_;
   LevelFailure failure_;
   double time_ = 0;
   TipReport tip_;
-  double contact_room_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
-  Vec3 contact_tip_{};      ///< with which it was found, m
-  Vec3 tip_end_{};          ///< at the end of the step, m
+  double contact_clearance_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
+  Vec3 contact_tip_{};           ///< with which it was found, m
+  Vec3 tip_end_{};               ///< at the end of the step, m
   LevelClock clock_;
   int sort_interval_ = 50;
 };

@@ -41,8 +41,8 @@ public:
 
   /// Points with a bit of `faces` set, in storage order; found anew after points have moved in storage.
   const std::vector<int> &SurfacePoints();
-  /// To be told where bits of `faces` have changed.
-  void NoteSurface() { surface_known_ = false; }
+  /// Must be called after bits of `faces` have changed.
+  void RecordSurface() { surface_known_ = false; }
 
   /// A whole point as a record of so many bytes.
   std::size_t RecordBytes() const
@@ -77,7 +77,7 @@ private:
   PetscErrorCode ReleaseFields();
   PetscErrorCode ViewSwarm(const std::string &prefix, PetscViewer viewer);
   PetscErrorCode ViewFields(const std::string &prefix, PetscViewer viewer) const;
-  void NoteChange();
+  void RecordChange();
   int dim_ = 2;
 
   DMHandle swarm_;

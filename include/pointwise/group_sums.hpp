@@ -9,7 +9,7 @@
 namespace mlgimp
 {
 
-/// A place of which the compiler knows no more than that: else it finds out the distances of all nodes before the loop over
+/// Hides the address from GCC's optimiser, which otherwise finds out the distances of all nodes before the loop over
 /// groups, and loads each of them from memory where an address with a constant in it would do.
 inline double *Opaque(double *x)
 {

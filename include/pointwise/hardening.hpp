@@ -193,7 +193,7 @@ template <class Law>
 template <class Law>
 [[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
 {
-  constexpr int kMostSteps = 200, kFewSteps = 8;
+  constexpr int kMaxSteps = 200, kFewSteps = 8;
   FlowSearch search;
   alignas(64) double start[kBlock];
   double open = 0;
@@ -204,7 +204,7 @@ template <class Law>
     search.lower[p] = 0, search.open[p] = states.trial[p] > start[p] ? 1 : 0;
     open += search.open[p];
   }
-  for (int k = 0; k < kMostSteps && open > 0; ++k) {
+  for (int k = 0; k < kMaxSteps && open > 0; ++k) {
     const bool halves = k > kFewSteps && k % 3 == 0;
     open = Approach(law, three_mu, states, halves, search, step.strain);
   }

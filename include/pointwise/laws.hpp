@@ -51,7 +51,7 @@ private:
   }
 };
 
-/// A point at the end of a step, as far as laws look at it.
+/// The numbers of a point at the end of a step that laws read.
 struct LawPoint {
   Mat3 F, strain; ///< new deformation gradient; dt L
   Sym3 stress;    ///< of before the step in Law::Stress, else that of now, Pa

@@ -47,7 +47,7 @@ public:
 
   /// Against locking, the growth of volume of points is the mean over those of a cell, but for the share of their own.
   bool AveragesVolume() const { return own_growth_ < 1; }
-  double OwnGrowth() const { return own_growth_; }
+  double KeptVolumeShare() const { return own_growth_; }
   void AverageVolume(double own_growth) { own_growth_ = own_growth; }
   /// Whether points are halved that flow has drawn out longer than a cell.
   bool SplitsStretched() const { return splits_stretched_; }

@@ -13,7 +13,7 @@ namespace mlgimp
 ///
 /// place: a name for tests. Built with MLGIMP_FAULTS the program takes a problem from the environment variable MLGIMP_FAULT:
 /// "list" prints the places that a run passes, "PLACE RANK KIND" makes that rank fail where the run first gets to the place: by
-/// a problem, or by an error, an exception or a lack of memory that the others do not know of.
+/// a problem, or by an error, an exception or missing memory that the other ranks do not see.
 std::string Agree(MPI_Comm comm, const char *place, std::string problem);
 
 /// The same of a problem that the first rank alone may have: what its work() returns. Collective.

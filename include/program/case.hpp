@@ -59,9 +59,9 @@ struct Case {
   Box domain;
   double cell_size = 0; ///< of level 0, m
   int levels = 1;
-  std::vector<Box> boxes;                      ///< of the levels; the first is the domain
-  double least_blend_width = kLeastBlendWidth; ///< what boxes must leave room for, cells of the coarser level
-  HierarchySettings hierarchy;                 ///< where the levels lie, and how they are coupled and kept
+  std::vector<Box> boxes;                    ///< of the levels; the first is the domain
+  double least_blend_width = kMinBlendWidth; ///< what boxes must leave room for, cells of the coarser level
+  HierarchySettings hierarchy;               ///< where the levels lie, and how they are coupled and kept
   Model model;
   TimeSettings time;
   OutputSettings output;

@@ -23,7 +23,7 @@ struct RunState {
   Vec3 friction_at_row{};                     ///< impulse of friction then, N s
   std::vector<double> quasi_static;           ///< of the watch over a slow test
   std::vector<double> watched;                ///< of the warnings
-  std::vector<std::string> warnings;          ///< told so far
+  std::vector<std::string> warnings;          ///< issued so far
   std::vector<LevelMove> moves;               ///< of boxes that follow
 };
 

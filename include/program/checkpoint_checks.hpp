@@ -1,4 +1,4 @@
-// Whether what a checkpoint says makes sense: a file that is whole may still have been made by somebody else, or by hand.
+// Checks that the contents of an intact checkpoint are consistent: it may have been edited, or written by another program.
 //
 // Each function returns an empty string, or what is wrong, for a line "-restart FILE: must be a whole checkpoint; ...".
 #pragma once
@@ -32,7 +32,7 @@ std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const 
 std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures, int per_column);
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name);
 
-/// Looks for numbers that two points of all ranks share. Collective; a rank has the answer of its part of the numbers.
+/// Searches for identity numbers that two points have. Collective; a rank has the answer of its part of the numbers.
 std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids);
 
 } // namespace mlgimp

@@ -12,7 +12,7 @@
 namespace mlgimp
 {
 
-/// The way out of a run that has told why it ends: all ranks leave by it together, so that destructors may wait for others.
+/// Ends all ranks together after the error line was printed, so that destructors may wait for other ranks.
 /// For main and tests alone to catch; what() is the line.
 struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -21,8 +21,8 @@ struct Refused : std::runtime_error {
 /// Ends the run with one line that all ranks agree on.
 [[noreturn]] void Refuse(const std::string &line);
 
-/// Ends the run where PETSc has failed, and told so.
-inline void EndOn(PetscErrorCode code)
+/// Ends the run after PETSc has failed and has printed its error.
+inline void ExitOnError(PetscErrorCode code)
 {
   if (code) throw Refused("PETSc");
 }

@@ -46,7 +46,7 @@ bool WriteAll(int file, const std::string &text);
 /// Writes a text file under another name and renames it when it is complete. Empty, or what CannotWrite says.
 std::string ReplaceFile(const std::string &path, const std::string &text);
 
-/// True while a path leads to the file that is open: not where somebody has removed or replaced it.
+/// True while a path leads to the file that is open: false when the file was removed or replaced.
 bool SameFile(int file, const std::string &path);
 
 } // namespace mlgimp

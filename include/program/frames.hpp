@@ -22,7 +22,7 @@ public:
   /// Writes frame `number` (0 is the state at the start), and the series with it: with every frame while they are few, then after
   /// each sixteenth more of them, as its length is that of all frames. Collective.
   std::string Write(Hierarchy &hierarchy, int number, double time, long step);
-  /// Writes the series where it lacks frames. Collective.
+  /// Writes the series if frames are missing in it. Collective.
   std::string Finish(MPI_Comm comm) { return WriteSeries(comm, true); }
   /// Number of the last frame that was written, or found by Resume; -1 for none. First rank.
   int Last() const { return frames_.empty() ? -1 : frames_.back().number; }

@@ -42,7 +42,7 @@ struct Slab {
 /// This rank's `count` rows among those of all ranks. Collective.
 Slab MakeSlab(MPI_Comm comm, int count);
 
-/// Writes one file. After any failure, on whatever rank, further calls do nothing; Finish tells.
+/// Writes one file. After any failure, on whatever rank, further calls do nothing, and Finish returns the error.
 class H5Writer
 {
 public:
@@ -62,8 +62,8 @@ public:
 
 private:
   void Note(bool success) { good_ = good_ && success; }
-  void NoteSystem(bool success);
-  void Settle(const char *place);
+  void RecordSystem(bool success);
+  void AgreeOnError(const char *place);
   void Reserve(off_t size);
   H5Handle Layout(int components, hsize_t rows, std::size_t row_size) const;
   void ReserveChunks(hsize_t bytes);

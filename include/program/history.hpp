@@ -28,7 +28,7 @@ public:
   std::string Write();
   /// Step of the last row that was written; -1 for none.
   long Last() const { return last_; }
-  /// False where somebody has removed the file. First rank.
+  /// False when the file was removed. First rank.
   bool IsThere() const { return SameFile(file_, path_); }
 
 private:

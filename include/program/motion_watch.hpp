@@ -24,12 +24,12 @@ class MotionWatch
 {
 public:
   /// pressure: sum of the magnitudes of the pressures now, Pa.
-  void Look(const Budgets &row, double pressure);
+  void Record(const Budgets &row, double pressure);
 
-  double DragOfLoad() const { return OfLoad(kDrag, 1); }       ///< share of the load without it
-  double InertiaOfLoad() const { return OfLoad(kInertia, 2); } ///< the same
-  double Deepest() const { return numbers_[kDepth]; }          ///< of the tip, m
-  double OfPlasticWork() const;                                ///< share of the plastic work without it
+  double DragOfLoad() const { return ShareOfLoad(kDrag, 1); }       ///< share of the load without it
+  double InertiaOfLoad() const { return ShareOfLoad(kInertia, 2); } ///< the same
+  double Deepest() const { return numbers_[kDepth]; }               ///< of the tip, m
+  double ShareOfPlasticWork() const;                                ///< share of the plastic work without it
 
   static constexpr std::size_t kSize = 11; ///< numbers that it keeps from row to row
   std::vector<double> State() const { return {numbers_.begin(), numbers_.end()}; }
@@ -51,9 +51,9 @@ private:
     kFlowed      ///< plastic work of the last row under the largest pressures, J
   };
   static_assert(kFlowed + 1 == kSize);
-  double OfLoad(Kept part, double factor) const;
-  void LookAtTip(const Budgets &row);
-  void LookAtFlow(const Budgets &row, double pressure);
+  double ShareOfLoad(Kept part, double factor) const;
+  void RecordTip(const Budgets &row);
+  void RecordFlow(const Budgets &row, double pressure);
 
   std::array<double, kSize> numbers_{};
 };

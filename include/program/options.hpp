@@ -88,7 +88,7 @@ public:
   void RefuseUnused() const;
   /// The same of an option that no case has, before all are read. all: the names of those that any case has.
   static void RefuseMisspelt(std::vector<std::string> all);
-  /// Tells of those at the end of a run.
+  /// Lists them at the end of a run.
   void WarnUnused() const;
   /// Keeps a warning until all input is accepted: what is refused gets one line.
   void WarnLater(std::string line) { warnings_.push_back(std::move(line)); }

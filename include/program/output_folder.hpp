@@ -9,7 +9,7 @@
 namespace mlgimp
 {
 
-/// A file that a run writes, told by its whole name; all other files in the folder are the user's.
+/// A file that a run writes, known by its full name; all other files in the folder are the user's.
 struct ResultName {
   enum Kind { kNone, kHistory, kSummary, kSeries, kFrame, kCheckpoint } kind = kNone;
   long number = 0;   ///< of a frame or a checkpoint
@@ -42,7 +42,7 @@ public:
   void Unlock();
 
 private:
-  std::string Look();
+  std::string Check();
   std::string Lock();
   bool IsRestart(const std::string &path) const;
   bool HoldsRestart(const std::vector<std::string> &names) const;

@@ -9,7 +9,7 @@
 namespace mlgimp
 {
 
-/// An empty string for a simple polygon; else what is wrong with its vertices, which are told by their numbers from 1 on.
+/// An empty string for a simple polygon; else what is wrong with its vertices, which the text numbers from 1.
 std::string WrongPolygon(const std::vector<Vec3> &vertices);
 
 } // namespace mlgimp

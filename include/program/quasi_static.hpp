@@ -20,7 +20,7 @@ public:
   explicit QuasiStaticWatch(const QuasiStaticPlan &plan) : plan_(plan) {}
 
   /// Takes up a row of the history and sets its load_quasi_static. Without a plan it does nothing.
-  void Look(Budgets &row);
+  void Record(Budgets &row);
 
   // Largest so far, from a fifth of the depth on and above a fifth of the largest load.
   double LoadShare() const { return numbers_[kLoadShare]; }       ///< |P/P_qs - 1|
@@ -56,7 +56,7 @@ private:
   static constexpr int kSample = sizeof(Sample) / sizeof(double);
 
   double Added(const Sample &now, double load);
-  void LookAtHold(double time, double value);
+  void CheckHold(double time, double value);
   bool IsLoaded(const Budgets &row) const;
 
   const QuasiStaticPlan &plan_;

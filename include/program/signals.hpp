@@ -5,7 +5,7 @@ namespace mlgimp
 {
 
 /// Call after PetscInitialize, whose handlers print traces. SIGHUP, SIGINT, SIGQUIT, SIGPIPE and, until ListenToOrders, SIGTERM
-/// end the program. Only a program of one rank prints the line: mpiexec tells itself what has happened, and by such a signal it
+/// end the program. Only a program of one rank prints the line: mpiexec reports itself what has happened, and by such a signal it
 /// also ends the other ranks after an error of one. Results need no care: each file is whole at any moment, or has another name.
 void InstallSignals(int ranks);
 

@@ -16,7 +16,7 @@
 namespace mlgimp
 {
 
-/// Steps between looks at what all ranks must know: speeds, balance, failures, rows.
+/// Steps between two checks of what all ranks must know: speeds, balance, failures, rows.
 inline constexpr int kControlInterval = 10;
 
 class Simulation
@@ -29,9 +29,9 @@ public:
   {
   }
 
-  /// Creates levels and points, or reads them from a checkpoint, and checks what only they can tell. Collective.
+  /// Creates levels and points, or reads them from a checkpoint, and checks what only levels and points show. Collective.
   void SetUp(MPI_Comm comm);
-  /// Takes warnings that are known before the first step; Run tells them, once nothing is refused any more.
+  /// Takes warnings that are known before the first step; Run prints them after all checks have passed.
   void WarnAtStart(const std::vector<std::string> &lines) { at_start_.insert(at_start_.end(), lines.begin(), lines.end()); }
   /// Prepares the output folder and runs to the end, or until a signal or the clock asks to stop. Returns the signal that has
   /// asked, else 0.
@@ -45,12 +45,12 @@ private:
   void FollowBoxes();
   void CheckPace();
   /// When boxes may move again.
-  double NextLook() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
+  double NextCheck() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
   void WriteFrameDue();
   void WriteDue(); ///< rows of the history, checkpoint
   void ObeyOrders();
   void TellOfStop();
-  void NoteRow();
+  void RecordRow();
   std::string WriteRows();
   void SetFrictionForce(double time);
   void WriteState();
@@ -80,7 +80,7 @@ private:
   void CheckStep(double speed);
   [[noreturn]] void FailOrRefuse(const std::string &message);
 
-  /// A row of the history that waits for the next look: what all ranks know of it.
+  /// A row of the history that waits for the next check: what all ranks know of it.
   struct Row {
     long step;
     double time;

@@ -1,4 +1,4 @@
-// What only the points at the start can tell about a case: whether bodies, loads and the indenter are as the options say.
+// Checks of a case that need the points at the start: whether bodies, loads and the indenter are as the options say.
 #pragma once
 
 #include "program/case.hpp"

@@ -12,12 +12,12 @@ public:
   /// Call before the first step.
   void StartLooking();
   /// Takes what writing a checkpoint takes or may take, s; the longest counts.
-  void NoteWriting(double seconds);
-  /// To be asked at every look of a run: whether less time is left than to the next look, and for a checkpoint and the end.
+  void RecordWriting(double seconds);
+  /// Must be called at every check of a run: whether less time is left than to the next check, and for a checkpoint and the end.
   bool IsShort();
 
 private:
-  double limit_, start_, last_look_, longest_ = 0, writing_ = 0; ///< s; longest between two looks
+  double limit_, start_, last_check_, longest_ = 0, writing_ = 0; ///< s; longest time between two checks
 };
 
 } // namespace mlgimp

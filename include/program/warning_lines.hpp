@@ -12,8 +12,9 @@
 namespace mlgimp
 {
 
-/// What rows have told so far. Energies in J: what bodies have that no work explains, the most that they had or were given, what
-/// they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding begins.
+/// What the rows of the history have shown so far. Energies in J: what bodies have that no work explains, the most that they had
+/// or were given, what they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding
+/// begins.
 struct Watched {
   const QuasiStaticWatch &slow;
   const MotionWatch &motion;
@@ -24,12 +25,12 @@ struct Watched {
 
 inline std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
 
-std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched);
-std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string WidestContactWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &watched);
+std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &watched);
 
 } // namespace mlgimp

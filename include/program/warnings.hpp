@@ -1,4 +1,4 @@
-// What a run tells of itself while it goes on, each once: results that the user's input makes doubtful.
+// Warnings during a run, each printed once: results that the user's input makes doubtful.
 #pragma once
 
 #include "grid/budgets.hpp"
@@ -15,12 +15,13 @@ namespace mlgimp
 class Warnings
 {
 public:
-  /// Tells lines that are known before the first step; those of a run that goes on are not kept twice.
-  void Tell(MPI_Comm comm, const std::vector<std::string> &lines);
-  /// Looks at the budgets of all ranks, which are the same on each, and warns of what is new; some are for the end
+  /// Prints lines that are known before the first step. A restarted run keeps such a line once.
+  void Issue(MPI_Comm comm, const std::vector<std::string> &lines);
+  /// Checks the budgets, which are the same on each rank, and prints new warnings; some are for the end
   /// of a run. Collective.
-  void Look(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended);
-  /// The lines so far, for summary.json; and those that a run which goes on keeps: what is told at an end may be no more true.
+  void Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended);
+  /// The lines so far, for summary.json; and those that a restarted run keeps: a warning at an end need not hold after more
+  /// steps.
   std::vector<std::string> Lines() const;
   std::vector<std::string> KeptLines() const;
 
@@ -31,17 +32,17 @@ public:
 
 private:
   static constexpr std::size_t kAtStart = 99; ///< kind of those before the first step
-  struct Told {
+  struct Issued {
     std::size_t kind;
     bool at_end;
     std::string line;
   };
-  /// Energies in J: the bodies' less all works when first looked at, and the most that they had or were given; the rest are the
+  /// Energies in J: the bodies' less all works in the first row, and the most that they had or were given; the rest are the
   /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
   enum Kept { kLooked, kHadAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
   std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
   MotionWatch motion_;
-  std::vector<Told> told_;
+  std::vector<Issued> issued_;
 };
 
 } // namespace mlgimp

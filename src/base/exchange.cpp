@@ -1,4 +1,4 @@
-// One sparse exchange: few ranks send to each other at once; among many, who gets how much is told first.
+// One sparse exchange: few ranks send to each other at once; among many, the numbers of records are exchanged first.
 #include "base/exchange.hpp"
 
 namespace mlgimp
@@ -13,13 +13,13 @@ struct Group {
   int count;
 };
 
-/// Sends a message to each rank that may get something, with or without records: its length tells how many there are.
+/// Sends a message to each rank that may get something, with or without records: its length gives their number.
 PetscErrorCode ExchangeAmongFew(MPI_Comm comm, MPI_Datatype record, std::size_t bytes, const std::vector<Group> &targets,
                                 SendPattern pattern, const char *outgoing, std::vector<char> *incoming)
 {
   const PetscMPIInt ranks = RanksOf(comm), mine = RankIn(comm);
   PetscMPIInt tag;
-  MPI_Comm inner; // PETSc's own, with tags that nobody else uses
+  MPI_Comm inner; // PETSc's own, with tags that no other library uses
   std::vector<const char *> from(ranks + 1, outgoing);
   std::vector<int> count(ranks, 0);
   std::vector<MPI_Request> requests;

@@ -107,7 +107,7 @@ void PushOwned(const NodeMotion &motion, const NodeImpulse &one, ContactReport *
     return;
   }
   motion.Push(one.at, one.share * one.impulse, report);
-  report->pushed.back().has_traction = Norm(one.of_friction) > kRounding * Norm(one.impulse);
+  report->contact_nodes.back().has_traction = Norm(one.of_friction) > kRounding * Norm(one.impulse);
   report->friction_impulse = report->friction_impulse + one.of_friction;
 }
 

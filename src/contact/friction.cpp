@@ -104,7 +104,7 @@ static double LimitTo(double most, Friction::Along *traction)
 
 double Friction::Solve(const SegmentProblem &problem, const std::vector<double> &q, Vec3 way)
 {
-  constexpr int kMost = 1000;
+  constexpr int kMaxIterations = 1000;
   constexpr double kStop = 1e-10; // of the tractions' size
   const std::size_t count = tangents_.size();
   const std::vector<Vec3> forces_before = forces_;
@@ -127,7 +127,7 @@ double Friction::Solve(const SegmentProblem &problem, const std::vector<double> 
   for (std::size_t k = 0; k < count; ++k) LimitTo(MostOf(q[k]), &tractions_[k]);
   Field ahead = tractions_;
   double theta = 1;
-  for (int iteration = 0; iteration < kMost; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Field slips = Response(problem, ahead), last = tractions_;
     double uphill = 0, moves = 0, size = 0;
     for (std::size_t k = 0; k < count; ++k) {

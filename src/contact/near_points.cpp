@@ -60,7 +60,8 @@ void NearPoints::Mark(const Grid &grid, Vec3 x)
 /// Lists the points in the box around the places, and beyond it for some steps to come.
 void NearPoints::FindAround(const Grid &grid, Points &points, double path)
 {
-  constexpr double kNear = 2, kMargin = 1, kRoom = 0.5; // cells: of two marked ones; for other places, and for points that move
+  constexpr double kMarked = 2, kMargin = 1,
+                   kMotion = 0.5; // cells: of two marked ones; for other places, and for points that move
   const double h = grid.Geometry().spacing;
   const int dim = grid.Geometry().dim;
   const auto around_places = [&](double width) {
@@ -72,13 +73,13 @@ void NearPoints::FindAround(const Grid &grid, Points &points, double path)
       }
     return box;
   };
-  const Box now = around_places(kNear);
+  const Box now = around_places(kMarked);
   bool known = points.Version() == version_ && path <= path_;
   for (int a = 0; a < dim; ++a) known = known && now.lower[a] >= box_.lower[a] && now.upper[a] <= box_.upper[a];
   if (known) return;
   const PointArrays arrays = points.Arrays();
-  const Box wide = around_places(kNear + kMargin + kRoom);
-  version_ = points.Version(), path_ = path + kRoom * h, box_ = around_places(kNear + kMargin);
+  const Box wide = around_places(kMarked + kMargin + kMotion);
+  version_ = points.Version(), path_ = path + kMotion * h, box_ = around_places(kMarked + kMargin);
   around_.clear();
   for (int p = 0; p < arrays.count; ++p)
     if (wide.Contains(arrays.Position(p))) around_.push_back(p);

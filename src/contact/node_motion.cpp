@@ -36,7 +36,7 @@ void NodeMotion::Push(Index node, Vec3 impulse, ContactReport *report) const
     change[d] += by[d];
   }
   if (shared_) shared_[place].impulse = shared_[place].impulse + taken;
-  report->pushed.push_back({place, by});
+  report->contact_nodes.push_back({place, by});
   report->impulse = report->impulse + impulse;
   report->side_impulse = report->side_impulse + taken - impulse;
 }

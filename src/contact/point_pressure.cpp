@@ -27,7 +27,7 @@ struct PressedPoint {
   Index nearest;                ///< node; those beside it have its weights
   std::array<double, 9> weight; ///< S_ip
   Vec3 normal;                  ///< of the indenter
-  double area;                  ///< of its faces that look at the indenter, m2
+  double area;                  ///< of its faces that are turned to the indenter, m2
   double gap;                   ///< of its centre at the end of the step, m
   double left, right;           ///< ends of those faces, m
 };
@@ -115,9 +115,9 @@ private:
   std::vector<double> shift_; ///< [points]
 };
 
-/// What the first rank tells the others of a step. Doubles throughout.
+/// What the first rank sends the others after a solve. Doubles throughout.
 struct Outcome {
-  double travel, limited, solved, half_width, peak, at_border;
+  double travel, limited, solved, half_width, peak, may_reach_coarser_level;
 };
 
 class PointPressureContact : public Contact
@@ -157,7 +157,8 @@ public:
     PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
     std::copy(numbers.begin(), numbers.end(), &outcome.travel);
     report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
-    report->half_width = outcome.half_width, report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
+    report->half_width = outcome.half_width, report->peak_pressure = outcome.peak,
+    report->may_reach_coarser_level = outcome.may_reach_coarser_level != 0;
     PetscCall(nodes_.Push(motion, impulses, {}, report));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -238,7 +239,7 @@ private:
       left = std::min(left, point.left), right = std::max(right, point.right);
     }
     if (left < right) outcome->half_width = HalfWidth(left, right, step.tip.start[0], h);
-    outcome->at_border = nodes_.AreAtBorder();
+    outcome->may_reach_coarser_level = nodes_.AreAtBorder();
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     report->local_points = found.pressing, report->set_updates = std::max(found.turns, 1);
     PetscFunctionReturn(PETSC_SUCCESS);

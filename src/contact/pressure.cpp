@@ -15,9 +15,9 @@ namespace mlgimp
 namespace
 {
 
-/// What the first rank tells the others of a step. Doubles throughout.
+/// What the first rank sends the others after a solve. Doubles throughout.
 struct Outcome {
-  double travel, limited, solved, half_width, reach, crosses, peak, at_border, empty, least_gap, columns;
+  double travel, limited, solved, half_width, reach, crosses_border, peak, may_reach_coarser_level, empty, least_gap, columns;
 };
 
 class PressureContact : public Contact
@@ -76,9 +76,9 @@ public:
     PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
     std::copy(numbers.begin(), numbers.end(), &outcome.travel);
     report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
-    report->half_width = outcome.half_width, report->reach = outcome.reach, report->crosses = outcome.crosses != 0;
-    report->peak_pressure = outcome.peak, report->at_border = outcome.at_border != 0;
-    if (outcome.empty != 0) report->room = outcome.least_gap - kCandidateGap * surface.grid.Geometry().spacing;
+    report->half_width = outcome.half_width, report->reach = outcome.reach, report->crosses_border = outcome.crosses_border != 0;
+    report->peak_pressure = outcome.peak, report->may_reach_coarser_level = outcome.may_reach_coarser_level != 0;
+    if (outcome.empty != 0) report->clearance = outcome.least_gap - kCandidateGap * surface.grid.Geometry().spacing;
     PetscCall(ShareColumns(static_cast<std::size_t>(outcome.columns), report));
     PetscCall(nodes_.Push(motion, impulses, of_friction, report));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -92,7 +92,7 @@ public:
     PetscCall(ExchangeRecords(
         group_.Comm(), &strains, [](const ColumnStrain &) { return 0; }, kAllToFirst));
     if (RankIn(group_.Comm()) == 0) {
-      NoteStrains(strains);
+      RecordStrains(strains);
       *work = problem_.Shape().flow_work;
       for (const SegmentProblem::Flow &flow : problem_.Flows()) {
         const Segment &segment = problem_.Segments()[flow.segment];
@@ -121,7 +121,7 @@ public:
 
 private:
   /// Mean over the points under each column.
-  void NoteStrains(const std::vector<ColumnStrain> &strains)
+  void RecordStrains(const std::vector<ColumnStrain> &strains)
   {
     ColumnNumbers weights;
     strains_.clear();
@@ -129,7 +129,7 @@ private:
     for (auto &[key, sum] : strains_) sum /= weights[key];
   }
 
-  /// A piece of the surface that looks at the indenter, of a point or a patch, and the lines around it.
+  /// A piece of the surface that is turned to the indenter, of a point or a patch, and the lines around it.
   struct PressedFace {
     int owner, lines = 0;
     double area, projected; ///< m2
@@ -158,8 +158,8 @@ private:
     }
   }
 
-  /// Adds a segment to the faces where it looks at the indenter. as_tip: its slope is that of the indenter there, not its own,
-  /// which points' faces have in steps.
+  /// Adds a segment to the faces where it is turned to the indenter. as_tip: its slope is that of the indenter there, not its
+  /// own, which points' faces have in steps.
   static void AddFace(const SurfaceInputs &surface, Vec3 tip, int owner, const SurfaceSegment &s, bool as_tip,
                       std::vector<PressedFace> *faces)
   {
@@ -236,7 +236,7 @@ private:
     return pressures;
   }
 
-  /// Tells all ranks of the group so many of the first one's columns.
+  /// Sends that many columns of the first rank to all ranks of the group.
   PetscErrorCode ShareColumns(std::size_t count, ContactReport *report) const
   {
     std::vector<double> numbers;
@@ -277,9 +277,9 @@ private:
     *impulses = problem_.Impulses();
     for (std::size_t k = 0; k < of_friction->size(); ++k) (*impulses)[k] = (*impulses)[k] + (*of_friction)[k];
     const SegmentProblem::Footprint &shape = problem_.Shape();
-    outcome->at_border = nodes_.AreAtBorder();
+    outcome->may_reach_coarser_level = nodes_.AreAtBorder();
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
-    outcome->reach = shape.reach, outcome->crosses = shape.crosses, outcome->peak = shape.peak;
+    outcome->reach = shape.reach, outcome->crosses_border = shape.crosses_border, outcome->peak = shape.peak;
     outcome->half_width = HalfWidth(surface, motion.Sides(), step.tip.start, shape.area);
     report->area = shape.area, report->stored = shape.stored + friction.Stored();
     report->columns = problem_.Pressed();
@@ -294,11 +294,11 @@ private:
                              std::vector<double> *q, Friction *friction, std::vector<Vec3> *impulses, PressureReport *found,
                              ContactReport *report)
   {
-    constexpr int kMostTurns = 20;
+    constexpr int kMaxTurns = 20;
     constexpr double kStop = 1e-7; // of the pressures' impulse
     PetscFunctionBeginUser;
     friction->Begin(sides, indenter.up + 1, problem_);
-    for (int turn = 0; turn < kMostTurns; ++turn) {
+    for (int turn = 0; turn < kMaxTurns; ++turn) {
       const Vec3 way = step.tip.end - step.tip.start + indenter.Up(-found->travel);
       const double change = friction->Solve(problem_, *q, way);
       if (change < kStop) break; // also where there are none

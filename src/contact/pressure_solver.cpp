@@ -7,7 +7,7 @@
 namespace mlgimp
 {
 
-static constexpr int kMostTurns = 100;
+static constexpr int kMaxTurns = 100;
 
 static double Square(double x) { return x * x; }
 
@@ -155,9 +155,9 @@ double PressureSolver::EnergyChange(const std::vector<double> &before, const std
 bool PressureSolver::GoDownhill(const std::vector<double> &way, const std::vector<double> &before,
                                 const std::vector<double> &gradient_before, double travel, std::vector<double> *q)
 {
-  constexpr int kMost = 20; // less of it is rounding
+  constexpr int kMaxHalvings = 20; // less of it is rounding
   double part = 1;
-  for (int halved = 0; halved < kMost; ++halved, part /= 2) {
+  for (int halved = 0; halved < kMaxHalvings; ++halved, part /= 2) {
     for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + part * way[k]);
     FindGradient(*q, travel);
     if (EnergyChange(before, gradient_before, *q) < 0) return true;
@@ -175,7 +175,7 @@ PetscErrorCode PressureSolver::SolveAtRest(std::vector<double> *q, double travel
   for (int turn = 0;; ++turn) {
     const double goal = Goal(travel);
     if (Residual(*q) <= goal) break;
-    if (turn == kMostTurns) {
+    if (turn == kMaxTurns) {
       report->solved = false;
       break;
     }
@@ -212,19 +212,19 @@ double PressureSolver::FirstTouch(double travel) const
 /// met exactly in the end, by all pressures alike.
 PetscErrorCode PressureSolver::SolveByLoad(double load, double most, std::vector<double> *q, PressureReport *report)
 {
-  constexpr int kMostPasses = 50;
-  constexpr double kLoad = 1e-7, kSlope = 1e-3, kTouch = 1e-9; // of the load; of the norm of closing; of `most`
+  constexpr int kMaxPasses = 50;
+  constexpr double kLoad = 1e-7, kSlope = 1e-3, kPastTouch = 1e-9; // of the load; of the norm of closing; of `most`
   double &u = report->travel;
   bool held = false; // at the most that it may travel
   PetscFunctionBeginUser;
   slope_.assign(size_, 0.0);
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     PetscCall(SolveAtRest(q, u, report));
     const double left = load - LoadOf(*q);
     report->limited = held && left * u > 0;
     if (report->limited || std::abs(left) <= kLoad * load) break;
     if (LoadOf(*q) <= 0) {
-      u = std::min(FirstTouch(u) + kTouch * most, most);
+      u = std::min(FirstTouch(u) + kPastTouch * most, most);
       FindGradient(*q, u);
     }
     FindFree(*q);
@@ -250,7 +250,7 @@ PetscErrorCode PressureSolver::Solve(const PressureProblem &problem, const TipSt
 {
   PetscFunctionBeginUser;
   const auto is_finite = [](double gap) { return std::isfinite(gap); };
-  if (!std::all_of(problem.Gaps().begin(), problem.Gaps().end(), is_finite)) { // points have failed, which their level tells
+  if (!std::all_of(problem.Gaps().begin(), problem.Gaps().end(), is_finite)) { // points have failed: their level reports it
     std::fill(q->begin(), q->end(), 0.0);
     PetscFunctionReturn(PETSC_SUCCESS);
   }

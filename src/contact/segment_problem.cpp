@@ -304,7 +304,7 @@ void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector
   for (SurfaceColumn &column : columns_) {
     column.mean /= column.surface;
     if (column.load <= 0) continue;
-    shape_.crosses = shape_.crosses || CrossesBorderAt(border, tip, column.at);
+    shape_.crosses_border = shape_.crosses_border || CrossesBorderAt(border, tip, column.at);
     if (column.projected > 0) shape_.peak = std::max(shape_.peak, column.load / column.projected);
     for (int a = 0; a < dim_ - 1; ++a)
       shape_.reach = std::max(shape_.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));

@@ -21,10 +21,10 @@ constexpr double kWallDepth = 0.1; ///< cells; see PressedShare
 double PressedShare(double h, int up, const SurfaceSegment &segment, const SurfaceGap &gap)
 {
   const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal));
-  if (level > kLeastFacing && facing >= 0.5 * level) return 1;
+  if (level > kMinFacing && facing >= 0.5 * level) return 1;
   const double within = std::clamp(-gap.distance / (kWallDepth * h), 0.0, 1.0);
-  if (level <= kLeastFacing) return within;
-  const double least = std::min(kLeastFacing, 0.25 * level);
+  if (level <= kMinFacing) return within;
+  const double least = std::min(kMinFacing, 0.25 * level);
   return std::max(within, (facing - least) / (0.5 * level - least));
 }
 
@@ -54,14 +54,14 @@ std::array<double, 8> Hats(Vec3 part, int axes)
 /// down comes out of.
 static SurfaceGap GapAt(const SurfaceInputs &surface, Vec3 tip, Vec3 x, const SurfaceGap &nearest)
 {
-  constexpr double kMostIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
+  constexpr double kMaxIn = 0.25; // cells; of a wall itself what is nearer to its foot is not known to lie beside it
   constexpr int kSteps = 8;
   const int up = surface.geometry.Dim() - 1;
-  if (nearest.distance >= 0 || -nearest.normal[up] > kLeastFacing) return nearest;
+  if (nearest.distance >= 0 || -nearest.normal[up] > kMinFacing) return nearest;
   for (int step = 1; step <= kSteps; ++step) {
-    const Vec3 down = surface.indenter.Up(-kMostIn * step / kSteps * surface.grid.Geometry().spacing);
+    const Vec3 down = surface.indenter.Up(-kMaxIn * step / kSteps * surface.grid.Geometry().spacing);
     const SurfaceGap below = surface.indenter.Gap(x + down, tip);
-    if (-below.normal[up] > kLeastFacing) return {below.distance - Dot(below.normal, down), below.normal};
+    if (-below.normal[up] > kMinFacing) return {below.distance - Dot(below.normal, down), below.normal};
   }
   return nearest;
 }
@@ -79,7 +79,7 @@ static PartOfPatch PartUnderFace(const SurfaceInputs &surface, Vec3 tip, std::si
   const double range = kPointRange * surface.grid.Geometry().spacing;
   const SurfacePatch &patch = surface.patches.Patches()[k];
   const auto is_under_face = [&](Vec3 x, const SurfaceGap &nearest) {
-    return -GapAt(surface, tip, x, nearest).normal[dim - 1] > kLeastFacing;
+    return -GapAt(surface, tip, x, nearest).normal[dim - 1] > kMinFacing;
   };
   const auto is_under = [&](Vec3 x) { return is_under_face(x, surface.indenter.Gap(x, tip)); };
   int count = 0;
@@ -121,7 +121,7 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
     if (nearest.distance <= moves) *penetration = std::max(*penetration, -surface.indenter.Gap(s.x, tip.start).distance);
     const double pressed =
         Faces(s, gap.normal) ? part.share * s.area * PressedShare(surface.grid.Geometry().spacing, dim - 1, s, gap) : 0;
-    if (pressed == 0 && s.normal[dim - 1] <= kLeastFacing) continue;
+    if (pressed == 0 && s.normal[dim - 1] <= kMinFacing) continue;
     const Material &material = *surface.bodies.material[patch.body];
     const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
     const double flow = ContactPressureOfFlow(material);

@@ -124,12 +124,12 @@ void Surface::Move(const Grid &grid, const BoundaryConditions &sides, const std:
 /// step of the load; in space, where there are many, that counts while the contact is small.
 static double LongestInCells(const SurfacePatch &patch, const Indenter &indenter, Vec3 tip, double h)
 {
-  constexpr double kFar = 0.55, kNear = 0.375, kTouching = 0.19, kTouch = 0.95, kSmall = 2;
+  constexpr double kLengthFar = 0.55, kLengthNear = 0.375, kLengthTouching = 0.19, kTouchRange = 0.95, kSmallTip = 2;
   const int dim = indenter.up + 1;
   const Vec3 center = patch.Center(dim);
   const double off = indenter.Gap(center, tip).distance / h;
-  const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kSmall * h;
-  return off > kPointRange ? kFar : off > kTouch || beside ? kNear : kTouching;
+  const bool beside = dim == 3 && std::hypot(center[0] - tip[0], center[1] - tip[1]) > kSmallTip * h;
+  return off > kPointRange ? kLengthFar : off > kTouchRange || beside ? kLengthNear : kLengthTouching;
 }
 
 void Surface::Split(const Geometry &geometry, const Indenter &indenter, Vec3 tip, double h)

@@ -12,15 +12,15 @@ namespace mlgimp
 /// steep tip, where few points are, runs away with them.
 double SurfaceMotion::PartOfNodes(const GridGeometry &grid, const SurfaceCorner &corner, bool flows) const
 {
-  constexpr double kLeast = 0.25, kFade = 0.25; // share of the surface; cells off the indenter
+  constexpr double kMinShare = 0.25, kFadeRange = 0.25; // share of the surface; cells off the indenter
   if (pressed_.empty()) return 0;
-  const double off = corner.gap.distance / (kFade * grid.spacing);
+  const double off = corner.gap.distance / (kFadeRange * grid.spacing);
   if (off >= 1 || !flows) return 1 - SmoothStep(off);
   double share = 0;
   ForEachColumn(grid, Locate(grid, corner.x), [&](std::int64_t key, Index, double hat) {
     if (const auto found = pressed_.find(key); found != pressed_.end()) share += hat * found->second;
   });
-  return SmoothStep((share - kLeast) / (1 - kLeast)) * (1 - SmoothStep(off));
+  return SmoothStep((share - kMinShare) / (1 - kMinShare)) * (1 - SmoothStep(off));
 }
 
 PetscErrorCode SurfaceMotion::Prepare(Grid &grid, const Surface &surface, const BodyTable &bodies, Points &points, double path)

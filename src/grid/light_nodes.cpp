@@ -149,7 +149,7 @@ int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
 void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light)
 {
   constexpr double kSame = 1e-9, kMayTake = 1.0 / 32; // of shares; of a node's mass, see below
-  constexpr std::size_t kMostFits = 10000;
+  constexpr std::size_t kMaxFits = 10000;
   const int dim = grid.Geometry().dim;
   const double share = shares_[light->place];
   FullPattern full{};
@@ -177,7 +177,7 @@ void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index no
   }
   const auto fit = [&] { KeepJoined(&near_), FitLinear(&near_, dim); };
   if (all_full) {
-    if (fits_.size() > kMostFits) fits_.clear();
+    if (fits_.size() > kMaxFits) fits_.clear();
     std::vector<Near> &kept = fits_[full];
     if (kept.empty()) fit(), kept = near_;
     near_ = kept;
@@ -200,7 +200,7 @@ void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index no
 }
 
 /// Where points may be gone within a step of the coarser level, nothing of a node's motion is its own.
-static constexpr double kLeastOwn = 1e-12;
+static constexpr double kMinOwnShare = 1e-12;
 
 void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *more)
 {
@@ -226,7 +226,7 @@ void LightNodes::AddLight(const Grid &grid, const NodeBodies &bodies, Index node
   if (shares_[place] == 0) return;
   const int number = number_[place] = static_cast<int>(lights_.size());
   const double own = SmoothStep(mass / limit_[place]);
-  lights_.push_back({place, own * mass > kLeastOwn * limit_[place] ? own : 0, 0, 0});
+  lights_.push_back({place, own * mass > kMinOwnShare * limit_[place] ? own : 0, 0, 0});
   FindDonors(grid, bodies, node, &lights_.back());
   Target(grid, place, node);
   grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });

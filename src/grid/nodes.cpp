@@ -88,7 +88,7 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
 }
 
 void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             std::vector<PushedNode> *held_nodes, Budgets &budgets)
+                             std::vector<NodeChange> *held_nodes, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
   held_nodes->clear();
@@ -99,11 +99,11 @@ void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, 
     if (owned) held_nodes->push_back({place, {}});
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
-      const double held = sides.HeldVelocity(side, axis), lacks = held - velocity[axis];
-      if (owned) held_nodes->back().change[axis] = lacks;
-      if (owned) budgets.support_impulse[axis] += node.owned_mass * lacks;
-      if (owned) budgets.external_work += held * lacks * node.owned_mass;
-      change[axis] += lacks;
+      const double held = sides.HeldVelocity(side, axis), correction = held - velocity[axis];
+      if (owned) held_nodes->back().change[axis] = correction;
+      if (owned) budgets.support_impulse[axis] += node.owned_mass * correction;
+      if (owned) budgets.external_work += held * correction * node.owned_mass;
+      change[axis] += correction;
       velocity[axis] = held;
     }
   });
@@ -132,13 +132,13 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
   budgets.damping_work += dt * settings.damping * damped;
 }
 
-std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std::vector<PushedNode> &pushed,
-                                                    const LightNodes &light)
+std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
+                                                     const LightNodes &light)
 {
   std::map<std::ptrdiff_t, double> ahead;
-  for (const PushedNode &one : pushed) {
+  for (const NodeChange &one : contact_nodes) {
     double &part = ahead[one.node];
-    if (!light.IsLight(one.node)) part = std::max(part, one.has_traction ? kAheadWithTraction : kPushedAhead);
+    if (!light.IsLight(one.node)) part = std::max(part, one.has_traction ? kTractionLead : kContactLead);
   }
   for (const auto &[node, part] : ahead)
     for (int axis = 0; axis < grid.Geometry().dim; ++axis)
@@ -146,12 +146,12 @@ std::map<std::ptrdiff_t, double> AdvancePushedNodes(const Grid &grid, const std:
   return ahead;
 }
 
-double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, bool rates,
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, bool rates,
                     const std::map<std::ptrdiff_t, double> &ahead)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
-  for (const PushedNode &one : pushed) {
+  for (const NodeChange &one : contact_nodes) {
     const NodeSums &node = grid.Sums()[one.node];
     const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
     for (int axis = 0; axis < dim; ++axis) {
@@ -162,7 +162,7 @@ double WorkOnPoints(const Grid &grid, const std::vector<PushedNode> &pushed, boo
   return work;
 }
 
-void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
+void RecordCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
 {
   const int dim = grid.Geometry().dim;
   for (CoupledNode &coupled : nodes) {
@@ -173,7 +173,7 @@ void NoteCoupling(const Grid &grid, const NodalSettings &settings, double dt, st
   }
 }
 
-void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<PushedNode> &held,
+void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<NodeChange> &held,
                  const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
@@ -189,7 +189,7 @@ void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &co
     for (int axis = 0; axis < dim; ++axis) work += 0.5 * by[axis] * (node.momentum[axis] + after[axis] - given * change[axis]);
   };
   for (const CoupledNode &one : coupled) add(one.node, one.change);
-  for (const PushedNode &one : held) add(one.node, one.change);
+  for (const NodeChange &one : held) add(one.node, one.change);
   budgets.exchange_energy += work;
 }
 

@@ -56,7 +56,7 @@ Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
 
 void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
 {
-  const NodeVelocity to = VelocityIn(pushed_, place_.at(coarse));
+  const NodeVelocity to = VelocityIn(contact_change_, place_.at(coarse));
   for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
 }
 
@@ -73,40 +73,40 @@ bool LevelInterface::FineContactMeets() const
   bool meets = false;
   IndexBox pushed = fine_->Clock().contact_zone; // which holds also the coarser nodes that these move with
   for (int axis = 0; axis < dim_; ++axis) pushed.lower[axis] += ratio_, pushed.upper[axis] -= ratio_;
-  if (fine_->ContactAwake()) ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
+  if (fine_->ContactActive()) ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
   return meets;
 }
 
 /// Whether contact on one of the two levels may push interface nodes; the same on all ranks.
-bool LevelInterface::MeetsContact() const
+bool LevelInterface::MayMeetContact() const
 {
   bool meets = FineContactMeets();
-  if (!meets && coarse_->ContactAwake()) ForEachInterface(coarse_->Clock().contact_zone, [&](Index) { meets = true; });
+  if (!meets && coarse_->ContactActive()) ForEachInterface(coarse_->Clock().contact_zone, [&](Index) { meets = true; });
   return meets;
 }
 
 /// v_I, dv_I, what they are summed up to and p^c as in a substep; then (v, dv)_i += (1 - beta_i) sum_I N_I(x_i) (v, dv)_I.
-PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
+PetscErrorCode LevelInterface::Spread(std::vector<NodeChange> *pushed)
 {
   PetscFunctionBeginUser;
   if (!FineContactMeets()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(BroadcastVelocity(&pushed_));
+  PetscCall(BroadcastVelocity(&contact_change_));
   for (int k = 0; k < owned_; ++k) {
-    const NodeVelocity by = VelocityIn(pushed_, k), mean = VelocityIn(mean_, k);
+    const NodeVelocity by = VelocityIn(contact_change_, k), mean = VelocityIn(mean_, k);
     for (int axis = 0; axis < dim_; ++axis) {
       coarse_sums_[k].momentum[axis] += coarse_sums_[k].mass * by.change[axis];
       mean.velocity[axis] += by.velocity[axis] / ratio_;
       mean.change[axis] += by.change[axis];
-      to_share_[k].finer_push[axis] += by.change[axis];
+      outgoing_[k].finer_contact_change[axis] += by.change[axis];
     }
   }
-  ProlongLight(&pushed_);
+  ProlongLight(&contact_change_);
   for (const BlendNode &node : band_) {
-    PushedNode one{node.node, {}};
+    NodeChange one{node.node, {}};
     Vec3 motion{};
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      const NodeVelocity by = VelocityIn(pushed_, node.interface[a]);
+      const NodeVelocity by = VelocityIn(contact_change_, node.interface[a]);
       for (int axis = 0; axis < dim_; ++axis)
         one.change[axis] += part * by.change[axis], motion[axis] += part * by.velocity[axis];
     }
@@ -115,7 +115,7 @@ PetscErrorCode LevelInterface::Spread(std::vector<PushedNode> *pushed)
     for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] += motion[axis], to.change[axis] += one.change[axis];
     pushed->push_back(one);
   }
-  std::fill(pushed_.begin(), pushed_.end(), 0.0);
+  std::fill(contact_change_.begin(), contact_change_.end(), 0.0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,16 +123,16 @@ PetscErrorCode LevelInterface::TakeContact()
 {
   std::vector<Vec3> before; // the impulses in whose place new ones have come
   PetscFunctionBeginUser;
-  for (const SharedNode &node : to_share_) before.push_back(node.impulse);
-  for (int k = 0; k < owned_; ++k) contact_[k] = left_[k] = {};
-  if (!coarse_->ContactAwake() || IsClear()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), to_share_.data(), MPI_REPLACE));
+  for (const SharedNode &node : outgoing_) before.push_back(node.impulse);
+  for (int k = 0; k < owned_; ++k) contact_[k] = impulse_carried_over_[k] = {};
+  if (!coarse_->ContactActive() || IsFarFromContact()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
   for (int k = 0; k < owned_; ++k) {
     const double mass = coarse_sums_[k].mass + sums_[k].mass;
-    contact_[k] = to_share_[k].impulse;
-    if (mass > 0) left_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
-    budgets_.stagger_impulse += -1 * (before[k] + left_[k]);
+    contact_[k] = outgoing_[k].impulse;
+    if (mass > 0) impulse_carried_over_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
+    budgets_.stagger_impulse += -1 * (before[k] + impulse_carried_over_[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

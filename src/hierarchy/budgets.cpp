@@ -88,7 +88,7 @@ static std::string Describe(const LevelFailure &failure, int l, int dim)
 
 std::string Hierarchy::DescribeFailure() const
 {
-  int first = -1; // what fails first may spoil other levels before anyone looks
+  int first = -1; // the first failure may spoil other levels before it is found
   for (int l = 0; l < Levels(); ++l) {
     const LevelFailure &failure = levels_[l]->Failure();
     if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels_[first]->Failure().time)) first = l;

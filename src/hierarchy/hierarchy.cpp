@@ -13,7 +13,7 @@
 namespace mlgimp
 {
 
-static constexpr int kSplitInterval = 16; ///< steps of a level between two looks at how far its points are drawn out
+static constexpr int kSplitInterval = 16; ///< steps of a level between two checks for points that are drawn out
 
 /// The log stage of a level, which hierarchies created one after the other share.
 static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
@@ -205,11 +205,11 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
 
 PetscErrorCode Hierarchy::Advance(double time, double dt)
 {
-  constexpr double kMostDrift = 0.5; // cells
+  constexpr double kMaxDrift = 0.5; // cells
   bool due = false;
   PetscFunctionBeginUser;
   for (const auto &level : levels_) due = due || level->PatchesDue();
-  if (model_->indenter && (due || patch_drift_ > kMostDrift)) PetscCall(AssignPatches(patch_drift_ > kMostDrift));
+  if (model_->indenter && (due || patch_drift_ > kMaxDrift)) PetscCall(AssignPatches(patch_drift_ > kMaxDrift));
   double drift = 0;
   for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(settings_.ratio, l) * levels_[l]->Clock().drift_per_step);
   patch_drift_ += drift;
@@ -237,25 +237,25 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int subste
   PetscCall(PetscLogStagePush(stages_[l]));
   PetscCall(level.GatherForces(time, dt));
   PetscCall(level.UpdateNodes(dt));
-  if (l > 0) PetscCall(Logged(events_.coupling, [&] { return borders_[l - 1]->Advance(substep, dt); }));
+  if (l > 0) PetscCall(Timed(events_.coupling, [&] { return borders_[l - 1]->Advance(substep, dt); }));
   if (has_finer) {
-    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->CoarseToFine(); }));
+    PetscCall(Timed(events_.coupling, [&] { return borders_[l]->CoarseToFine(); }));
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevel(l + 1, time + k * fine_dt, fine_dt, k));
-    PetscCall(Logged(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
+    PetscCall(Timed(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
   }
   PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip, time, dt)));
-  if (has_finer) PetscCall(Logged(events_.coupling, [&] { return borders_[l]->TakeContact(); }));
+  if (has_finer) PetscCall(Timed(events_.coupling, [&] { return borders_[l]->TakeContact(); }));
   PetscCall(tip_.Follow(comm_, l, level, time, dt));
   follow_.half_width = std::max(follow_.half_width, level.Tip().half_width);
   follow_.reach = std::max(follow_.reach, level.Tip().reach);
   PetscCall(level.AdvancePoints(dt));
-  if (has_finer) PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
+  if (has_finer) PetscCall(Timed(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
   if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0) {
     StraightenBoxes(*model_, level.PointStore().Arrays());
-    if (level.ContactAwake()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time + dt));
-    PetscCall(Logged(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
-    for (auto &transfer : transfers_) transfer->LookAnew();
-    level.LookForContact();
+    if (level.ContactActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time + dt));
+    PetscCall(Timed(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
+    for (auto &transfer : transfers_) transfer->InvalidateClearance();
+    level.InvalidateClearance();
   }
   if (model_->indenter && (level.Steps() + 1) % kSplitInterval == 0) level.SplitSurface(tip_.At(time + dt));
   PetscCall(level.EndStep());
@@ -277,9 +277,9 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
   PetscCall(level.EndStep());
   if (has_finer) {
     for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, time + k * fine_dt, fine_dt));
-    if (!settings_.repairs.owner_flags) PetscCall(Logged(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
-    PetscCall(Logged(events_.transfer, [&] { return transfers_[l]->Transfer(dt, nullptr); }));
-    PetscCall(Logged(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
+    if (!settings_.repairs.owner_flags) PetscCall(Timed(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
+    PetscCall(Timed(events_.transfer, [&] { return transfers_[l]->Transfer(dt, nullptr); }));
+    PetscCall(Timed(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
   }
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -301,7 +301,7 @@ PetscErrorCode Hierarchy::CheckSpeeds(SpeedCheck *speeds)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The nodes of level l that points in a box may touch until they are looked at again, with half their size and as much more, and
+/// The nodes of level l that points in a box may touch until they are checked again, with half their size and as much more, and
 /// those of the next coarser level that these hang on.
 IndexBox Hierarchy::ZoneOf(int l, const Box &near, double drift) const
 {
@@ -318,8 +318,8 @@ IndexBox Hierarchy::ZoneOf(int l, const Box &near, double drift) const
   return zone;
 }
 
-/// Wakes contact on the levels with points that the indenter can press on, and tells each what of it contact may touch. Points of
-/// neighbouring levels may become its own.
+/// Activates contact on the levels whose points the indenter can press on, and gives each level the zone that contact may touch.
+/// Points of neighbouring levels may become its own.
 PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
 {
   constexpr Box kNowhere{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
@@ -357,7 +357,7 @@ PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt
   if (model_->indenter) PetscCall(WatchContact(time, tip_.Reach(time, dt, steps), drift));
   PetscCall(CountPoints(&total, &largest));
   for (int l = 0; l < Levels(); ++l) {
-    if (NeedsBalance(l, total[l], largest[l])) PetscCall(Logged(events_.balance, [&] { return Rebalance(l); }));
+    if (NeedsBalance(l, total[l], largest[l])) PetscCall(Timed(events_.balance, [&] { return Rebalance(l); }));
     levels_[l]->BoundDrift(speeds.point_speed, dt / std::pow(settings_.ratio, l));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

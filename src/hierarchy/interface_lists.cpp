@@ -1,4 +1,4 @@
-// Which nodes couple two levels, who advances them, and how their values travel: each rank lists those near its own.
+// Which nodes couple two levels, which rank advances them, and how their values travel: each rank lists those near its own.
 #include "hierarchy/level_interface.hpp"
 
 #include "base/exchange.hpp"
@@ -224,7 +224,7 @@ PetscErrorCode LevelInterface::CreateTransfer(int count, SFHandle *transfer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Tells the owners of coarse nodes which ranks know them. Collective on all.
+/// Gives the owners of coarse nodes the ranks that hold a copy of them. Collective on all.
 PetscErrorCode LevelInterface::FindReaders()
 {
   struct Reader {
@@ -243,7 +243,7 @@ PetscErrorCode LevelInterface::FindReaders()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Tells the ranks that know light interface nodes what these hang on in this step. Collective on all.
+/// Sends the donors of light interface nodes in this step to the ranks that hold a copy of these nodes. Collective on all.
 PetscErrorCode LevelInterface::ShareDonors()
 {
   struct Link {

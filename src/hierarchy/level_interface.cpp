@@ -30,8 +30,8 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   coarse_sums_.assign(owned_, {});
   previous_force_.assign(owned_, {});
   contact_.assign(owned_, {});
-  left_ = contact_;
-  to_share_.assign(owned_, {});
+  impulse_carried_over_ = contact_;
+  outgoing_.assign(owned_, {});
   shared_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, {});
   by_hats_.assign(owned_, 0.0);
   finer_masses_.assign(shared_.size(), 0.0);
@@ -42,7 +42,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   mean_.assign(static_cast<std::size_t>(velocity_size_) * owned_, 0.0);
   sums_.assign(known_.size(), {});
   velocity_.assign(velocity_size_ * known_.size(), 0.0);
-  pushed_ = velocity_;
+  contact_change_ = velocity_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,8 +60,8 @@ PetscErrorCode LevelInterface::CoarseToFine()
   has_previous_ = true;
   PetscCall(ShareDonors());
   std::fill(mean_.begin(), mean_.end(), 0.0);
-  for (SharedNode &node : to_share_) node = {};
-  if (!coarse_->ContactAwake()) std::fill(contact_.begin(), contact_.end(), Vec3{});
+  for (SharedNode &node : outgoing_) node = {};
+  if (!coarse_->ContactActive()) std::fill(contact_.begin(), contact_.end(), Vec3{});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,8 +122,8 @@ PetscErrorCode LevelInterface::Restrict()
 }
 
 /// old = (p^c + p^f)/m, dv = (dt (F_k + f^f) + J/r)/m with m = m^c + m^f, F_k = f^c + (k/r)(f^c - f^c of the step before) and J
-/// the impulse that contact on the coarse level had in the last step, and what fine points lack of it; then p^c += m^c dv, as the
-/// coarse points will get dv.
+/// the impulse that contact on the coarse level had in the last step, and what fine points have not received of it; then p^c +=
+/// m^c dv, as the coarse points will get dv.
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
   const double extrapolation = static_cast<double>(substep) / ratio_, cutoff = coarse_->Nodal().mass_cutoff;
@@ -137,7 +137,7 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
     for (int axis = 0; axis < dim_; ++axis) {
       const double ahead = extrapolation * (coarse.force[axis] - previous_force_[k][axis]);
       const double old = (coarse.momentum[axis] + fine.momentum[axis]) / mass;
-      const double contact = (contact_[k][axis] + left_[k][axis]) / ratio_;
+      const double contact = (contact_[k][axis] + impulse_carried_over_[k][axis]) / ratio_;
       double dv = (dt * (coarse.force[axis] + ahead + fine.force[axis]) + contact) / mass;
       budgets_.stagger_impulse[axis] += dt * ahead + contact;
       const bool held = held_axes_[k] >> axis & 1;
@@ -147,8 +147,8 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
         budgets_.external_work += at * by * mass;
         dv = at - old;
       } else {
-        to_share_[k].finer_push[axis] += contact / mass;
-        to_share_[k].impulse[axis] += contact_[k][axis] / ratio_;
+        outgoing_[k].finer_contact_change[axis] += contact / mass;
+        outgoing_[k].impulse[axis] += contact_[k][axis] / ratio_;
       }
       coarse.momentum[axis] += coarse.mass * dv;
       now.velocity[axis] = old + dv;
@@ -219,8 +219,8 @@ PetscErrorCode LevelInterface::FineToCoarse()
   PetscFunctionBeginUser;
   for (int k = 0; k < owned_; ++k) by_hats_[k] = sums_[k].owned_mass;
   PetscCall(SendFinerMasses());
-  clear_steps_ = MeetsContact() ? 0 : clear_steps_ + 1;
-  if (!IsClear()) {
+  steps_far_from_contact_ = MayMeetContact() ? 0 : steps_far_from_contact_ + 1;
+  if (!IsFarFromContact()) {
     PetscCall(ShareContact());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -236,10 +236,10 @@ PetscErrorCode LevelInterface::ShareContact()
   const Grid &coarse = coarse_->Mesh();
   std::vector<UpRecord> outgoing(owned_), incoming(shared_.size());
   PetscFunctionBeginUser;
-  for (int k = 0; k < owned_; ++k) to_share_[k].finer_mass = sums_[k].mass;
+  for (int k = 0; k < owned_; ++k) outgoing_[k].finer_mass = sums_[k].mass;
   for (int k = 0; k < owned_; ++k) {
     std::copy_n(VelocityIn(mean_, k).velocity, velocity_size_, outgoing[k].velocity);
-    outgoing[k].shared = to_share_[k];
+    outgoing[k].shared = outgoing_[k];
   }
   PetscCall(PetscSFReduceBegin(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(up_, up_unit_, outgoing.data(), incoming.data(), MPI_REPLACE));
@@ -258,7 +258,7 @@ std::vector<LevelInterface::NodeState> LevelInterface::States() const
     state.at = known_[k].at;
     std::copy_n(coarse_sums_[k].force, 3, state.values);
     std::copy_n(contact_[k].begin(), 3, state.values + 3);
-    std::copy_n(left_[k].begin(), 3, state.values + 6);
+    std::copy_n(impulse_carried_over_[k].begin(), 3, state.values + 6);
     state.values[9] = by_hats_[k];
   }
   return states;
@@ -270,7 +270,7 @@ void LevelInterface::SetState(const NodeState &state)
   const int k = place_.at(state.at);
   std::copy_n(state.values, 3, coarse_sums_[k].force);
   std::copy_n(state.values + 3, 3, contact_[k].begin());
-  std::copy_n(state.values + 6, 3, left_[k].begin());
+  std::copy_n(state.values + 6, 3, impulse_carried_over_[k].begin());
   by_hats_[k] = state.values[9];
 }
 

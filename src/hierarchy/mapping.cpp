@@ -84,8 +84,8 @@ void Repair(const BlockGraph &graph, int level, std::vector<PetscMPIInt> &rank_o
 /// Swaps the ranks of two blocks of a level while that saves bytes.
 void Refine(const BlockGraph &graph, int level, std::vector<PetscMPIInt> &rank_of)
 {
-  constexpr int kSweeps = 8, kMostRanks = 1024; // the search is quadratic in ranks
-  if (graph.ranks > kMostRanks) return;
+  constexpr int kSweeps = 8, kMaxRanks = 1024; // the search is quadratic in ranks
+  if (graph.ranks > kMaxRanks) return;
   bool changed = true;
   for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
     changed = false;

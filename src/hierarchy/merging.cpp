@@ -1,4 +1,4 @@
-// Families of siblings: found on the rank that their parent's number names, gathered on that of the first, averaged.
+// SiblingGroups of siblings: found on the rank that their parent's number names, gathered on that of the first, averaged.
 #include "hierarchy/merging.hpp"
 
 #include "base/exchange.hpp"
@@ -13,14 +13,14 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kMostDistortion = 0.05; ///< of a family that becomes one point where losses are bounded, cells
-constexpr double kNoStrain = 1e-4;       ///< losses are no larger part of less: such energies hang on rounding
+constexpr double kMaxDistortion = 0.05; ///< of a family that becomes one point where losses are bounded, cells
+constexpr double kNoStrain = 1e-4;      ///< losses are no larger part of less: such energies hang on rounding
 
 struct Sibling {
   std::int64_t id;
   int rank, point;
 };
-using Families = std::map<std::int64_t, std::vector<Sibling>>; ///< by the parent's number
+using SiblingGroups = std::map<std::int64_t, std::vector<Sibling>>; ///< by the parent's number
 
 /// Half an edge of the points that a level is seeded with, m.
 double UsualSize(Level &level, int body)
@@ -41,9 +41,9 @@ std::vector<Sibling> FindSmall(Level &level, const PointNumbers &numbers, PetscM
 }
 
 /// Groups siblings, each family in the order of its numbers, and keeps whole families only.
-Families WholeFamilies(const std::vector<Sibling> &siblings, const PointNumbers &numbers, int children)
+SiblingGroups WholeFamilies(const std::vector<Sibling> &siblings, const PointNumbers &numbers, int children)
 {
-  Families families;
+  SiblingGroups families;
   for (const Sibling &s : siblings) families[numbers.Parent(s.id)].push_back(s);
   for (auto family = families.begin(); family != families.end();)
     family = static_cast<int>(family->second.size()) == children ? std::next(family) : families.erase(family);
@@ -54,8 +54,8 @@ Families WholeFamilies(const std::vector<Sibling> &siblings, const PointNumbers 
 
 /// Which of this rank's siblings have to go where, so that whole families meet on the rank of their first; families: of all
 /// ranks.
-PetscErrorCode FindMeetings(MPI_Comm world, std::vector<Sibling> siblings, const PointNumbers &numbers, int children,
-                            Migrants *migrants, int *families)
+PetscErrorCode AssignMergeRanks(MPI_Comm world, std::vector<Sibling> siblings, const PointNumbers &numbers, int children,
+                                Migrants *migrants, int *families)
 {
   struct Order {
     int rank, point, to;
@@ -64,7 +64,7 @@ PetscErrorCode FindMeetings(MPI_Comm world, std::vector<Sibling> siblings, const
   const auto home = [&, ranks = RanksOf(world)](const Sibling &s) { return static_cast<int>(numbers.Parent(s.id) % ranks); };
   PetscFunctionBeginUser;
   PetscCall(ExchangeRecords(world, &siblings, home));
-  const Families whole = WholeFamilies(siblings, numbers, children);
+  const SiblingGroups whole = WholeFamilies(siblings, numbers, children);
   for (const auto &[parent, family] : whole)
     for (const Sibling &s : family)
       if (s.rank != family.front().rank) orders.push_back({s.rank, s.point, family.front().rank});
@@ -147,9 +147,9 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   if (material.IsMetal()) SetVolumeRatio(material, a, first, volume_ratio);
 }
 
-/// The part of a family's strain energy that its parent may lack: as much energy as that of a parent of the usual size may. So
-/// the energy that mergers change in a cell does not depend on how small its points are, and where strain changes like the
-/// logarithm of the way to a tip, points of all sizes become larger in the end.
+/// The part of a family's strain energy that may be missing in its parent: as much energy as that of a parent of the usual size
+/// may. So the energy that mergers change in a cell does not depend on how small its points are, and where strain changes like
+/// the logarithm of the way to a tip, points of all sizes become larger in the end.
 double AllowedLoss(Level &level, int point, int ratio, double most_loss)
 {
   const PointArrays a = level.PointStore().Arrays();
@@ -196,7 +196,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   Migrants migrants;
   int families = 0;
   PetscFunctionBeginUser;
-  PetscCall(FindMeetings(world, FindSmall(level, numbers, rank), numbers, children, &migrants, &families));
+  PetscCall(AssignMergeRanks(world, FindSmall(level, numbers, rank), numbers, children, &migrants, &families));
   if (families == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(world, level.PointStore(), level.PointStore(), migrants));
 
@@ -207,7 +207,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
     for (const Sibling &s : family) points.push_back(s.point);
     const Budgets before = level.SumPoints(points);
     if (std::isfinite(most_loss) &&
-        Distortion(level.PointStore().Arrays(), family, ratio) > kMostDistortion * level.Geometry().grid.spacing)
+        Distortion(level.PointStore().Arrays(), family, ratio) > kMaxDistortion * level.Geometry().grid.spacing)
       continue;
     level.PointStore().Pack(points.front(), record.data());
     const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);

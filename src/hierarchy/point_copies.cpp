@@ -1,4 +1,4 @@
-// Copies of points on neighbouring levels: who has some, and how they are renewed.
+// Copies of points on neighbouring levels: which ranks hold them, and how they are renewed.
 #include "hierarchy/point_copies.hpp"
 
 #include "hierarchy/point_transfer.hpp"

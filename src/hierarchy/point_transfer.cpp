@@ -40,7 +40,7 @@ std::vector<int> PointsIn(const PointArrays &a, const Box &box, bool inside)
   return points;
 }
 
-double LeastWay(const PointArrays &a, const Box &box, bool inside)
+double MinDistance(const PointArrays &a, const Box &box, bool inside)
 {
   const double sign = inside ? 1 : -1;
   double way = HUGE_VAL;
@@ -54,30 +54,30 @@ double LeastWay(const PointArrays &a, const Box &box, bool inside)
 }
 
 /// How far the points of all ranks are from entering and from leaving the finer level.
-PetscErrorCode PointTransfer::FindRoom(double room[2])
+PetscErrorCode PointTransfer::FindClearance(double clearance[2])
 {
   PetscFunctionBeginUser;
-  room[0] = LeastWay(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), false);
-  room[1] = LeastWay(fine_.PointStore().Arrays(), BoxAt(rule_.leave), true);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, room, 2, MPI_DOUBLE, MPI_MIN, world_));
+  clearance[0] = MinDistance(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), false);
+  clearance[1] = MinDistance(fine_.PointStore().Arrays(), BoxAt(rule_.leave), true);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, clearance, 2, MPI_DOUBLE, MPI_MIN, world_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
-  double room[2];
+  double clearance[2];
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
-  room_ -= coarse_.Clock().drift_per_step * coarse_.Geometry().grid.spacing;
-  if (room_ > 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindRoom(room));
+  clearance_ -= coarse_.Clock().drift_per_step * coarse_.Geometry().grid.spacing;
+  if (clearance_ > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FindClearance(clearance));
   // Points that reach one of the two levels across another border are more than a cell away from this one.
-  room_ = border ? std::min({room[0], room[1], fine_.Geometry().grid.spacing}) : 0;
-  if (room_ <= 0) coarse_.LookForContact(), fine_.LookForContact();
+  clearance_ = border ? std::min({clearance[0], clearance[1], fine_.Geometry().grid.spacing}) : 0;
+  if (clearance_ <= 0) coarse_.InvalidateClearance(), fine_.InvalidateClearance();
   const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), BoxAt(rule_.leave), false);
-  if (room[0] <= 0) PetscCall(Enter(PointsIn(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), true), dt, shift, border));
-  if (room[1] <= 0) {
+  if (clearance[0] <= 0) PetscCall(Enter(PointsIn(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), true), dt, shift, border));
+  if (clearance[1] <= 0) {
     budgets_.points_left += static_cast<double>(leaving.size());
     if (border) {
       PetscCall(fine_.GatherForcesOf(leaving, 1));

@@ -41,9 +41,9 @@ PetscErrorCode Hierarchy::ShareReach()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Where the contact has been since the last look, and as much wider as the indenter is that will meet the surface until the
+/// Where the contact has been since the last check, and as much wider as the indenter is that will meet the surface until the
 /// next: a flat punch touches with all of it at once. The surface around it is that of the finest level.
-PetscErrorCode Hierarchy::FindContact(double time, double next_look, ContactPlace *place)
+PetscErrorCode Hierarchy::FindContact(double time, double next_check, ContactPlace *place)
 {
   const Indenter &indenter = *model_->indenter;
   Points &finest = levels_[follow_.plan.active - 1]->PointStore();
@@ -53,7 +53,7 @@ PetscErrorCode Hierarchy::FindContact(double time, double next_look, ContactPlac
   for (int p : finest.SurfacePoints()) top = std::max(top, a.Position(p)[indenter.up]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &top, 1, MPI_DOUBLE, MPI_MAX, comm_));
   PetscCall(ShareReach());
-  const double now = indenter.Depth(tip_.At(time)), soon = indenter.Depth(tip_.At(next_look));
+  const double now = indenter.Depth(tip_.At(time)), soon = indenter.Depth(tip_.At(next_check));
   const double wider = std::max(0.0, indenter.HalfWidth(soon) - indenter.HalfWidth(now));
   *place = {tip_.At(time), follow_.half_width, follow_.reach + wider, indenter.initial_surface, top};
   follow_.half_width = follow_.reach = 0;
@@ -153,12 +153,12 @@ PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
   for (int l = 0; l < Levels(); ++l) {
     PetscCall(PlaceLevel(l, geometries[l]));
     if (IsActive(l))
-      PetscCall(levels_[l]->Wake());
+      PetscCall(levels_[l]->Activate());
     else
-      levels_[l]->Rest();
+      levels_[l]->Deactivate();
   }
   PetscCall(MergeLeft());
-  for (auto &transfer : transfers_) transfer->LookAnew();
+  for (auto &transfer : transfers_) transfer->InvalidateClearance();
   PetscCall(Reconnect(false));
   PetscCall(MapRanks());
   if (settings_.follow.kind == FollowKind::kContact) tip_.SetLevel(next.active - 1);
@@ -178,7 +178,7 @@ static PetscErrorCode MoveOf(MPI_Comm comm, const Budgets &before, const Budgets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Follow(double step, double time, double next_look, std::vector<LevelMove> *moves, std::string *problem)
+PetscErrorCode Hierarchy::Follow(double step, double time, double next_check, std::vector<LevelMove> *moves, std::string *problem)
 {
   const FollowSettings &follow = settings_.follow;
   const BoxPlan now = follow_.plan;
@@ -186,7 +186,7 @@ PetscErrorCode Hierarchy::Follow(double step, double time, double next_look, std
   ContactPlace place;
   std::vector<Budgets> before;
   PetscFunctionBeginUser;
-  if (follow.kind == FollowKind::kContact) PetscCall(FindContact(time, next_look, &place));
+  if (follow.kind == FollowKind::kContact) PetscCall(FindContact(time, next_check, &place));
   if (!(follow.kind == FollowKind::kContact ? FollowContact(settings_.rules, follow, place, now, &next)
                                             : FollowPath(settings_.rules, follow, time, now, &next)))
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,7 +196,7 @@ PetscErrorCode Hierarchy::Follow(double step, double time, double next_look, std
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (const auto &transfer : transfers_) before.push_back(transfer->Totals());
-  PetscCall(Logged(events_.balance, [&] { return MoveLevels(next); }));
+  PetscCall(Timed(events_.balance, [&] { return MoveLevels(next); }));
   patch_drift_ = HUGE_VAL;
   for (int l = 1; l < Levels(); ++l) {
     LevelMove move{step, time, l, IsActive(l), next.boxes[l]};

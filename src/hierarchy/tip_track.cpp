@@ -11,13 +11,13 @@ void TipTrack::Create(const Indenter *indenter, int tip_level, int levels)
 {
   indenter_ = indenter;
   tip_level_ = tip_level;
-  beside_.assign(levels, 0.0);
+  load_on_other_levels_.assign(levels, 0.0);
 }
 
 void TipTrack::SetLevel(int tip_level)
 {
   tip_level_ = tip_level;
-  std::fill(beside_.begin(), beside_.end(), 0.0);
+  std::fill(load_on_other_levels_.begin(), load_on_other_levels_.end(), 0.0);
 }
 
 Vec3 TipTrack::At(double time) const
@@ -30,7 +30,7 @@ Vec3 TipTrack::At(double time) const
 TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
 {
   if (!IsByLoad() || l != tip_level_) return {start, At(time + dt)};
-  const double others = std::accumulate(beside_.begin(), beside_.end(), 0.0);
+  const double others = std::accumulate(load_on_other_levels_.begin(), load_on_other_levels_.end(), 0.0);
   const double load = std::max(0.0, indenter_->by_load->force.Mean(time, time + dt) - others);
   const Vec3 sideways = indenter_->Sideways(time + dt) - indenter_->Sideways(time);
   return {start, start + sideways, load, indenter_->by_load->largest_speed * dt};
@@ -42,8 +42,9 @@ PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double
   PetscFunctionBeginUser;
   if (!IsByLoad()) PetscFunctionReturn(PETSC_SUCCESS);
   if (l != tip_level_) {
-    beside_[l] = tip.load;
-    if (level.Clock().contact_awake) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &beside_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
+    load_on_other_levels_[l] = tip.load;
+    if (level.Clock().contact_active)
+      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &load_on_other_levels_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (level.ContactRanks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.ContactRoot(), comm));
@@ -69,7 +70,7 @@ std::vector<double> TipTrack::State() const
   std::vector<double> state;
   if (!IsByLoad()) return state;
   state = {time_, travel_, speed_, overrun_};
-  state.insert(state.end(), beside_.begin(), beside_.end());
+  state.insert(state.end(), load_on_other_levels_.begin(), load_on_other_levels_.end());
   return state;
 }
 
@@ -77,7 +78,7 @@ void TipTrack::SetState(const std::vector<double> &state)
 {
   if (!IsByLoad()) return;
   time_ = state[0], travel_ = state[1], speed_ = state[2], overrun_ = state[3];
-  std::copy(state.begin() + 4, state.end(), beside_.begin());
+  std::copy(state.begin() + 4, state.end(), load_on_other_levels_.begin());
 }
 
 } // namespace mlgimp

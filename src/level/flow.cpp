@@ -11,7 +11,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kMostShear = 2; ///< shift of an edge over the height that it leaves to a box
+constexpr double kMaxShear = 2; ///< shift of an edge over the height that it leaves to a box
 
 bool Flows(const Model &model, const PointArrays &a, int p)
 {
@@ -54,7 +54,7 @@ void EndAtAxis(const PointArrays &a, int p)
     for (int k = 0; k < a.dim; ++k) a.F[a.dim * (a.dim * p + i) + k] *= k == far ? shrink : 1 / shrink;
 }
 
-/// Whether a box may be sheared by more than kMostShear, which is quick: |F| over the product of the |F e_i| is the sine of the
+/// Whether a box may be sheared by more than kMaxShear, which is quick: |F| over the product of the |F e_i| is the sine of the
 /// angle between two edges times, in space, that of the third with their plane.
 bool MayBeSheared(const PointArrays &a, int p)
 {
@@ -66,7 +66,7 @@ bool MayBeSheared(const PointArrays &a, int p)
     lengths2 *= length2;
   }
   const double volume = Determinant(F, a.dim);
-  return volume * volume * (1 + kMostShear * kMostShear) < lengths2;
+  return volume * volume * (1 + kMaxShear * kMaxShear) < lengths2;
 }
 
 /// Makes the edges of a box perpendicular where one is shifted too far, the longest first; volume stays.
@@ -80,7 +80,7 @@ void Straighten(const PointArrays &a, int p)
     const Vec3 whole = a.HalfEdge(p, order[k]);
     for (int i = 0; i < k; ++i) shift = shift + Dot(whole, edge[i]) / Dot(edge[i], edge[i]) * edge[i];
     edge[k] = whole - shift;
-    sheared = sheared || Norm(shift) > kMostShear * Norm(edge[k]);
+    sheared = sheared || Norm(shift) > kMaxShear * Norm(edge[k]);
   }
   for (int k = 0; sheared && k < a.dim; ++k)
     for (int i = 0; i < a.dim; ++i) a.F[a.dim * (a.dim * p + i) + order[k]] = edge[k][i] / a.HalfSize(p)[order[k]];
@@ -128,7 +128,7 @@ void ExposePoints(const Model &model, const LevelGeometry &geometry, Points &poi
     a.faces[p] = bit;
     any = true;
   }
-  if (any) points.NoteSurface();
+  if (any) points.RecordSurface();
 }
 
 } // namespace mlgimp

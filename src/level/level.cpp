@@ -67,7 +67,7 @@ void Level::SetPressures(const ContactPressures &pressures)
   if (contact_) contact_->SetPressures(pressures);
 }
 
-void Level::NoteFailure(const PointFailure &failure, double time)
+void Level::RecordFailure(const PointFailure &failure, double time)
 {
   if (failure.kind != PointFailure::kNone && failure_.kind == LevelFailure::kNone)
     failure_ = {LevelFailure::kPoint, failure, time};
@@ -84,7 +84,7 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     if (!owned && stores[k]->Count() == 0) continue;
     const PointArrays points = stores[k]->Arrays();
     sweep(SweepView{*grid_, points, bodies_, owned}, owned ? budgets_ : discarded, failure);
-    if (owned) NoteFailure(failure, time_);
+    if (owned) RecordFailure(failure, time_);
     PetscCall(PetscLogFlops(flops * points.count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -102,7 +102,7 @@ PetscErrorCode Level::PointsToGrid(double time)
   PointFailure failure;
   AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure);
   for (Points &copies : copies_) AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, applied_, failure);
-  NoteFailure(failure, time);
+  RecordFailure(failure, time);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,23 +151,23 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
 {
   const int dim = model_.geometry.Dim();
   PetscFunctionBeginUser;
-  contact_room_ -= clock_.drift_per_step * geometry_.grid.spacing;
-  const bool touched = clock_.contact_awake && group_.Participates() && contact_room_ <= Norm(tip.end - contact_tip_);
+  contact_clearance_ -= clock_.drift_per_step * geometry_.grid.spacing;
+  const bool touched = clock_.contact_active && group_.Participates() && contact_clearance_ <= Norm(tip.end - contact_tip_);
   tip_ = {tip.FreeTravel()};
   tip_end_ = tip.end;
-  if (!touched) NoteContact({}, 0);
+  if (!touched) RecordContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  NoteCoupling(*grid_, nodal_, dt, coupled_nodes_);
+  RecordCoupling(*grid_, nodal_, dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
-  pushed_.clear(), surface_motion_.Begin(), touched_ = false;
+  contact_nodes_.clear(), surface_motion_.Begin(), touched_ = false;
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
-  if (ContactAwake()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
-  pushes_beyond_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
+  if (ContactActive()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
+  reaches_coarser_level_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
   if (touched) PetscCall(ApplyContact(time, dt, tip));
-  if (ContactAwake() && border_ && pushes_beyond_) PetscCall(border_->Spread(&pushed_));
-  if (is_coupled_ || ContactAwake()) PetscCall(Logged(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
+  if (ContactActive() && border_ && reaches_coarser_level_) PetscCall(border_->Spread(&contact_nodes_));
+  if (is_coupled_ || ContactActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
-  PetscCall(Logged(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), NodeLayout::Velocity(dim)); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), NodeLayout::Velocity(dim)); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,7 +176,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(time_));
-  PetscCall(Logged(events_.halo, [&] { return grid_->ShareSums(); }));
+  PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(light_.Prolong(*grid_, grid_->RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
@@ -205,15 +205,15 @@ PetscErrorCode Level::ExchangeRates(double dt, double xpic)
   const SecondVelocityPlan plan = {coupled_places_.held, following_, xpic, is_coupled_ || model_.VolumeAverages() > 0};
   const int components = NodeLayout::Rates(model_.geometry.Dim());
   PetscFunctionBeginUser;
-  const std::map<std::ptrdiff_t, double> ahead = AdvancePushedNodes(*grid_, pushed_, light_);
-  PetscCall(Logged(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
-  PetscCall(Logged(events_.halo, [&] { return light_.Restrict(*grid_, grid_->RatesArray(), components); }));
+  const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_nodes_, light_);
+  PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Restrict(*grid_, grid_->RatesArray(), components); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  budgets_.contact_work += WorkOnPoints(*grid_, pushed_, true, ahead);
+  budgets_.contact_work += WorkOnPoints(*grid_, contact_nodes_, true, ahead);
   PetscCall(AddWorkOfLoads(true, dt));
   if (plan.exchange) AddExchange(*grid_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
   DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
-  PetscCall(Logged(events_.halo, [&] { return light_.Prolong(*grid_, grid_->RatesArray(), components); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->RatesArray(), components); }));
   FinishRates(*grid_, nodal_, plan);
   PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
@@ -240,7 +240,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) {
-    budgets_.contact_work += WorkOnPoints(*grid_, pushed_, false, {});
+    budgets_.contact_work += WorkOnPoints(*grid_, contact_nodes_, false, {});
     PetscCall(AddWorkOfLoads(false, dt));
     PetscCall(MoveSurface(false, dt));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -258,11 +258,11 @@ PetscErrorCode Level::AdvancePoints(double dt)
 PetscErrorCode Level::EndStep()
 {
   PetscFunctionBeginUser;
-  constexpr double kMostDrift = 0.9; // cells; the halo has room for one
+  constexpr double kMaxDrift = 0.9; // cells; the halo has room for one
   ++clock_.steps;
   clock_.drift += clock_.drift_per_step, drift_path_ += clock_.drift_per_step;
-  const bool due = clock_.drift + clock_.drift_per_step > kMostDrift;
-  if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all tell the same
+  const bool due = clock_.drift + clock_.drift_per_step > kMaxDrift;
+  if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all ranks have the same value
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (due) PetscCall(Migrate());
   if (clock_.steps % sort_interval_ == 0) PetscCall(Sort());

@@ -10,7 +10,7 @@ namespace mlgimp
 {
 
 /// The contact as it is now; area: this rank's part.
-void Level::NoteContact(const ContactReport &report, double area)
+void Level::RecordContact(const ContactReport &report, double area)
 {
   budgets_.contact_points = report.local_points;
   budgets_.contact_half_width = report.half_width;
@@ -19,12 +19,12 @@ void Level::NoteContact(const ContactReport &report, double area)
   budgets_.peak_pressure = report.peak_pressure;
   budgets_.contact_area = area;
   budgets_.contact_strain_energy = report.stored;
-  budgets_.contact_coarseness = report.crosses;
+  budgets_.contact_coarseness = report.crosses_border;
 }
 
-void Level::Rest()
+void Level::Deactivate()
 {
-  NoteContact({}, 0);
+  RecordContact({}, 0);
   tip_ = {};
   budgets_.noise_energy = 0;
 }
@@ -32,14 +32,14 @@ void Level::Rest()
 PetscErrorCode Level::WatchContact(bool within_reach, const IndexBox &zone)
 {
   PetscFunctionBeginUser;
-  LookForContact();
-  clock_.contact_awake = within_reach;
+  InvalidateClearance();
+  clock_.contact_active = within_reach;
   if (within_reach) clock_.contact_zone = zone;
   PetscCall(Regroup());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::Wake()
+PetscErrorCode Level::Activate()
 {
   PetscFunctionBeginUser;
   clock_.drift_per_step = LevelClock().drift_per_step;
@@ -74,7 +74,7 @@ PetscErrorCode Level::SharePressures()
   std::vector<std::pair<std::int64_t, double>> list;
   PetscFunctionBeginUser;
   if (!contact_) PetscFunctionReturn(PETSC_SUCCESS);
-  LookForContact();
+  InvalidateClearance();
   for (const auto &pressure : contact_->Pressures()) list.push_back(pressure);
   int bytes = static_cast<int>(list.size() * sizeof list[0]);
   PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world_));
@@ -93,9 +93,9 @@ void Level::PrepareSharedNodes()
     SharedNode &node = shared_[one.node];
     const double mass = grid_->Sums()[one.node].mass + node.finer_mass;
     if (mass <= nodal_.mass_cutoff) node = {}; // the last point has left
-    const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_push - expected;
-    if (by != Vec3{}) pushed_.push_back({one.node, by});
-    one.change = one.change - node.finer_push;
+    const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_contact_change - expected;
+    if (by != Vec3{}) contact_nodes_.push_back({one.node, by});
+    one.change = one.change - node.finer_contact_change;
     const NodeVelocity now = grid_->Velocity(one.node);
     for (int axis = 0; axis < grid_->Geometry().dim; ++axis)
       now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
@@ -126,7 +126,7 @@ PetscErrorCode Level::FindContactPressures(Vec3 tip, std::vector<double> *pressu
 {
   PetscFunctionBeginUser;
   pressures->assign(points_.Count(), 0.0);
-  if (ContactAwake() && group_.Participates()) PetscCall(contact_->PressuresOnPoints(SurfaceNow(), tip, pressures));
+  if (ContactActive() && group_.Participates()) PetscCall(contact_->PressuresOnPoints(SurfaceNow(), tip, pressures));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,7 +134,7 @@ PetscErrorCode Level::FindSurfacePressures(Vec3 tip, std::vector<double> *pressu
 {
   PetscFunctionBeginUser;
   pressures->clear();
-  if (ContactAwake() && group_.Participates()) PetscCall(contact_->PressuresOnPatches(SurfaceNow(), tip, pressures));
+  if (ContactActive() && group_.Participates()) PetscCall(contact_->PressuresOnPatches(SurfaceNow(), tip, pressures));
   pressures->resize(surface_.Patches().size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -147,15 +147,15 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const NodeMotion nodes(*grid_, geometry_.sides, light_, nodal_.mass_cutoff, group_, border_, shared_);
   PetscCall(contact_->Apply(SurfaceNow(), nodes, {time, dt, tip}, &report));
-  pushes_beyond_ = pushes_beyond_ || report.at_border;
-  pushed_.insert(pushed_.end(), report.pushed.begin(), report.pushed.end());
+  reaches_coarser_level_ = reaches_coarser_level_ || report.may_reach_coarser_level;
+  contact_nodes_.insert(contact_nodes_.end(), report.contact_nodes.begin(), report.contact_nodes.end());
   tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
   if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
-  contact_room_ = report.room;
+  contact_clearance_ = report.clearance;
   surface_motion_.SetPressed(report.columns);
   touched_ = true;
   contact_tip_ = tip.end;
-  NoteContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
+  RecordContact(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   budgets_.penetration = std::max<double>(budgets_.penetration, report.penetration);
   budgets_.contact_cells = std::max<double>(budgets_.contact_cells, report.half_width / grid_->Geometry().spacing);
   budgets_.penetration_cells = std::max<double>(budgets_.penetration_cells, report.penetration / grid_->Geometry().spacing);
@@ -176,7 +176,7 @@ PetscErrorCode Level::PrepareSurface()
   PetscFunctionBeginUser;
   if (!model_.indenter) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.surface, 0, 0, 0, 0));
-  if (ContactAwake())
+  if (ContactActive())
     PetscCall(surface_motion_.Prepare(*grid_, surface_, bodies_, points_, drift_path_ * geometry_.grid.spacing));
   else
     surface_motion_.PrepareFar(surface_);

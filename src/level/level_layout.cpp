@@ -11,7 +11,7 @@ PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
   const Vec3 x = points.Position(p);
   const Index node = grid_->Nearest(x);
   const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->OwnerOfNode(node) : -1;
-  if (owner < 0) NoteFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
+  if (owner < 0) RecordFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
   return owner;
 }
 
@@ -25,7 +25,7 @@ void Level::PutBack(const std::vector<int> &points)
       const double first = grid_->Coordinate(axis, allowed.lower[axis]), last = grid_->Coordinate(axis, allowed.upper[axis] - 1);
       const double room = 0.5 * geometry_.grid.spacing;
       if (x >= first - room && x < last + room) continue; // a NaN does not
-      NoteFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
+      RecordFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
       x = grid_->Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
     }
 }
@@ -48,7 +48,7 @@ PetscErrorCode Level::Migrate(bool everywhere)
     for (int axis = 0; axis < points.dim; ++axis) {
       node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
       if (node[axis] == nearest[axis]) continue;
-      NoteFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, time_);
+      RecordFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, time_);
       points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
     }
     const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);

@@ -1,4 +1,4 @@
-// What a level tells about its points: sums, extremes, velocities and forces of some.
+// What a level reports about its points: sums, extremes, velocities and forces of some.
 #include "level/level.hpp"
 #include "level/point_blocks.hpp"
 
@@ -139,7 +139,7 @@ void Level::LargestSpeeds(double *wave, double *point)
       sum += speeds[p];
     }
     for (int p = 0; std::isnan(sum) && p < b.count; ++p)
-      if (std::isnan(speeds[p])) NoteFailure({PointFailure::kNotFinite, b.id[p], b.Position(p)}, time_);
+      if (std::isnan(speeds[p])) RecordFailure({PointFailure::kNotFinite, b.id[p], b.Position(p)}, time_);
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
   });

@@ -110,7 +110,7 @@ PointArrays Points::Arrays()
           table_[kHistory].components};
 }
 
-void Points::NoteChange()
+void Points::RecordChange()
 {
   surface_known_ = false;
   ++version_;
@@ -126,7 +126,7 @@ PetscErrorCode Points::Resize(int count)
     PetscCall(AccessFields());
   }
   count_ = count;
-  NoteChange();
+  RecordChange();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -215,7 +215,7 @@ void Points::Reorder(std::vector<int> order)
   for (const auto &[data, size] : Memory())
     MoveInRings<4>(data, size, rings) || MoveInRings<8>(data, size, rings) || MoveInRings<16>(data, size, rings) ||
         MoveInRings<24>(data, size, rings) || MoveInRings<32>(data, size, rings) || MoveInRings<0>(data, size, rings);
-  NoteChange();
+  RecordChange();
 }
 
 const std::vector<int> &Points::SurfacePoints()
@@ -254,7 +254,7 @@ void Points::Remove(const std::vector<int> &holes)
     for (const FieldMemory &field : memory) std::memcpy(field.Of(holes[k]), field.Of(last), field.bytes);
   }
   count_ -= static_cast<int>(holes.size());
-  NoteChange();
+  RecordChange();
 }
 
 void Points::Pack(int point, char *record) const
@@ -294,7 +294,7 @@ static PetscErrorCode SendPoints(MPI_Comm comm, const Points &from, const Migran
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds the points of records, and tells where they come from.
+/// Appends the points of records; origins [records]: the rank and the place that each comes from.
 static PetscErrorCode Receive(const std::vector<char> &incoming, Points &to, std::vector<PetscSFNode> *origins)
 {
   const std::size_t bytes = sizeof(PetscSFNode) + to.RecordBytes(), n = incoming.size() / bytes;

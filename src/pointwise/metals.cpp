@@ -34,8 +34,8 @@ public:
   }
   double RateScale() const override
   {
-    constexpr double kStrain = 0.1, kFast = 1e30; // 1/s
-    return hardening_.At(kStrain, kFast, initial_temperature_).stress == FlowStress(kStrain) ? 0 : rate_scale_;
+    constexpr double kStrain = 0.1, kFastRate = 1e30; // 1/s
+    return hardening_.At(kStrain, kFastRate, initial_temperature_).stress == FlowStress(kStrain) ? 0 : rate_scale_;
   }
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override

@@ -236,9 +236,10 @@ static int CountTiles(int per_cell, double length)
 /// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
 bool Tiling::IsCut(int axis, int line, Vec3 cell_center) const
 {
-  constexpr double kFar = 2; // cells; slivers are at most 1 wide
+  constexpr double kMinDistance = 2; // cells; slivers are at most 1 wide
   const double place = Line(axis, line);
-  if (place - bounds_.lower[axis] > kFar * cell_size_ && bounds_.upper[axis] - place > kFar * cell_size_) return true;
+  if (place - bounds_.lower[axis] > kMinDistance * cell_size_ && bounds_.upper[axis] - place > kMinDistance * cell_size_)
+    return true;
   Vec3 below = cell_center, above = cell_center;
   below[axis] = place - 0.5 * cell_size_;
   above[axis] = place + 0.5 * cell_size_;

@@ -52,7 +52,7 @@ std::string Agree(MPI_Comm comm, [[maybe_unused]] const char *place, std::string
 {
   const PetscMPIInt ranks = RanksOf(comm);
 #ifdef MLGIMP_FAULTS
-  EndOn(InjectFault(RankIn(comm), place, &problem));
+  ExitOnError(InjectFault(RankIn(comm), place, &problem));
 #endif
   PetscMPIInt first = problem.empty() ? ranks : RankIn(comm);
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);

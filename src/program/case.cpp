@@ -128,7 +128,8 @@ void ReadTime(OptionReader &reader, Case *c)
                 &c->time.max_wall_time);
 }
 
-/// Whether somebody watches: mpiexec may give ranks a terminal of its own, whose lines end in a file. The first rank decides.
+/// Whether a terminal shows the output. mpiexec may give ranks a terminal of its own whose lines end in a file, so the first rank
+/// decides.
 bool OnTerminal(MPI_Comm comm)
 {
   int watched = RanksOf(comm) == 1 && isatty(STDOUT_FILENO);
@@ -191,7 +192,7 @@ template <class Read> static void Group(OptionReader &reader, const char *title,
     PetscOptionsEnd();
     PetscFunctionReturn(PETSC_SUCCESS);
   };
-  EndOn(group());
+  ExitOnError(group());
   if (refusal) std::rethrow_exception(refusal);
 }
 

@@ -91,7 +91,7 @@ void CutAtHeldSides(const Case &c, std::unique_ptr<Region> *region)
 /// with places a tenth of a cell apart where that is not too many.
 bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
 {
-  const double kPlaces = 10, kLeast = dim == 3 ? 32 : 64, kMost = dim == 3 ? 100 : 500; // in a cell; along an axis
+  const double kPlaces = 10, kMinPlaces = dim == 3 ? 32 : 64, kMaxPlaces = dim == 3 ? 100 : 500; // in a cell; along an axis
   const Box A = a.Bounds(), B = b.Bounds();
   Vec3 lower{}, size{};
   IndexBox places{{0, 0, 0}, {1, 1, 1}};
@@ -99,7 +99,7 @@ bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
     lower[d] = std::max(A.lower[d], B.lower[d]);
     size[d] = std::min(A.upper[d], B.upper[d]) - lower[d];
     if (size[d] <= 1e-9 * (A.upper[d] - A.lower[d])) return false;
-    places.upper[d] = static_cast<int>(std::clamp(std::ceil(kPlaces * size[d] / cell), kLeast, kMost));
+    places.upper[d] = static_cast<int>(std::clamp(std::ceil(kPlaces * size[d] / cell), kMinPlaces, kMaxPlaces));
   }
   bool overlap = boxes;
   ForEach(places, [&](Index place) {

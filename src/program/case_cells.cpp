@@ -39,7 +39,7 @@ Extent ExtentAlong(const Region &region, Vec3 x, int axis)
 /// symmetry counts.
 void WarnOfThin(OptionReader &reader, const Case &c, const Body &body, Vec3 place, int axis, const std::string &presses)
 {
-  constexpr double kLeast = 2, kSame = 1e-3; // cells: with fewer, strain is the same through all of it
+  constexpr double kMinCells = 2, kTolerance = 1e-3; // cells: with fewer, strain is the same through all of it
   const Extent extent = ExtentAlong(*body.region, place, axis);
   if (extent.length == 0) return;
   place[axis] = 0.5 * (extent.lower + extent.upper);
@@ -47,13 +47,13 @@ void WarnOfThin(OptionReader &reader, const Case &c, const Body &body, Vec3 plac
   double length = extent.length;
   for (const Side side : SidesAcross(axis))
     if (c.model.sides[side] == BoundaryKind::kSymmetry &&
-        std::abs((SignOf(side) < 0 ? extent.lower : extent.upper) - c.domain.At(side)) < kSame * cell)
+        std::abs((SignOf(side) < 0 ? extent.lower : extent.upper) - c.domain.At(side)) < kTolerance * cell)
       length = 2 * extent.length;
-  if (length >= (kLeast - kSame) * cell) return;
+  if (length >= (kMinCells - kTolerance) * cell) return;
   reader.WarnLater("-bodies " + body.name + ": is " + FormatRounded(length) + " m thin where " + presses + ", from " +
                    "xyz"[axis] + " = " + FormatRounded(extent.lower) + " to " + FormatRounded(extent.upper) + ": " +
                    FormatRounded(length / cell) + " cells of " + FormatRounded(cell) +
-                   " m, where its bending and flow need two or more; take cells of at most " + FormatRounded(length / kLeast) +
+                   " m, where its bending and flow need two or more; take cells of at most " + FormatRounded(length / kMinCells) +
                    " m there (-cell_size, -levels)");
 }
 

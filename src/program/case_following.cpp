@@ -60,8 +60,8 @@ void ReadFollowing(OptionReader &reader, Case *c)
   follow.margins.resize(c->levels);
   follow.paths.resize(std::max(c->levels, 2));
   if (follow.kind != FollowKind::kNone || reader.Help())
-    reader.Integer({"-regrid_interval", "contact, path: level-0 steps between looks at whether boxes must move"}, Closed(1, 2e9),
-                   &follow.interval);
+    reader.Integer({"-regrid_interval", "contact, path: level-0 steps between two checks whether boxes must move"},
+                   Closed(1, 2e9), &follow.interval);
   if (follow.kind == FollowKind::kContact || reader.Help()) ReadContactFollowing(reader, c);
   for (int k = 1; k <= (reader.Help() ? 1 : c->levels - 1) && follow.kind != FollowKind::kContact; ++k)
     if (follow.kind == FollowKind::kPath || reader.Help()) ReadPath(reader, c, k);

@@ -64,8 +64,8 @@ int CountNear(const Neighbour &a, const Neighbour &b, const Box &gap, int across
 /// cell lies between them.
 void WarnOfCurve(OptionReader &reader, const std::string &option, const std::string &between, double cells, double cell)
 {
-  constexpr double kMost = 2; // cells; in space their faces
-  if (cells <= kMost) return;
+  constexpr double kMaxGap = 2; // cells; in space their faces
+  if (cells <= kMaxGap) return;
   reader.WarnLater(option + ": less than half a cell of " + FormatRounded(cell) + " m lies between " + between + " along some " +
                    FormatRounded(cells) +
                    " cells beside where they touch: they move as if they touched there too, which is too "

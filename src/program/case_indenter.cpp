@@ -53,7 +53,7 @@ void ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyrami
   if (std::isnan(shape->half_angle)) {
     reader.Number({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees"},
                   Open(0, 90), true, &shape->half_angle);
-    if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kLeastFacing)
+    if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kMinFacing)
       reader.Refuse("-indenter_half_angle", FormatNumber(shape->half_angle),
                     "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones");
   }

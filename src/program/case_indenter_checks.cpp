@@ -72,13 +72,13 @@ void CheckReach(OptionReader &reader, const Case &c)
 /// pillars, goes far beyond the depth that was meant.
 void CheckOtherParts(OptionReader &reader, const Case &c)
 {
-  constexpr double kDeep = 0.5; // cells
+  constexpr double kMaxDepth = 0.5; // cells
   const Indenter &indenter = *c.model.indenter;
   Vec3 tip = indenter.tip;
   tip[indenter.up] = indenter.initial_surface;
   if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[indenter.up])) return;
   const double deepest = DeepestInside(c, tip);
-  if (deepest > kDeep * c.CellSize(c.LevelAtTip()))
+  if (deepest > kMaxDepth * c.CellSize(c.LevelAtTip()))
     reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) +
                      ": depths count from the body below the tip, where the indenter is " + FormatRounded(deepest) +
                      " m inside another part already; put the tip above what it meets first");
@@ -116,7 +116,7 @@ void CheckSupport(OptionReader &reader, const Case &c)
 
 /// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
 /// where the lowest place is not.
-Box WayOfTip(const Indenter &indenter, double end_time)
+Box TipPath(const Indenter &indenter, double end_time)
 {
   constexpr int kSamples = 1000;
   Box way{indenter.tip, indenter.tip};
@@ -135,13 +135,13 @@ Box WayOfTip(const Indenter &indenter, double end_time)
 /// side, what is left of it and its mirror image are no indenter.
 void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
 {
-  constexpr double kNear = 0.1; // cells
+  constexpr double kMinDistance = 0.1; // cells
   const Vec3 tip = c.model.indenter->tip;
-  const Box way = WayOfTip(*c.model.indenter, c.time.end_time);
+  const Box way = TipPath(*c.model.indenter, c.time.end_time);
   for (const Side side : SidesAcross(axis)) {
     if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
     const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
-    if (off < kNear * c.CellSize(c.LevelAtTip()))
+    if (off < kMinDistance * c.CellSize(c.LevelAtTip()))
       reader.Refuse("-indenter_tip", reader.Text(tip),
                     std::string("on the side of symmetry ") + kSideNames[side] + ", or away from it; it is " +
                         FormatRounded(off) + " m off");
@@ -265,7 +265,7 @@ void CheckLevelsHoldTip(OptionReader &reader, const Case &c)
 {
   if (c.hierarchy.follow.kind == FollowKind::kPath) CheckPathsHoldTip(reader, c);
   if (c.hierarchy.follow.kind != FollowKind::kNone) return; // those of contact are where the tip is
-  for (int k = 1; k < c.levels; ++k) CheckHoldsTip(reader, c, k, c.boxes[k], WayOfTip(*c.model.indenter, c.time.end_time), "");
+  for (int k = 1; k < c.levels; ++k) CheckHoldsTip(reader, c, k, c.boxes[k], TipPath(*c.model.indenter, c.time.end_time), "");
 }
 
 } // namespace mlgimp

@@ -97,8 +97,8 @@ void ReadNodeCoupling(OptionReader &reader, Case *c)
   settings.rules.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
   settings.merge_siblings = settings.ratio > 2 || settings.follow.kind != FollowKind::kNone; // small points make noise
-  constexpr double kMostLoss = 3e-4; // of strain energy: what is near the tip of an indenter, where strain varies, stays small
-  if (settings.follow.kind != FollowKind::kNone) settings.most_loss = kMostLoss;
+  constexpr double kMaxLoss = 3e-4; // of strain energy: what is near the tip of an indenter, where strain varies, stays small
+  if (settings.follow.kind != FollowKind::kNone) settings.most_loss = kMaxLoss;
   reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true "
                                   "for ratios above 2 and with -level_follow)"},
               &settings.merge_siblings);

@@ -76,15 +76,15 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
       reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
                        (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
   }
-  constexpr double kLargestStrain = 5, kMostSensitive = 0.5, kLeastHeat = 50,
-                   kMostHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
+  constexpr double kLargestStrain = 5, kMaxSensitive = 0.5, kMinHeat = 50,
+                   kMaxHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
   const std::pair<const char *, double> strains[] = {{"plastic_strains", table ? c.plastic_strains.back() : NAN},
                                                      {"saturation_strain", c.saturation_strain},
                                                      {"hardening_strain", c.hardening_strain}}; // NaN where not given
   for (const auto &[name, strain] : strains)
     if (strain > kLargestStrain)
       reader.WarnLater(prefix + name + " " + FormatNumber(strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
-  if (c.rate_sensitivity > kMostSensitive)
+  if (c.rate_sensitivity > kMaxSensitive)
     reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
                      ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
   constexpr double kSlowest = 1e-5; // 1/s; those of creep are slower, but not those of this law
@@ -93,11 +93,11 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   WarnIfCelsius(reader, prefix + "reference_temperature", c.reference_temperature);
   if (!c.adiabatic && !std::isnan(c.heat_capacity))
     reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
-  if (c.heat_capacity < kLeastHeat || c.heat_capacity > kMostHeat)
+  if (c.heat_capacity < kMinHeat || c.heat_capacity > kMaxHeat)
     reader.WarnLater(prefix + "heat_capacity " + FormatNumber(c.heat_capacity) + ": is that of no metal; is it in J/(kg K)?");
 }
 
-/// What no law of the materials reads, though somebody gave it.
+/// Refuses constants that the user gave and that the material's law does not read.
 void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
@@ -128,8 +128,8 @@ void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, double poi
 /// 0.499, on three 1.08 times.
 void WarnOfLocking(OptionReader &reader, const std::string &prefix, double poissons_ratio, bool average)
 {
-  constexpr double kLeast = 0.49;
-  if (poissons_ratio >= kLeast && !average)
+  constexpr double kNearlyIncompressible = 0.49;
+  if (poissons_ratio >= kNearlyIncompressible && !average)
     reader.WarnLater(prefix + "poissons_ratio " + FormatNumber(poissons_ratio) +
                      ": cells of a body that hardly changes its volume lock, and loads under a tip are too large; add " + prefix +
                      "volume_average");
@@ -157,10 +157,10 @@ void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c
 
 /// Share of its own growth of volume that a point keeps: enough to resist what the mean of its cell does not see, too little to
 /// lock.
-double OwnGrowth(const Constants &c)
+double KeptVolumeShare(const Constants &c)
 {
-  constexpr double kMost = 0.05, kYieldStrains = 15;
-  return std::isnan(c.yield_stress) ? kMost : std::min(kMost, kYieldStrains * c.yield_stress / c.youngs_modulus);
+  constexpr double kMaxShare = 0.05, kYieldStrains = 15;
+  return std::isnan(c.yield_stress) ? kMaxShare : std::min(kMaxShare, kYieldStrains * c.yield_stress / c.youngs_modulus);
 }
 
 } // namespace
@@ -189,7 +189,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     c->model.materials.back()->SplitStretched(split);
     if (!reader.Help()) WarnOfLocking(reader, prefix, k.poissons_ratio, average);
     WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, *c->model.materials.back());
-    if (average) c->model.materials.back()->AverageVolume(OwnGrowth(k));
+    if (average) c->model.materials.back()->AverageVolume(KeptVolumeShare(k));
   }
   if (!reader.Help()) WarnOfUnused(reader, c->model, common);
 }

@@ -12,12 +12,12 @@ namespace mlgimp
 namespace
 {
 
-// By measurement (docs/indentation.md): inertia and damping of the ratio kDampingRatio add about kShare/N to the load.
-constexpr double kShare = 0.4, kLeastTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.05;
+// By measurement (docs/indentation.md): inertia and damping of the ratio kDampingRatio add about kLoadPerTransit/N to the load.
+constexpr double kLoadPerTransit = 0.4, kMinTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.05;
 constexpr double kXpicFraction = 0.02; ///< in holds and slow motion the noise of velocities does not go by itself
 constexpr double kPlaneStrain = 2;     ///< more transits where the load grows like the depth, and its beginning counts
 constexpr double kLoadControl = 2;     ///< more transits for metals, whose depth lags behind their load
-constexpr double kMostStress = 15;     ///< of rho c V over the shear yield stress, times the tolerance
+constexpr double kMaxStress = 15;      ///< of rho c V over the shear yield stress, times the tolerance
 
 /// The material that holds a place; null where no body is.
 const Material *MaterialAt(const Model &model, Vec3 x)
@@ -82,7 +82,7 @@ double LongestWay(const Case &c, bool held)
 }
 
 /// The way of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
-double WayOfWave(const Case &c)
+double WavePath(const Case &c)
 {
   const double held = LongestWay(c, true);
   return held < kRounding * c.cell_size ? LongestWay(c, false) : held;
@@ -114,7 +114,7 @@ double MostSpeed(const Case &c)
 {
   double most = HUGE_VAL;
   for (const auto &material : c.model.materials)
-    most = std::min(most, kMostStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
+    most = std::min(most, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
                               (material->Density() * material->SpeedOfSound()));
   return most;
 }
@@ -183,7 +183,7 @@ void PlanLoads(OptionReader &reader, Case *c)
 }
 
 /// The time of the test that the schedule stands for, where a material knows its rates.
-std::string OfRates(const Case &c, const QuasiStaticPlan &plan)
+std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 {
   double scale = 0;
   for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
@@ -200,7 +200,7 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
                                                " m/s = " + in(plan->largest_speed / plan->wave_speed) + " of the speed of waves"
                                          : "") +
                         "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
-                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + OfRates(c, *plan));
+                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + RatesText(c, *plan));
   if (plan->rise > 0)
     plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
                           in(plan->pace.start) + " s, and depths count from the surface without them");
@@ -241,7 +241,7 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
                 &plan->tolerance);
 }
 
-double TransitOf(const Case &c) { return WayOfWave(c) * MeanSlowness(c); }
+double TransitOf(const Case &c) { return WavePath(c) * MeanSlowness(c); }
 
 void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
 {
@@ -256,7 +256,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
   plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;
-  plan.pace.transits = std::max(kLeastTransits, std::ceil(kShare / plan.tolerance - 1e-9));
+  plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));
   if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
   PlanRise(c);
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);

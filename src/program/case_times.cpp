@@ -32,12 +32,12 @@ double FirstTouch(const Indenter &indenter, double end_time)
 /// A loading within so few transits of a wave through the bodies is carried by their inertia, though the tip is slow.
 void CheckLoading(OptionReader &reader, const Case &c)
 {
-  constexpr double kLeast = 2; // transits; at 0.6 the load of an elastic block is 1.3 times that of a slow test
+  constexpr double kMinTransits = 2; // transits; at 0.6 the load of an elastic block is 1.3 times that of a slow test
   const Indenter &indenter = *c.model.indenter;
   const double end = std::min(c.time.end_time, indenter.motion.turning_time), transit = TransitOf(c);
   if (!std::isfinite(end) || indenter.motion.speed.EndValue() < 0) return;
   const double loading = end - FirstTouch(indenter, end);
-  if (loading > 0 && loading < kLeast * transit)
+  if (loading > 0 && loading < kMinTransits * transit)
     reader.WarnLater("-indenter: presses for " + FormatRounded(loading) + " s, where a wave takes " + FormatRounded(transit) +
                      " s through the bodies: the load is that of their inertia; a slow test has ten such times and more "
                      "(-quasi_static)");
@@ -46,7 +46,8 @@ void CheckLoading(OptionReader &reader, const Case &c)
 /// The same of a load, which the tip overshoots: in a metal for good.
 void CheckLoadRise(OptionReader &reader, const Case &c)
 {
-  constexpr double kLeast = 5, kJump = 0.1; // transits, at 4 the depth of an elastic block is 10 % too large; of the largest load
+  constexpr double kMinTransits = 5,
+                   kJump = 0.1; // transits, at 4 the depth of an elastic block is 10 % too large; of the largest load
   const PiecewiseLinear &force = c.model.indenter->by_load->force;
   const double largest = force.LargestMagnitude(0, force.EndTime()), transit = TransitOf(c);
   double rise = force.Value(0) > kJump * largest ? 0 : HUGE_VAL;
@@ -54,7 +55,7 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
     const double from = force.Times()[k - 1], to = force.Times()[k], more = force.Value(to) - force.Value(from);
     if (more > kJump * largest) rise = std::min(rise, (to - from) * largest / more);
   }
-  if (rise < kLeast * transit)
+  if (rise < kMinTransits * transit)
     reader.WarnLater(
         "-indenter_loads: " + (rise > 0 ? "rise within " + FormatRounded(rise) + " s" : std::string("begin at once")) +
         ", where a wave takes " + FormatRounded(transit) +
@@ -65,17 +66,17 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
 /// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
 void CheckLoadUnits(OptionReader &reader, const Case &c)
 {
-  constexpr double kLeast = 0.1, kLeastStrain = 1e-7; // of the largest pressure; of the shear modulus
+  constexpr double kMinShare = 0.1, kMinStrain = 1e-7; // of the largest pressure; of the shear modulus
   for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
     const PiecewiseLinear &pressure = c.model.loads[k].pressure;
     const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
     const double largest = pressure.LargestMagnitude(0, pressure.EndTime());
-    if (met < kLeast * largest)
+    if (met < kMinShare * largest)
       reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
                        " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
                        FormatRounded(met) + " Pa; are the times in s?");
     const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
-    if (largest > 0 && largest < kLeastStrain * mu)
+    if (largest > 0 && largest < kMinStrain * mu)
       reader.WarnLater("-" + c.load_names[k] + "_pressures: of at most " + FormatRounded(largest) +
                        " Pa are nothing to a body with a shear modulus of " + FormatRounded(mu) + " Pa; are they in Pa?");
   }
@@ -85,7 +86,7 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
 /// bear the pressure does not forget.
 void CheckBlows(OptionReader &reader, const Case &c)
 {
-  constexpr double kFew = 2; // transits
+  constexpr double kMinTransits = 2; // transits
   for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
     const PiecewiseLinear &pressure = c.model.loads[k].pressure;
     const Material &material = c.model.MaterialOf(c.model.loads[k].body);
@@ -94,14 +95,15 @@ void CheckBlows(OptionReader &reader, const Case &c)
     for (int axis = 0; axis < c.Dim(); ++axis) extent = std::max(extent, bounds.upper[axis] - bounds.lower[axis]);
     const double transit = extent / material.SpeedOfSound();
     const auto look = [&](double time) {
-      const double now = pressure.Value(time), then = time > kFew * transit ? pressure.Value(time - kFew * transit) : 0;
+      const double now = pressure.Value(time),
+                   then = time > kMinTransits * transit ? pressure.Value(time - kMinTransits * transit) : 0;
       most = std::max(most, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
     };
     look(0);
-    for (const double time : pressure.Times()) look(time), look(time + kFew * transit);
+    for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
     if (!material.IsMetal() || largest >= yield || most <= yield) continue;
-    reader.WarnLater("-" + c.load_names[k] + "_pressures: change within " + FormatRounded(kFew * transit) +
+    reader.WarnLater("-" + c.load_names[k] + "_pressures: change within " + FormatRounded(kMinTransits * transit) +
                      " s, in which a wave goes twice through the body, by so much that their blow adds to the stress: a metal "
                      "with a yield stress of " +
                      FormatRounded(yield) + " Pa flows that would bear " + FormatRounded(largest) +
@@ -109,15 +111,15 @@ void CheckBlows(OptionReader &reader, const Case &c)
   }
 }
 
-/// A run that nobody waits for, as with times in another unit or those of a test in the laboratory.
+/// Warns when a run needs more than 1e8 steps: usually a time has the wrong unit, or is that of a test in the laboratory.
 void CheckSteps(OptionReader &reader, const Case &c)
 {
-  constexpr double kMany = 1e8;
+  constexpr double kMaxSteps = 1e8;
   double fastest = 0;
   for (const auto &material : c.model.materials) fastest = std::max(fastest, material->SpeedOfSound());
   const double step = c.time.time_step > 0 ? c.time.time_step : c.time.cfl * c.cell_size / fastest;
   const double steps = c.time.max_steps > 0 ? c.time.max_steps : c.time.end_time / step;
-  if (steps > kMany)
+  if (steps > kMaxSteps)
     reader.WarnLater(std::string(c.quasi_static.on ? "-quasi_static" : "-end_time") + ": the end of the run at " +
                      FormatRounded(c.time.end_time) + " s is some " + FormatRounded(steps) + " steps of " + FormatRounded(step) +
                      " s away; " +

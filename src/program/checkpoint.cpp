@@ -82,7 +82,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   const PetscMPIInt rank = RankIn(hierarchy.Comm());
   const bool first = rank == 0;
   WritePoints(file, hierarchy.Comm(), group, level.PointStore());
-  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_awake)};
+  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_active)};
   for (const Index &corner : {clock.contact_zone.lower, clock.contact_zone.upper})
     pace.insert(pace.end(), corner.begin(), corner.end());
   file.Attribute(group, "pace", pace);
@@ -95,7 +95,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
       pressures.push_back(pressure);
     }
   std::vector<double> patches;
-  EndOn(hierarchy.GatherPatches(l, &patches));
+  ExitOnError(hierarchy.GatherPatches(l, &patches));
   file.List(group + "/patches", first ? patches : std::vector<double>());
   file.List(group + "/pressure_keys", keys);
   file.List(group + "/pressures", pressures);
@@ -107,7 +107,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
 static void WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
 {
   std::vector<double> state;
-  EndOn(hierarchy.GatherInterfaceState(b, &state));
+  ExitOnError(hierarchy.GatherInterfaceState(b, &state));
   file.List(BorderName(b), state);
 }
 
@@ -131,7 +131,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
   file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
   file.Attribute("/", "patch_drift", {hierarchy.PatchDrift()});
-  EndOn(hierarchy.ShareReach());
+  ExitOnError(hierarchy.ShareReach());
   file.List("/following",
             RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());
   for (int l = 0; l < hierarchy.Levels(); ++l) WriteLevel(file, hierarchy, l);

@@ -35,7 +35,7 @@ bool AllWhole(const std::vector<double> &values, double least, double most)
 const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
 {
   constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // see PointNumbers
-  constexpr double kLeastVolume = 1e-12;                     // of that at the start; below it are zeros with rounding
+  constexpr double kMinVolume = 1e-12;                       // of that at the start; below it are zeros with rounding
   const auto finite = [&](const double *field, int components) {
     return !field || AllFinite(field + p * components, static_cast<std::size_t>(components));
   };
@@ -46,7 +46,7 @@ const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
       !finite(a.stress, a.stress_components) || !finite(a.short_wave_stress, a.rate_components) ||
       !finite(a.history, a.history_components) || !finite(a.initial_position, a.dim))
     return "a value that is not finite";
-  if (!(det > kLeastVolume && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
+  if (!(det > kMinVolume && std::isfinite(det))) return "a deformation gradient whose determinant is not above zero";
   if (!(a.mass[p] > 0 && std::isfinite(a.mass[p]))) return "a mass that is not above zero";
   if (a.initial_radius && !(a.initial_radius[p] > 0 && std::isfinite(a.initial_radius[p]) && a.position[2 * p] > 0))
     return "a radius that is not above zero";
@@ -94,14 +94,14 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
 
 std::string WrongState(const std::vector<double> &n, const Case &settings)
 {
-  constexpr double kRounding = 1e-9, kMostFrames = 1e6;
+  constexpr double kRounding = 1e-9, kMaxFrames = 1e6;
   const double time = n[0], time_step = n[1], end_time = n[2], given_step = n[3], cfl = n[4], wave_speed = n[5];
   for (std::size_t k = 0; k < n.size(); ++k)
     if (!std::isfinite(n[k]) && !(k == 2 && n[k] == HUGE_VAL)) return "its state has a value that is not finite";
   if (!(time > 0 && time_step > 0 && end_time > 0 && given_step >= 0 && cfl > 0 && cfl <= kLargestCfl && wave_speed > 0 &&
         time_step * wave_speed <= (1 + kRounding) * kLargestCfl * settings.cell_size))
     return "its times are not those of a run";
-  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMostFrames))
+  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMaxFrames))
     return "its counts of steps and frames are not those of a run";
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
     return "its initial mass and points are not those of a run";
@@ -149,8 +149,9 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
 {
-  constexpr double kMost = std::numeric_limits<int>::max(); // of a rank
-  const bool add_up = counts.size() == ranks && AllWhole(counts, 0, kMost) && rows <= kMost * static_cast<double>(ranks) &&
+  constexpr double kMaxCount = std::numeric_limits<int>::max(); // of a rank
+  const bool add_up = counts.size() == ranks && AllWhole(counts, 0, kMaxCount) &&
+                      rows <= kMaxCount * static_cast<double>(ranks) &&
                       std::accumulate(counts.begin(), counts.end(), 0.0) == rows;
   return add_up ? "" : "its counts of points do not add up";
 }
@@ -188,7 +189,7 @@ std::string NotFinite(const std::vector<double> &numbers, const std::string &nam
 
 std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids)
 {
-  EndOn(ExchangeRecords(comm, &ids, [ranks = RanksOf(comm)](std::int64_t id) { return static_cast<int>(id % ranks); }));
+  ExitOnError(ExchangeRecords(comm, &ids, [ranks = RanksOf(comm)](std::int64_t id) { return static_cast<int>(id % ranks); }));
   std::sort(ids.begin(), ids.end());
   const auto twice = std::adjacent_find(ids.begin(), ids.end());
   return twice == ids.end() ? "" : "two points have the number " + std::to_string(*twice);

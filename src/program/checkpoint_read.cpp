@@ -34,7 +34,7 @@ private:
   void ReadPatches(const std::string &group, int l);
   void ReadBorder(int b);
   void CheckWhole(const RunState &state);
-  void Settle(const char *place);
+  void AgreeOnError(const char *place);
 
   void Note(const std::string &wrong)
   {
@@ -64,7 +64,7 @@ private:
 };
 
 /// Ends the run where any rank has found something wrong.
-void CheckpointReader::Settle(const char *place)
+void CheckpointReader::AgreeOnError(const char *place)
 {
   wrong_ = Agree(comm_, place, wrong_);
   if (!wrong_.empty())
@@ -90,7 +90,7 @@ void CheckpointReader::Open()
   const PetscMPIInt rank = RankIn(comm_);
   const auto groups_are_whole = [this] {
     bool all = file_.IsWholeGroup("/");
-    std::string then; // of another case, which may have other levels, ReadHead tells
+    std::string then; // a file of another case, which may have other levels, is refused by ReadHead
     if (!file_.Text("/identity", &then) || !FirstDifference(case_.identity, Split(then, '\n')).empty()) return all;
     for (int l = 0; l < hierarchy_.Levels(); ++l) all = all && file_.IsWholeGroup(LevelName(l));
     return all;
@@ -100,23 +100,23 @@ void CheckpointReader::Open()
     wrong_ = unknown;
   else if (rank == 0 && version[0] == kFormatVersion)
     Found(groups_are_whole(), "an index of names");
-  Settle("checkpoint_format");
+  AgreeOnError("checkpoint_format");
   MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_);
   if (version[0] != kFormatVersion)
     Refuse("-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) + "; it has " +
            FormatNumber(version[0]));
   if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
-  Settle("checkpoint_open");
+  AgreeOnError("checkpoint_open");
 }
 
 void CheckpointReader::ReadHead(RunState *state)
 {
   std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched, drift(1);
-  std::string then, told, difference;
+  std::string then, lines, difference;
   std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
-  Settle("checkpoint_identity");
+  AgreeOnError("checkpoint_identity");
   difference = Agree(comm_, "checkpoint_case", difference);
   if (!difference.empty()) Refuse("-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference);
   if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
@@ -128,10 +128,10 @@ void CheckpointReader::ReadHead(RunState *state)
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
-  if (Found(file_.Text("/warnings", &told), "warnings") && !told.empty()) warnings = Split(told, '\n');
+  if (Found(file_.Text("/warnings", &lines), "warnings") && !lines.empty()) warnings = Split(lines, '\n');
   if (FoundList("/watched", &watched)) Note(NotFinite(watched, "watched"));
   Found(Warnings::IsState(watched, warnings), "watched");
-  Settle("checkpoint_state");
+  AgreeOnError("checkpoint_state");
   *state = StateFromNumbers(numbers);
   state->quasi_static = watch;
   state->watched = watched;
@@ -150,25 +150,25 @@ void CheckpointReader::ReadFollowing(RunState *state)
     if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves)) Note("its boxes are not those of a run");
   }
   if (wrong_.empty()) Note(WrongBoxes(following, case_));
-  Settle("checkpoint_following");
-  if (Follows()) EndOn(hierarchy_.RestoreFollowing(following));
+  AgreeOnError("checkpoint_following");
+  if (Follows()) ExitOnError(hierarchy_.RestoreFollowing(following));
 }
 
 /// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
 void CheckpointReader::ReadTotals()
 {
-  constexpr hsize_t kMostRanks = 1 << 24;
+  constexpr hsize_t kMaxRanks = 1 << 24;
   hsize_t writers = 0;
   std::vector<double> all; // as many for each of the writers, in the order of Parts
   for (const Budgets *part : hierarchy_.Parts()) part->AppendKept(&all);
   const std::size_t count = all.size();
-  if (Found(file_.Rows("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), &writers) && writers > 0 && writers <= kMostRanks,
+  if (Found(file_.Rows("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), &writers) && writers > 0 && writers <= kMaxRanks,
             "totals")) {
     all.resize(writers * count);
     Found(file_.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), {0, writers, writers}, all.data()), "totals");
     Note(NotFinite(all, "totals"));
   }
-  Settle("checkpoint_totals");
+  AgreeOnError("checkpoint_totals");
   writers_ = writers;
   same_ranks_ = writers == static_cast<hsize_t>(RanksOf(comm_));
   const PetscMPIInt rank = RankIn(comm_);
@@ -178,7 +178,7 @@ void CheckpointReader::ReadTotals()
       if (next && static_cast<int>(same_ranks_ ? r : 0) == rank) next = part->AddKept(next);
     if (!next) Note("totals has a count that is none");
   }
-  Settle("checkpoint_counts");
+  AgreeOnError("checkpoint_counts");
 }
 
 /// Before memory is taken for them, points must be as many as the run had and made.
@@ -194,11 +194,11 @@ void CheckpointReader::CountPoints(const RunState &state)
       Note(WrongCounts(counts, writers_, static_cast<double>(rows)));
     points += static_cast<double>(rows);
   }
-  EndOn(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
+  ExitOnError(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
   const double expected = state.initial_points + Case::PointsCreated(budgets) - state.initial_created;
   if (KeepsPoints() && points != expected)
     Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(expected));
-  Settle("checkpoint_points");
+  AgreeOnError("checkpoint_points");
 }
 
 /// This rank's rows: those it wrote where the number of ranks is the same, else an equal share.
@@ -228,9 +228,9 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
     const std::string name = group + "/" + field.name;
     if (field.components > 0) Found(file_.Rows(name, H5Type(field.type), field.components, &rows) && rows == total, name);
   }
-  Settle("checkpoint_shapes");
+  AgreeOnError("checkpoint_shapes");
   const Slab slab = MakeReadSlab(comm_, counts, same_ranks_, total);
-  EndOn(points.Resize(static_cast<int>(slab.count)));
+  ExitOnError(points.Resize(static_cast<int>(slab.count)));
   for (int k = 0; k < kPointFields; ++k) {
     const PointFieldInfo &field = points.Table()[k];
     const std::string name = group + "/" + field.name;
@@ -238,11 +238,11 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
     void *const data = points.Field(static_cast<PointField>(k));
     Found(file_.Dataset(name, H5Type(field.type), field.components, slab, data), name);
   }
-  Settle("checkpoint_fields");
+  AgreeOnError("checkpoint_fields");
   const PointArrays arrays = points.Arrays();
   Note(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
   Note(WrongPlaces(arrays, level, same_ranks_));
-  Settle("checkpoint_values");
+  AgreeOnError("checkpoint_values");
 }
 
 /// The layout of a level's grid, which is taken up where as many ranks wrote it.
@@ -254,12 +254,12 @@ void CheckpointReader::ReadLayout(int l)
   bool found = FoundList(group + "/ranks", &ranks);
   for (int axis = 0; axis < 3; ++axis) found = FoundList(group + kWidthNames[axis], &widths[axis]) && found;
   if (found) Note(WrongLayout(widths, ranks, hierarchy_.At(l).Geometry().grid, writers_));
-  Settle("checkpoint_layout");
+  AgreeOnError("checkpoint_layout");
   if (!same_ranks_) return;
   GridLayout layout;
   for (int axis = 0; axis < 3; ++axis) layout.widths[axis].assign(widths[axis].begin(), widths[axis].end());
   layout.ranks.assign(ranks.begin(), ranks.end());
-  EndOn(hierarchy_.At(l).Repartition(layout));
+  ExitOnError(hierarchy_.At(l).Repartition(layout));
 }
 
 void CheckpointReader::ReadLevel(const RunState &state, int l)
@@ -272,7 +272,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
     Note(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
     Note(WrongPressures(keys, values, KeptOfEach(case_.model.contact)));
-  Settle("checkpoint_pace");
+  AgreeOnError("checkpoint_pace");
   ReadLayout(l);
   ReadPoints(group, level, level.PointStore());
   ReadPatches(group, l);
@@ -283,11 +283,11 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   IndexBox zone;
   for (int axis = 0; axis < 3; ++axis)
     zone.lower[axis] = static_cast<int>(clock[4 + axis]), zone.upper[axis] = static_cast<int>(clock[7 + axis]);
-  EndOn(level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0, zone}));
+  ExitOnError(level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0, zone}));
   if (same_ranks_) return;
-  EndOn(level.Migrate(true));
-  EndOn(level.MigrateCopies());
-  EndOn(level.Sort());
+  ExitOnError(level.Migrate(true));
+  ExitOnError(level.MigrateCopies());
+  ExitOnError(level.Sort());
 }
 
 void CheckpointReader::ReadPatches(const std::string &group, int l)
@@ -295,8 +295,8 @@ void CheckpointReader::ReadPatches(const std::string &group, int l)
   std::vector<double> patches;
   if (FoundList(group + "/patches", &patches)) Note(NotFinite(patches, group + "/patches"));
   Found(patches.size() % Hierarchy::kOfPatch == 0, group + "/patches");
-  Settle("checkpoint_patches");
-  EndOn(hierarchy_.RestorePatches(l, patches));
+  AgreeOnError("checkpoint_patches");
+  ExitOnError(hierarchy_.RestorePatches(l, patches));
 }
 
 void CheckpointReader::ReadBorder(int b)
@@ -305,11 +305,11 @@ void CheckpointReader::ReadBorder(int b)
   const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
   if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
   Found(state.size() == size || (Follows() && state.empty()), BorderName(b)); // a border that has just moved has none
-  Settle("checkpoint_border");
-  EndOn(hierarchy_.RestoreInterfaceState(b, state));
+  AgreeOnError("checkpoint_border");
+  ExitOnError(hierarchy_.RestoreInterfaceState(b, state));
 }
 
-/// What only all points together tell.
+/// Checks that need the points of all levels together.
 void CheckpointReader::CheckWhole(const RunState &state)
 {
   constexpr double kMassError = 1e-6;
@@ -319,13 +319,13 @@ void CheckpointReader::CheckWhole(const RunState &state)
     const PointArrays points = hierarchy_.At(l).PointStore().Arrays();
     ids.insert(ids.end(), points.id, points.id + points.count);
   }
-  EndOn(hierarchy_.ReduceBudgets(&budgets));
+  ExitOnError(hierarchy_.ReduceBudgets(&budgets));
   if (!std::isfinite(budgets.kinetic_energy) || !std::isfinite(budgets.strain_energy)) Note("its energies are not finite");
   if (KeepsPoints()) {
     if (!(std::abs(budgets.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
     Note(FindRepeated(comm_, std::move(ids)));
   }
-  Settle("checkpoint_whole");
+  AgreeOnError("checkpoint_whole");
 }
 
 void CheckpointReader::Read(RunState *state, bool *same_ranks)

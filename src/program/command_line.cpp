@@ -1,4 +1,4 @@
-// Looks at the command line and options files before PETSc does, which ends with a trace where it cannot parse them.
+// Checks the command line and options files before PETSc reads them, which ends with a trace where it cannot parse them.
 #include "program/command_line.hpp"
 
 #include "program/agree.hpp"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-constexpr std::size_t kMostOptions = 512; ///< names that PETSc's table holds, in some of its versions
+constexpr std::size_t kMaxOptions = 512; ///< names that PETSc's table holds, in some of its versions
 
 bool IsOptionName(const std::string &word)
 {
@@ -43,10 +43,10 @@ std::string Printable(std::string text)
 bool ReadAll(const std::string &path, std::string *text)
 {
   constexpr int kPatience = 5000; // ms
-  constexpr std::size_t kMost = 100000000;
+  constexpr std::size_t kMaxBytes = 100000000;
   char buffer[1 << 16];
   Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC), close); // a pipe without a writer would be waited for
-  while (file.Valid() && text->size() < kMost) {
+  while (file.Valid() && text->size() < kMaxBytes) {
     pollfd ready{file, POLLIN, 0};
     if (poll(&ready, 1, kPatience) == 0) return false;
     const ssize_t count = read(file, buffer, sizeof buffer);
@@ -136,8 +136,8 @@ std::string Parse(int argc, char **argv, CommandLine *line)
   }
   for (const std::string &word : line->words)
     if (IsOptionName(word)) names.insert(LowerCase(word));
-  if (names.size() > kMostOptions)
-    return std::to_string(names.size()) + " options: must be at most " + std::to_string(kMostOptions) +
+  if (names.size() > kMaxOptions)
+    return std::to_string(names.size()) + " options: must be at most " + std::to_string(kMaxOptions) +
            ", as many as PETSc takes; polygons need fewer than boxes";
   return "";
 }

@@ -8,7 +8,7 @@ namespace mlgimp
 {
 
 /// The surface lies deeper inside the indenter than a sharp tip between two columns explains.
-std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &)
+std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const int level = c.LevelAtTip();
@@ -21,7 +21,7 @@ std::string OfPenetration(const Case &c, const Budgets &budgets, const Watched &
 
 /// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where
 /// the surface there comes to a line of nodes, points may still split, and make energy.
-std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
+std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
   if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
@@ -36,7 +36,7 @@ std::string OfBorder(const Case &c, const Budgets &budgets, const Watched &)
 }
 
 /// Levels that follow the contact, and are too few for how wide it gets.
-std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &)
+std::string WidestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   const FollowSettings &follow = c.hierarchy.follow;
   const double cells = budgets.contact_half_width / c.CellSize(0);
@@ -49,13 +49,13 @@ std::string OfWidest(const Case &c, const Budgets &budgets, const Watched &)
 /// off, and a third before, as the tip stands between columns; metal rises beside a steep tip column by column for longer.
 static double EnoughCells(const Case &c)
 {
-  constexpr double kNear = 4, kSteep = 4; // a half angle of 63 degrees
-  const double height = kNear * c.CellSize(c.LevelAtTip());
-  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteep * height ? 6 : 2;
+  constexpr double kHeight = 4, kSteepRatio = 4; // a half angle of 63 degrees
+  const double height = kHeight * c.CellSize(c.LevelAtTip());
+  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
 }
 
 /// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
-std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
+std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (budgets.contact_cells == 0) return "";
   const FollowSettings &follow = c.hierarchy.follow;
@@ -74,7 +74,7 @@ std::string OfNarrowest(const Case &c, const Budgets &budgets, const Watched &)
 
 /// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
 /// cell away. A plate over all of the domain has none.
-std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &)
+std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (!c.model.indenter || budgets.contact_half_width == 0) return "";
   const Indenter &indenter = *c.model.indenter;
@@ -93,10 +93,11 @@ std::string OfMirrorImage(const Case &c, const Budgets &budgets, const Watched &
   return "";
 }
 
-/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. Where a load moves it, OfLoad tells.
-std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watched)
+/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. For an indenter that a load moves see
+/// LoadWarning.
+std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
-  constexpr double kDeep = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
+  constexpr double kMaxDepth = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
   if (!c.model.indenter || c.model.contact.method == "none" || c.model.indenter->by_load || watched.carried > 0) return "";
   const Indenter &indenter = *c.model.indenter;
   const auto is_below = [&](const Body &body) {
@@ -108,12 +109,12 @@ std::string OfTouch(const Case &c, const Budgets &budgets, const Watched &watche
   };
   const bool above_body = std::any_of(c.model.bodies.begin(), c.model.bodies.end(), is_below);
   const bool came_down = budgets.depth >= indenter.Depth(indenter.tip);
-  if (above_body && came_down && budgets.depth <= kDeep * c.CellSize(c.LevelAtTip())) return "";
+  if (above_body && came_down && budgets.depth <= kMaxDepth * c.CellSize(c.LevelAtTip())) return "";
   return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
 }
 
 /// A load that the tip, at its largest speed, has not come to carry.
-std::string OfLoad(const Case &c, const Budgets &budgets, const Watched &watched)
+std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step
   if (!c.model.indenter || !c.model.indenter->by_load) return "";

@@ -49,7 +49,7 @@ void Refuse(const std::string &line)
   throw Refused(line);
 }
 
-/// Exceptions that nobody catches end here before anything is unwound: destructors may wait for other ranks, as that of a file.
+/// Uncaught exceptions end here before any object is destroyed: destructors may wait for other ranks, as that of a file.
 [[noreturn]] static void EndByException()
 {
   std::string line = "unknown exception";
@@ -122,7 +122,7 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
     PrintError("floating-point exception (-fp_trap); infinite values are normal here for what has no limit");
     EndAll();
   default:
-    if (where == "PetscReallocAlign") { // which has a number of its own for a lack of memory
+    if (where == "PetscReallocAlign") { // whose error for missing memory has another number
       static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
       break;
     }

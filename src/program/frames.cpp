@@ -116,7 +116,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   Frame frame{number, time, {}, 0};
   std::vector<double> pressures;
   Budgets budgets;
-  EndOn(hierarchy.ReduceBudgets(&budgets));
+  ExitOnError(hierarchy.ReduceBudgets(&budgets));
   file.Open(hierarchy.Comm(), PathOf(number), false);
   file.Attribute("/", "time", {time});
   file.Attribute("/", "step", {static_cast<double>(step)});
@@ -132,7 +132,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
       void *const data = hierarchy.At(l).PointStore().Field(static_cast<PointField>(k));
       file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
-    EndOn(hierarchy.At(l).FindContactPressures(hierarchy.Tip().At(time), &pressures));
+    ExitOnError(hierarchy.At(l).FindContactPressures(hierarchy.Tip().At(time), &pressures));
     AddDerived(file, group, points, model_, pressures, slab);
     AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
@@ -173,7 +173,7 @@ void FrameWriter::AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, 
   std::vector<int> bodies, levels;
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     std::vector<double> on_level;
-    EndOn(hierarchy.At(l).FindSurfacePressures(hierarchy.Tip().At(time), &on_level));
+    ExitOnError(hierarchy.At(l).FindSurfacePressures(hierarchy.Tip().At(time), &on_level));
     pressures.insert(pressures.end(), on_level.begin(), on_level.end());
     for (const SurfacePatch &patch : hierarchy.At(l).BodySurface().Patches()) {
       for (int c = 0; c < corners; ++c) positions.insert(positions.end(), patch.corner[c].begin(), patch.corner[c].begin() + dim);
@@ -220,8 +220,9 @@ std::string FrameWriter::ReplaceSeries(const std::string &name, const std::vecto
 std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
 {
   return OnFirstRank(comm, "series", [&]() -> std::string {
-    constexpr std::size_t kFew = 32, kShare = 16;
-    const std::size_t count = frames_.size(), due = whole || count <= kFew ? in_series_ + 1 : in_series_ + in_series_ / kShare;
+    constexpr std::size_t kEachFrame = 32, kOneIn = 16;
+    const std::size_t count = frames_.size(),
+                      due = whole || count <= kEachFrame ? in_series_ + 1 : in_series_ + in_series_ / kOneIn;
     if (count < due) return "";
     std::vector<VtkStep> points, patches;
     for (const Frame &frame : frames_) {

@@ -61,14 +61,14 @@ static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
 }
 
 /// What a call of the system on the first rank returned.
-void H5Writer::NoteSystem(bool success)
+void H5Writer::RecordSystem(bool success)
 {
   if (!success && good_) error_ = errno;
   Note(success);
 }
 
 /// A failure of one rank becomes that of all, so that none waits for the others in a collective call.
-void H5Writer::Settle(const char *place) { good_ = Agree(comm_, place, good_ ? "" : "failed").empty(); }
+void H5Writer::AgreeOnError(const char *place) { good_ = Agree(comm_, place, good_ ? "" : "failed").empty(); }
 
 /// Makes sure of room for the first `size` bytes of the file, and for what the library adds to them.
 void H5Writer::Reserve(off_t size)
@@ -79,9 +79,9 @@ void H5Writer::Reserve(off_t size)
     const int error = end > reserved_ ? posix_fallocate(part_, reserved_, end - reserved_) : 0;
     reserved_ = std::max(reserved_, end);
     errno = error;
-    NoteSystem(error == 0);
+    RecordSystem(error == 0);
   }
-  Settle("file_room");
+  AgreeOnError("file_room");
 }
 
 void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
@@ -92,7 +92,7 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   chunks_ = 0;
   if (RankIn(comm) == 0) {
     part_ = Descriptor(open((path + ".part").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), close);
-    NoteSystem(part_.Valid());
+    RecordSystem(part_.Valid());
   }
   Reserve(0);
   if (!good_) return;
@@ -114,7 +114,7 @@ void H5Writer::Group(const std::string &name)
   if (!good_) return;
   const H5Handle group(H5Gcreate2(file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   Note(group.Valid());
-  Settle("file_group");
+  AgreeOnError("file_group");
 }
 
 void H5Writer::Attribute(const std::string &object, const std::string &name, const std::vector<double> &values)
@@ -126,7 +126,7 @@ void H5Writer::Attribute(const std::string &object, const std::string &name, con
       H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
   Note(attribute.Valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0);
-  Settle("file_attribute");
+  AgreeOnError("file_attribute");
 }
 
 /// How a dataset lies in the file: checksums need chunks; those are equal and of about a megabyte.
@@ -162,7 +162,7 @@ void H5Writer::Dataset(const std::string &name, hid_t type, int components, cons
   if (!good_ || slab.total == 0) return;
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
   Note(H5Dwrite(set, type, source, target, transfer, data) >= 0);
-  Settle("file_dataset");
+  AgreeOnError("file_dataset");
 }
 
 void H5Writer::List(const std::string &name, const std::vector<double> &values)
@@ -181,9 +181,9 @@ std::string H5Writer::Finish()
   if (!good_ && part_.Valid()) Note(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
   MPI_Barrier(comm_);
   Note(file_.Close());
-  Settle("file_close");
+  AgreeOnError("file_close");
   return OnFirstRank(comm_, "file_name", [&]() -> std::string {
-    if (good_) NoteSystem(part_.Close() && std::rename(part.c_str(), path_.c_str()) == 0);
+    if (good_) RecordSystem(part_.Close() && std::rename(part.c_str(), path_.c_str()) == 0);
     if (good_) return "";
     unlink(part.c_str());
     return CannotWrite(path_, error_);

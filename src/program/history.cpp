@@ -79,7 +79,7 @@ std::string History::Open(MPI_Comm comm, const std::string &directory, const Geo
 std::string History::Append(const std::string &text) const
 {
   const off_t end = lseek(file_, 0, SEEK_END);
-  if (!IsThere()) return "cannot write " + path_ + ": somebody has removed or replaced it during the run";
+  if (!IsThere()) return "cannot write " + path_ + ": the file was removed or replaced during the run";
   if (WriteAll(file_, text)) return "";
   const int error = errno;
   (void)!ftruncate(file_, end);

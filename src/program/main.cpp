@@ -24,8 +24,8 @@ PetscErrorCode PrintNothing(const char *, ...) { return PETSC_SUCCESS; }
 void BeginLog()
 {
   PetscBool begun = PETSC_FALSE;
-  EndOn(PetscLogIsActive(&begun));
-  if (!begun) EndOn(PetscLogDefaultBegin());
+  ExitOnError(PetscLogIsActive(&begun));
+  if (!begun) ExitOnError(PetscLogDefaultBegin());
 }
 
 /// Returns the signal that the run has been stopped by, else 0.
@@ -35,18 +35,18 @@ int Main(const CommandLine &line, const std::string &program)
   Case settings;
   BeginLog();
   if (line.help) {
-    EndOn(PetscPrintf(PETSC_COMM_WORLD, "%s", HelpHead(program).c_str()));
-    EndOn(PetscOptionsSetValue(nullptr, "-help", nullptr));
+    ExitOnError(PetscPrintf(PETSC_COMM_WORLD, "%s", HelpHead(program).c_str()));
+    ExitOnError(PetscOptionsSetValue(nullptr, "-help", nullptr));
   }
-  EndOn(PetscOptionsHasHelp(nullptr, &help));
-  EndOn(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
+  ExitOnError(PetscOptionsHasHelp(nullptr, &help));
+  ExitOnError(PetscOptionsHasName(nullptr, nullptr, "-fp_trap", &traps));
   if (traps) PetscErrorPrintf = PrintNothing;
   OptionReader reader(PETSC_COMM_WORLD, help);
   settings.name = line.name;
   ReadCase(reader, &settings);
   if (help) {
     PressureSolver solver; // lists the options of the contact solver
-    EndOn(solver.Create());
+    ExitOnError(solver.Create());
     return 0;
   }
   Simulation simulation(settings);
@@ -79,7 +79,7 @@ static std::vector<char *> Pointers(char *program, std::vector<std::string> &all
   return pointers;
 }
 
-/// What PETSc tells about its own options, behind ours: it prints that when it starts.
+/// PETSc's help on its own options, behind ours: PETSc prints it when it starts.
 static PetscErrorCode PrintPetscHelp(char *program)
 {
   std::vector<std::string> help = {"-help", "-no_signal_handler"}; // its handlers print a trace where a pipe ends early
@@ -92,7 +92,7 @@ static PetscErrorCode PrintPetscHelp(char *program)
 
 int main(int argc, char **argv)
 {
-  std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is told like a full disk
+  std::signal(SIGXFSZ, SIG_IGN); // a file at its size limit is reported like a full disk
   ChooseLayersOfMpi();
   MPI_Init(&argc, &argv);
   const int rank = RankIn(MPI_COMM_WORLD);
@@ -121,10 +121,10 @@ int main(int argc, char **argv)
     if (line.help) std::signal(SIGPIPE, SIG_DFL); // as any program in a pipe
     try {
       signal = Main(line, argv[0]);
-    } catch (const Refused &) { // told already; nothing else is caught, see errors.hpp
+    } catch (const Refused &) { // its line is printed; nothing else is caught, see errors.hpp
       code = PETSC_ERR_USER_INPUT;
     }
-    if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // no news to whom has just been told of one
+    if (code) PetscOptionsSetValue(nullptr, "-options_left", "false"); // do not list unused options after an error
     const PetscErrorCode end = PetscFinalize();                        // reads options too
     if (!code) code = end;
     if (!code && line.help) code = PrintPetscHelp(argv[0]);

@@ -7,19 +7,19 @@
 namespace mlgimp
 {
 
-double MotionWatch::OfLoad(Kept part, double factor) const
+double MotionWatch::ShareOfLoad(Kept part, double factor) const
 {
   const double left = numbers_[kWork] - numbers_[kDrag] - numbers_[kInertia];
   return left > 0 ? std::max(0.0, factor * numbers_[part] / left) : 0;
 }
 
-double MotionWatch::OfPlasticWork() const
+double MotionWatch::ShareOfPlasticWork() const
 {
   const double before = numbers_[kFlowedThen];
   return before > 0 ? numbers_[kFlowed] / before - 1 : 0;
 }
 
-void MotionWatch::LookAtTip(const Budgets &row)
+void MotionWatch::RecordTip(const Budgets &row)
 {
   const std::array<double, 3> now = {row.indenter_work, row.damping_work, row.kinetic_energy - row.noise_energy};
   if (row.depth > numbers_[kDepth]) {
@@ -30,7 +30,7 @@ void MotionWatch::LookAtTip(const Budgets &row)
   std::copy(now.begin(), now.end(), numbers_.begin() + kLastWork);
 }
 
-void MotionWatch::LookAtFlow(const Budgets &row, double pressure)
+void MotionWatch::RecordFlow(const Budgets &row, double pressure)
 {
   constexpr double kHeld = 0.9; // of the largest pressure: below, bodies are unloaded, and what they do is of another kind
   const double unspent = row.kinetic_energy + row.damping_work + row.viscous_work;
@@ -41,10 +41,10 @@ void MotionWatch::LookAtFlow(const Budgets &row, double pressure)
   numbers_[kFlowed] = row.plastic_work;
 }
 
-void MotionWatch::Look(const Budgets &row, double pressure)
+void MotionWatch::Record(const Budgets &row, double pressure)
 {
-  LookAtTip(row);
-  LookAtFlow(row, pressure);
+  RecordTip(row);
+  RecordFlow(row, pressure);
 }
 
 } // namespace mlgimp

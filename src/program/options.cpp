@@ -61,8 +61,8 @@ std::string Range::Text() const
 
 std::string Shortened(const std::string &value)
 {
-  constexpr std::size_t kMost = 200;
-  return value.size() <= kMost ? value : value.substr(0, kMost) + "... (" + std::to_string(value.size()) + " characters)";
+  constexpr std::size_t kMaxShown = 200;
+  return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "... (" + std::to_string(value.size()) + " characters)";
 }
 
 std::string LowerCase(std::string name)
@@ -92,7 +92,8 @@ bool OptionReader::Raw(const OptionText &option, const std::string &fallback, st
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
   if (!learns_)
-    EndOn(PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
+    ExitOnError(
+        PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
   *value = given ? buffer.data() : fallback;
   known_.push_back(option.name);
   if (identify_) identity_.push_back(option.name + " " + *value);
@@ -123,8 +124,8 @@ void OptionReader::Viewer(const OptionText &option)
   std::string text;
   PetscViewer viewer;
   if (!Raw(option, "none", &text) || help_) return;
-  EndOn(PetscOptionsCreateViewer(comm_, nullptr, nullptr, option.name.c_str(), &viewer, nullptr, nullptr));
-  EndOn(PetscViewerDestroy(&viewer));
+  ExitOnError(PetscOptionsCreateViewer(comm_, nullptr, nullptr, option.name.c_str(), &viewer, nullptr, nullptr));
+  ExitOnError(PetscViewerDestroy(&viewer));
 }
 
 int OptionReader::Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value)
@@ -218,11 +219,11 @@ bool OptionReader::Vector(const OptionText &option, bool required, Vec3 *value)
 }
 
 /// The value of an option, where it was given.
-static bool Look(const std::string &name, std::string *value)
+static bool FindValue(const std::string &name, std::string *value)
 {
   std::vector<char> buffer(kLongestValue + 1);
   PetscBool given = PETSC_FALSE;
-  EndOn(PetscOptionsGetString(nullptr, nullptr, name.c_str(), buffer.data(), buffer.size(), &given));
+  ExitOnError(PetscOptionsGetString(nullptr, nullptr, name.c_str(), buffer.data(), buffer.size(), &given));
   *value = buffer.data();
   return given;
 }
@@ -231,7 +232,7 @@ void OptionReader::Names(const OptionText &option, bool required, std::vector<st
 {
   std::string text;
   names->clear();
-  if (!Text(option, required, &text) && !(learns_ && Look(option.name, &text))) {
+  if (!Text(option, required, &text) && !(learns_ && FindValue(option.name, &text))) {
     if (help_) *names = {"NAME"};
     return;
   }
@@ -266,9 +267,9 @@ static std::vector<std::string> FindUnused()
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
   std::vector<std::string> unused;
-  EndOn(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  ExitOnError(PetscOptionsLeftGet(nullptr, &count, &names, &values));
   for (PetscInt k = 0; k < count; ++k) unused.push_back(std::string("-") + names[k]);
-  EndOn(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  ExitOnError(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   return unused;
 }
 
@@ -287,7 +288,7 @@ static bool LooksLikePetsc(const std::string &option)
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
-constexpr std::size_t kNear = 2; ///< typing errors
+constexpr std::size_t kMaxTypingErrors = 2; ///< typing errors
 
 /// The known name that is most like an option's.
 static const std::string &Nearest(const std::string &option, const std::vector<std::string> &known)
@@ -320,7 +321,7 @@ void OptionReader::RefuseUnused() const
   for (const std::string &unused : FindUnused()) {
     if (std::find(known_.begin(), known_.end(), unused) != known_.end())
       mlgimp::Refuse(Shortened(unused) + ": is not used in this case");
-    if (EditDistance(unused, Nearest(unused, known_)) > kNear && LooksLikePetsc(unused)) continue;
+    if (EditDistance(unused, Nearest(unused, known_)) > kMaxTypingErrors && LooksLikePetsc(unused)) continue;
     RefuseUnknown(unused, known_);
   }
 }
@@ -336,7 +337,7 @@ static bool EndsLike(const std::string &option, const std::string &known, const 
 /// Whether an option is one of those known, of another level, or of a name that is in no list yet, as -NAME_lower.
 static bool IsKnown(const std::string &option, const std::vector<std::string> &known)
 {
-  const bool of_level = option.rfind("-level_", 0) == 0, near = EditDistance(option, Nearest(option, known)) <= kNear;
+  const bool of_level = option.rfind("-level_", 0) == 0, near = EditDistance(option, Nearest(option, known)) <= kMaxTypingErrors;
   return std::any_of(known.begin(), known.end(), [&](const std::string &one) {
     const bool other_level = of_level && (EndsLike(option, one, "-level_0_") || EndsLike(option, one, "-level_1_"));
     const bool of_name = !of_level && !near && EndsLike(option, one, "-NAME_");
@@ -349,7 +350,8 @@ void OptionReader::RefuseMisspelt(std::vector<std::string> all)
   all.insert(all.end(), {"-options_file", "-help", "-version"}); // those of the command line
   for (const std::string &unused : FindUnused()) {
     const std::string option = LowerCase(unused);
-    const bool of_solver = option.rfind("-contact_", 0) == 0, near = EditDistance(option, Nearest(option, all)) <= kNear;
+    const bool of_solver = option.rfind("-contact_", 0) == 0,
+               near = EditDistance(option, Nearest(option, all)) <= kMaxTypingErrors;
     const bool read_later = LooksLikePetsc(option) && (of_solver || !near);
     if (!IsKnown(option, all) && !read_later) RefuseUnknown(unused, all);
   }

@@ -23,13 +23,13 @@ static constexpr char kLockName[] = ".mlgimp_lock";
 /// The number in `name` between start and end, of six digits or more as it is written; -1 for any other name.
 static long NumberIn(const std::string &name, const std::string &start, const std::string &end)
 {
-  constexpr std::size_t kLeast = 6, kMost = 18;
-  if (name.size() < start.size() + kLeast + end.size() || name.rfind(start, 0) != 0) return -1;
+  constexpr std::size_t kDigits = 6, kMaxDigits = 18;
+  if (name.size() < start.size() + kDigits + end.size() || name.rfind(start, 0) != 0) return -1;
   const std::string digits = name.substr(start.size(), name.size() - start.size() - end.size());
-  if (name.substr(start.size() + digits.size()) != end || digits.size() > kMost) return -1;
+  if (name.substr(start.size() + digits.size()) != end || digits.size() > kMaxDigits) return -1;
   for (char c : digits)
     if (!std::isdigit(static_cast<unsigned char>(c))) return -1;
-  return digits.size() > kLeast && digits[0] == '0' ? -1 : std::strtol(digits.c_str(), nullptr, 10);
+  return digits.size() > kDigits && digits[0] == '0' ? -1 : std::strtol(digits.c_str(), nullptr, 10);
 }
 
 ResultName ParseResultName(const std::string &name)
@@ -82,7 +82,7 @@ bool OutputFolder::HoldsRestart(const std::vector<std::string> &names) const
 }
 
 /// What is wrong with the folder as it is; empty where nothing is, or where there is none yet.
-std::string OutputFolder::Look()
+std::string OutputFolder::Check()
 {
   const std::string option = "-output_dir " + Shortened(settings_.directory) + ": must ";
   std::vector<std::string> files, folders;
@@ -127,7 +127,7 @@ void OutputFolder::Unlock()
 
 std::string OutputFolder::Check(MPI_Comm comm)
 {
-  return OnFirstRank(comm, "folder_check", [&] { return Look(); });
+  return OnFirstRank(comm, "folder_check", [&] { return Check(); });
 }
 
 /// Of the results in the folder, those that the run does without.
@@ -148,7 +148,7 @@ std::string OutputFolder::Claim(MPI_Comm comm)
     if (!fs::is_directory(settings_.directory, unknown))
       return "-output_dir " + Shortened(settings_.directory) + ": must be a folder that can be created: " + error.message();
     const std::string taken = Lock();
-    return taken.empty() ? Look() : taken; // once more: another run may have come between
+    return taken.empty() ? Check() : taken; // once more: another run may have come between
   });
   MPI_Bcast(&goes_on_, 1, MPI_CXX_BOOL, 0, comm);
   warning_ = ShareText(comm, warning_);

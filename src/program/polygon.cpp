@@ -1,4 +1,4 @@
-// Looks at all pairs of edges: cases have some thousand vertices at most.
+// Compares all pairs of edges: cases have some thousand vertices at most.
 #include "program/polygon.hpp"
 
 #include <algorithm>

@@ -13,7 +13,7 @@ static constexpr int kSamples = 16;   ///< in a transit
 /// What inertia and damping add to the load, N: no more than all of it, since other things than the tip move bodies too.
 double QuasiStaticWatch::Added(const Sample &now, double load)
 {
-  constexpr double kSlow = 0.05;
+  constexpr double kMaxSpeed = 0.05;
   const double transit = plan_.pace.transit;
   if (window_.empty() || now.time - window_.back().time > transit / kSamples) window_.push_back(now);
   while (window_.size() > 1 && window_[1].time <= now.time - transit) window_.erase(window_.begin());
@@ -21,13 +21,13 @@ double QuasiStaticWatch::Added(const Sample &now, double load)
   const double time = now.time - then.time, way = now.depth - then.depth;
   if (!(time > 0)) return 0;
   speed_ = std::abs(way) / time;
-  const double least = kSlow * now.depth / plan_.pace.transits * time / transit;
+  const double least = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
   const double added = way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
   return std::clamp(added, -std::abs(load), std::abs(load));
 }
 
 /// value: the load, or under load control the depth.
-void QuasiStaticWatch::LookAtHold(double time, double value)
+void QuasiStaticWatch::CheckHold(double time, double value)
 {
   const auto in_last_transit = [&](const std::pair<double, double> &hold) {
     return time > hold.second - plan_.pace.transit && time <= hold.second;
@@ -46,13 +46,13 @@ bool QuasiStaticWatch::IsLoaded(const Budgets &row) const
   return deep && row.load_quasi_static > kEarly * numbers_[kLargestLoad];
 }
 
-void QuasiStaticWatch::Look(Budgets &row)
+void QuasiStaticWatch::Record(Budgets &row)
 {
   if (!plan_.on) return;
   const double kinetic = row.kinetic_energy - row.noise_energy;
   row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
   numbers_[kLargestLoad] = std::max<double>(numbers_[kLargestLoad], row.load_quasi_static);
-  LookAtHold(row.time, plan_.depth > 0 ? row.load : row.depth);
+  CheckHold(row.time, plan_.depth > 0 ? row.load : row.depth);
   if (!IsLoaded(row)) return;
   const auto raise = [this](Kept which, double share) { numbers_[which] = std::max(numbers_[which], share); };
   raise(kFastest, speed_);

@@ -25,7 +25,7 @@ const struct {
                 {SIGINT, "mlgimp: error: ended by SIGINT\n"},
                 {SIGQUIT, "mlgimp: error: ended by SIGQUIT\n"},
                 {SIGTERM, "mlgimp: error: ended by SIGTERM\n"},
-                {SIGPIPE, "mlgimp: error: ended by SIGPIPE: nobody reads the output any more\n"}};
+                {SIGPIPE, "mlgimp: error: ended by SIGPIPE: the program that reads the output has ended\n"}};
 
 /// Prints the line and ends the program.
 void EndBySignal(int signal)

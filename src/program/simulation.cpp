@@ -22,8 +22,8 @@ void Simulation::SetUp(MPI_Comm comm)
   bool same_ranks = false;
   comm_ = comm;
   CheckMemory(comm, case_);
-  EndOn(RegisterLogEvents(&events_));
-  EndOn(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
+  ExitOnError(RegisterLogEvents(&events_));
+  ExitOnError(hierarchy_.Create(comm, case_.model, case_.hierarchy, events_, !restart));
   if (restart) {
     ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks);
     if (AtEnd())
@@ -35,13 +35,13 @@ void Simulation::SetUp(MPI_Comm comm)
   } else {
     WarnAtStart(CheckBodies(hierarchy_, case_));
     CheckIndenter(hierarchy_, case_);
-    EndOn(hierarchy_.ReduceBudgets(&budgets_));
+    ExitOnError(hierarchy_.ReduceBudgets(&budgets_));
     state_.initial_mass = budgets_.mass;
     state_.initial_points = budgets_.points;
     state_.initial_created = Case::PointsCreated(budgets_);
   }
   if (const std::string problem = folder_.Check(comm); !problem.empty()) Refuse(problem);
-  // A run that goes on as it was keeps the step and the clock of its levels until it would have looked at them.
+  // A run that goes on as it was keeps the step and the clock of its levels until its next check.
   if (!same_ranks || state_.step_settings != StepSettings()) ControlStep();
   state_.step_settings = StepSettings();
 }
@@ -115,12 +115,12 @@ void Simulation::CheckStep(double speed)
                left = time.end_time - state_.time;
   const bool by_damping = scale < case_.cell_size / speed;
   const std::string end = "-end_time " + FormatNumber(time.end_time);
-  constexpr double kMostSteps = 1e15; // far fewer than a double counts, far more than a machine makes
+  constexpr double kMaxSteps = 1e15; // far fewer than a double counts, far more than a machine makes
   if (time.time_step > limit)
     FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
                  (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
                  (state_.step > start_step_ ? " by now" : ""));
-  if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMostSteps * step)))
+  if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMaxSteps * step)))
     FailOrRefuse((time.time_step > 0 ? "-time_step " + FormatNumber(time.time_step) + ": must bring " + end + " in reach"
                                      : end + ": must be in reach") +
                  "; a step is " + FormatRounded(step) + " s at time " + FormatRounded(state_.time) + " s, with a speed of " +
@@ -139,28 +139,28 @@ static std::string Describe(const LevelMove &move, int dim)
 void Simulation::ControlStep()
 {
   SpeedCheck speeds;
-  EndOn(hierarchy_.CheckSpeeds(&speeds));
+  ExitOnError(hierarchy_.CheckSpeeds(&speeds));
   if (speeds.failed) return;
   const double speed = FastestSignal(speeds);
   CheckStep(speed);
-  // A restart goes on with the speed that its run last looked at, so that its steps are the same.
+  // A restart goes on with the speed of its run's last check, so that its steps are the same.
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
-  EndOn(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
+  ExitOnError(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
   SettleFailure(); // points that have failed may be anywhere
   CheckPace();
 }
 
-/// Ends the run where the tip would leave the finest level's box before boxes are looked at again.
+/// Ends the run where the tip would leave the finest level's box before boxes are checked again.
 void Simulation::CheckPace()
 {
   const FollowSettings &follow = case_.hierarchy.follow;
   if (follow.kind != FollowKind::kContact) return;
   const int finest = hierarchy_.Following().plan.active - 1;
-  const double room = case_.hierarchy.rules.Border(finest), soon = NextLook();
+  const double room = case_.hierarchy.rules.Border(finest), soon = NextCheck();
   const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
   if (finest > 0 && way > room)
-    FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are looked at again, by time " +
+    FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are checked again, by time " +
                  FormatRounded(soon) + " s, more than the " + FormatRounded(room) + " m that level " + std::to_string(finest) +
                  " keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval");
 }
@@ -181,7 +181,7 @@ int Simulation::Run()
   CheckWritten(frames_.Finish(comm_));
   CheckWritten(WriteSummary(stopped_.empty() ? "completed" : "stopped: " + stopped_));
   if (stopped_.empty())
-    EndOn(hierarchy_.View(state_.time));
+    ExitOnError(hierarchy_.View(state_.time));
   else
     TellOfStop();
   return stop_signal_;
@@ -190,24 +190,24 @@ int Simulation::Run()
 /// All between the set-up and the first step.
 void Simulation::Begin()
 {
-  constexpr double kBytes = 400, kSlow = 100e6; // of a point in a checkpoint; of a slow disk in a second
+  constexpr double kBytesPerPoint = 400, kSlowDisk = 100e6; // of a point in a checkpoint; of a slow disk in a second
   PrepareOutputFolder();
   ListenToOrders();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
     WarnAtStart(
         {"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
          "comes late"});
-  warnings_.Tell(comm_, at_start_);
-  for (const std::string &line : case_.quasi_static.lines) EndOn(PetscPrintf(comm_, "%s\n", line.c_str()));
+  warnings_.Issue(comm_, at_start_);
+  for (const std::string &line : case_.quasi_static.lines) ExitOnError(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
   start_progress_ = Done();
   frames_before_ = state_.frames - FramesDue();
   if (state_.step == 0) {
-    NoteRow();
+    RecordRow();
     CheckWritten(WriteRows());
   }
   if (state_.step == 0 && case_.output.frames > 0) CheckWritten(frames_.Write(hierarchy_, 0, state_.time, 0));
-  wall_.NoteWriting(state_.initial_points * kBytes / kSlow); // until one has been written
+  wall_.RecordWriting(state_.initial_points * kBytesPerPoint / kSlowDisk); // until one has been written
   wall_.StartLooking();
 }
 
@@ -216,7 +216,7 @@ void Simulation::Step()
 {
   const double begin = MPI_Wtime();
   hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
-  EndOn(hierarchy_.Advance(state_.time, state_.time_step));
+  ExitOnError(hierarchy_.Advance(state_.time, state_.time_step));
   level_seconds_ += MPI_Wtime() - begin;
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
@@ -226,7 +226,7 @@ void Simulation::Step()
 }
 
 /// Writes a checkpoint where a signal on any rank or the clock asks for one, and stops where they ask for that. A signal comes to
-/// the ranks at different steps, so that one to write counts once in two looks.
+/// the ranks at different steps, so that one to write counts once in two checks.
 void Simulation::ObeyOrders()
 {
   constexpr int kTimeIsShort = 4; // beside those of signals
@@ -251,10 +251,10 @@ void Simulation::TellOfStop()
 {
   const std::string line = OneLine("ended by " + stopped_);
   if (stop_signal_ && RankIn(comm_) == 0) std::fprintf(stderr, "mlgimp: error: %s\n", line.c_str());
-  if (!stop_signal_) EndOn(PetscPrintf(comm_, "mlgimp: %s\n", line.c_str()));
+  if (!stop_signal_) ExitOnError(PetscPrintf(comm_, "mlgimp: %s\n", line.c_str()));
 }
 
-/// Moves the boxes of levels where that is due, and tells what has changed.
+/// Moves the boxes of levels where that is due, and prints what has changed.
 void Simulation::FollowBoxes()
 {
   const FollowSettings &follow = case_.hierarchy.follow;
@@ -263,10 +263,10 @@ void Simulation::FollowBoxes()
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
   SettleFailure(); // points that have failed may be anywhere
   CheckPace();
-  EndOn(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextLook(), &state_.moves, &problem));
+  ExitOnError(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextCheck(), &state_.moves, &problem));
   if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
   for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)
-    EndOn(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
+    ExitOnError(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
 
 int Simulation::FramesDue() const
@@ -278,13 +278,13 @@ int Simulation::FramesDue() const
 /// What is wrong with the way of a tip under load control; empty where nothing is. The same on all ranks.
 std::string Simulation::DescribeTip()
 {
-  constexpr double kMostOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
+  constexpr double kMaxOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
   if (!case_.model.indenter || !case_.model.indenter->by_load) return "";
   const Indenter &indenter = *case_.model.indenter;
   const double height = hierarchy_.Tip().At(state_.time)[indenter.up], lowest = case_.LowestTip(case_.hierarchy.tip_level);
   const std::string when = "time " + FormatRounded(state_.time) + ": ",
                     load = "-indenter_loads, " + FormatRounded(indenter.by_load->force.Value(state_.time)) + " N by now, ";
-  if (hierarchy_.Tip().Overrun() > kMostOverrun * (indenter.initial_surface - case_.domain.lower[indenter.up]))
+  if (hierarchy_.Tip().Overrun() > kMaxOverrun * (indenter.initial_surface - case_.domain.lower[indenter.up]))
     return when + load + "are not met although the tip comes down at " + FormatRounded(indenter.by_load->largest_speed) +
            " m/s, a tenth of the speed of waves; try smaller or slower ones";
   if (height < lowest)

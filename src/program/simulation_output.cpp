@@ -18,25 +18,25 @@ void Simulation::WriteFrameDue()
   CheckWritten(WriteRows());
   SettleFailure();
   SettleState();
-  EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
+  ExitOnError(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
   state_.frames = frame;
   CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
-  EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
+  ExitOnError(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }
 
 void Simulation::WriteDue()
 {
   const OutputSettings &out = case_.output;
   const bool checkpoint_due = out.checkpoint_interval > 0 && state_.step % out.checkpoint_interval == 0;
-  EndOn(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
-  if (IsRowDue(state_.step, state_.time)) NoteRow();
+  ExitOnError(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
+  if (IsRowDue(state_.step, state_.time)) RecordRow();
   if (state_.step % kControlInterval == 0 || AtEnd() || checkpoint_due) {
     CheckWritten(WriteRows());
     SettleFailure();
   }
   if (checkpoint_due) SettleState();
   if (checkpoint_due) WriteState();
-  EndOn(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
+  ExitOnError(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }
 
 /// Ends the run, with what it has written so far.
@@ -44,11 +44,11 @@ void Simulation::Fail(const std::string &message)
 {
   WriteRows();
   frames_.Finish(comm_);
-  WriteSummary("failed: " + message); // where these fail too, it is less than what is told here
+  WriteSummary("failed: " + message); // an error in writing it is less important than `message`
   Refuse(message + "; " + FindKept());
 }
 
-/// What the output folder holds whole, as the end of a sentence; what somebody has removed is not told.
+/// Lists the complete files in the output folder, as the end of an error message. Files that were removed are left out.
 std::string Simulation::FindKept() const
 {
   std::vector<std::string> parts;
@@ -70,7 +70,7 @@ void Simulation::WriteState()
   state_.warnings = warnings_.KeptLines();
   const double begin = MPI_Wtime();
   CheckWritten(WriteCheckpoint(case_.output.directory, case_.identity, hierarchy_, state_));
-  wall_.NoteWriting(MPI_Wtime() - begin);
+  wall_.RecordWriting(MPI_Wtime() - begin);
   last_checkpoint_ = state_.step;
 }
 
@@ -89,8 +89,8 @@ void Simulation::SetFrictionForce(double time)
   budgets_.friction_force = friction_force_;
 }
 
-/// Keeps this rank's part of a row until the next look, so that rows cost no agreement of all ranks in their steps.
-void Simulation::NoteRow()
+/// Keeps this rank's part of a row until the next check, so that rows need no messages in their steps.
+void Simulation::RecordRow()
 {
   row_sums_.push_back(hierarchy_.SumBudgets());
   rows_.push_back({state_.step, state_.time, hierarchy_.Tip().At(state_.time)});
@@ -108,8 +108,8 @@ void Simulation::Complete(const Row &row)
   budgets_.depth = case_.model.indenter ? case_.model.indenter->Depth(row.tip) : 0;
   budgets_.load = load_;
   for (int axis = 0; axis < case_.Dim(); ++axis) budgets_.tip[axis] = row.tip[axis];
-  watch_.Look(budgets_);
-  warnings_.Look(comm_, case_, budgets_, watch_, IsEnd(row.step, row.time));
+  watch_.Record(budgets_);
+  warnings_.Check(comm_, case_, budgets_, watch_, IsEnd(row.step, row.time));
 }
 
 /// Writes the rows that wait, up to the first step in which something has failed. Returns as History::Write.
@@ -118,7 +118,7 @@ std::string Simulation::WriteRows()
   const std::vector<Row> rows = std::exchange(rows_, {}); // where writing fails, Fail comes here again
   std::vector<Budgets> sums = std::exchange(row_sums_, {});
   if (rows.empty()) return "";
-  EndOn(AddRanks(comm_, &sums));
+  ExitOnError(AddRanks(comm_, &sums));
   for (std::size_t k = 0; k < rows.size() && sums[k].failed == 0; ++k) {
     budgets_ = sums[k];
     Complete(rows[k]);
@@ -146,7 +146,7 @@ void Simulation::ShowProgress(bool last)
   const std::size_t length = line.size();
   line.resize(std::max(length, std::min(shown_, columns - 1)), ' '); // over what is left of the line before
   shown_ = length;
-  EndOn(PetscPrintf(comm_, "\r%s%s", line.c_str(), last ? "\n" : ""));
+  ExitOnError(PetscPrintf(comm_, "\r%s%s", line.c_str(), last ? "\n" : ""));
 }
 
 } // namespace mlgimp

@@ -40,7 +40,7 @@ double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent even
   PetscEventPerfInfo info;
   double seconds = 0;
   for (PetscLogStage stage : stages) {
-    EndOn(PetscLogEventGetPerfInfo(stage, event, &info));
+    ExitOnError(PetscLogEventGetPerfInfo(stage, event, &info));
     seconds += info.time;
   }
   return seconds;
@@ -50,7 +50,7 @@ double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent even
 bool LogsTree()
 {
   char viewer[PETSC_MAX_PATH_LEN] = "";
-  EndOn(PetscOptionsGetString(nullptr, nullptr, "-log_view", viewer, sizeof viewer, nullptr));
+  ExitOnError(PetscOptionsGetString(nullptr, nullptr, "-log_view", viewer, sizeof viewer, nullptr));
   const std::string text = viewer;
   return text.find("ascii_xml") != std::string::npos || text.find("ascii_flamegraph") != std::string::npos;
 }
@@ -155,12 +155,12 @@ std::string Simulation::WriteSummary(const std::string &status)
   const auto share = [&](int event) { return has_times ? Number(times[event] / std::max(times[kSteps], 1e-30)) : Json(nullptr); };
   double mapped = 0, unmapped = 0;
   Budgets budgets;
-  EndOn(hierarchy_.ReduceBudgets(&budgets));
-  EndOn(hierarchy_.BytesBetweenLevels(&mapped, &unmapped));
+  ExitOnError(hierarchy_.ReduceBudgets(&budgets));
+  ExitOnError(hierarchy_.BytesBetweenLevels(&mapped, &unmapped));
   const double created = Case::PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
   std::vector<double> points, largest;
-  EndOn(hierarchy_.CountPoints(&points, &largest));
+  ExitOnError(hierarchy_.CountPoints(&points, &largest));
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     levels.push_back(LevelJson(hierarchy_.At(l), points[l], largest[l], state_.time_step / std::pow(case_.hierarchy.ratio, l)));
   Json json = {{"status", status},

@@ -26,7 +26,7 @@ Source Own(const std::string &dataset, hsize_t first = 0)
 }
 
 /// A field of each level's group in the frames.
-Source OfFrames(const FrameField &field, hsize_t first, hsize_t block, hsize_t stride)
+Source FromFrames(const FrameField &field, hsize_t first, hsize_t block, hsize_t stride)
 {
   const auto of = [name = field.name](const VtkPart &part) { return std::pair(part.file, part.group + "/" + name); };
   return {static_cast<hsize_t>(field.components), first, block, stride, of};
@@ -215,12 +215,12 @@ void AddField(VtkhdfFile &file, const std::string &name, const FrameField &field
   if (field.name == "deformation_gradient" && stored == 4) {
     constexpr hsize_t kOutOfPlane = 8;
     const auto hoop = std::find_if(fields.begin(), fields.end(), [](const FrameField &one) { return one.name == kHoopStretch; });
-    const Source stretch = hoop == fields.end() ? Own("/ones", kOutOfPlane) : OfFrames(*hoop, kOutOfPlane, 1, 1);
-    file.Virtual(name, field.type, 9, parts, corners, 0, {OfFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz
+    const Source stretch = hoop == fields.end() ? Own("/ones", kOutOfPlane) : FromFrames(*hoop, kOutOfPlane, 1, 1);
+    file.Virtual(name, field.type, 9, parts, corners, 0, {FromFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz
     return;
   }
   const hsize_t shown = stored == 4 ? 6 : stored == 2 ? 3 : stored;
-  file.Virtual(name, field.type, shown, parts, corners, 0, {OfFrames(field, 0, stored, shown)});
+  file.Virtual(name, field.type, shown, parts, corners, 0, {FromFrames(field, 0, stored, shown)});
 }
 
 /// The number of its level for each point; of each level the file has a list of as many as the largest part. Whether there is

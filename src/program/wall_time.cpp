@@ -8,18 +8,18 @@
 namespace mlgimp
 {
 
-WallTime::WallTime(double limit) : limit_(limit), start_(MPI_Wtime()), last_look_(start_) {}
+WallTime::WallTime(double limit) : limit_(limit), start_(MPI_Wtime()), last_check_(start_) {}
 
-void WallTime::StartLooking() { last_look_ = MPI_Wtime(); }
+void WallTime::StartLooking() { last_check_ = MPI_Wtime(); }
 
-void WallTime::NoteWriting(double seconds) { writing_ = std::max(writing_, seconds); }
+void WallTime::RecordWriting(double seconds) { writing_ = std::max(writing_, seconds); }
 
 bool WallTime::IsShort()
 {
   constexpr double kEnding = 0.5, kMargin = 1.5; // s, to close what is open; steps and disks may be slower the next time
   const double now = MPI_Wtime();
-  longest_ = std::max(longest_, now - last_look_);
-  last_look_ = now;
+  longest_ = std::max(longest_, now - last_check_);
+  last_check_ = now;
   return now - start_ + kMargin * (longest_ + writing_) + kEnding > limit_;
 }
 

@@ -11,7 +11,7 @@ namespace
 
 /// The largest speed after 200 steps, in space 60, relative to the wave speed times the strain. stretch: in space with a third
 /// component.
-PetscErrorCode Rest(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec3 stretch, double *speed)
+PetscErrorCode Deactivate(const std::vector<Box> &boxes, int ratio, const Scheme &scheme, const Vec3 stretch, double *speed)
 {
   const bool space = stretch[2] > 0;
   const int dim = space ? 3 : 2, cells = space ? 8 : 12;
@@ -54,12 +54,12 @@ PetscErrorCode TestRest()
   for (const Scheme &scheme : {kDefaultScheme, kUsl})
     for (int ratio : {2, 3}) {
       const std::string name = std::string("at rest under stress, ratio ") + std::to_string(ratio) + ", " + scheme.name;
-      PetscCall(Rest({half}, ratio, scheme, {0.99, 1.01}, &speed));
+      PetscCall(Deactivate({half}, ratio, scheme, {0.99, 1.01}, &speed));
       ExpectAtMost(name + ", border across: v/(c strain)", speed, 1e-12);
-      PetscCall(Rest({inside}, ratio, scheme, {1.01, 0.98}, &speed));
+      PetscCall(Deactivate({inside}, ratio, scheme, {1.01, 0.98}, &speed));
       ExpectAtMost(name + ", box inside: v/(c strain)", speed, 1e-12);
       if (ratio > 2) continue;
-      PetscCall(Rest(nested, ratio, scheme, {0.99, 1.005}, &speed));
+      PetscCall(Deactivate(nested, ratio, scheme, {0.99, 1.005}, &speed));
       ExpectAtMost(name + ", three levels: v/(c strain)", speed, 1e-12);
     }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,11 +72,11 @@ TEST(LevelsRest, UnderStressInSpace)
   const std::vector<Box> half = {{{0.5, 0, 0}, {1, 1, 1}}}, inside = {{{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}}},
                          nested = {{{0.125, 0, 0}, {1, 1, 1}}, {{0.75, 0, 0.625}, {1, 1, 1}}};
   double speed;
-  ASSERT_EQ(Rest(half, 2, kDefaultScheme, {0.99, 1.01, 1.005}, &speed), PETSC_SUCCESS);
+  ASSERT_EQ(Deactivate(half, 2, kDefaultScheme, {0.99, 1.01, 1.005}, &speed), PETSC_SUCCESS);
   ExpectAtMost("at rest under stress in space, border across: v/(c strain)", speed, 1e-12);
-  ASSERT_EQ(Rest(inside, 2, kUsl, {1.01, 0.98, 0.99}, &speed), PETSC_SUCCESS);
+  ASSERT_EQ(Deactivate(inside, 2, kUsl, {1.01, 0.98, 0.99}, &speed), PETSC_SUCCESS);
   ExpectAtMost("at rest under stress in space, box inside: v/(c strain)", speed, 1e-12);
-  ASSERT_EQ(Rest(nested, 2, kDefaultScheme, {0.99, 1.005, 1.01}, &speed), PETSC_SUCCESS);
+  ASSERT_EQ(Deactivate(nested, 2, kDefaultScheme, {0.99, 1.005, 1.01}, &speed), PETSC_SUCCESS);
   ExpectAtMost("at rest under stress in space, three levels: v/(c strain)", speed, 1e-12);
 }
 

@@ -18,11 +18,11 @@ TEST(WallTime, LeavesTimeForACheckpoint)
   WallTime time(kEnough);
   time.StartLooking();
   EXPECT_FALSE(time.IsShort());
-  time.NoteWriting(0.1 * kEnough);
+  time.RecordWriting(0.1 * kEnough);
   EXPECT_FALSE(time.IsShort());
-  time.NoteWriting(0.9 * kEnough);
+  time.RecordWriting(0.9 * kEnough);
   EXPECT_TRUE(time.IsShort());
-  time.NoteWriting(0.1 * kEnough);
+  time.RecordWriting(0.1 * kEnough);
   EXPECT_TRUE(time.IsShort()); // the longest counts
 }
 
@@ -38,7 +38,7 @@ TEST(WallTime, LeavesTimeForTheStepsToTheNextLook)
 TEST(WallTime, WithoutALimit)
 {
   WallTime time(HUGE_VAL);
-  time.NoteWriting(1e9);
+  time.RecordWriting(1e9);
   EXPECT_FALSE(time.IsShort());
 }
 

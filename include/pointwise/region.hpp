@@ -85,7 +85,7 @@ using CellSizeAt = std::function<double(Vec3)>;
 /// What is the same but for rounding, of the length in question.
 inline constexpr double kRounding = 1e-6;
 /// A piece of a box at a cell line that is thinner than this part of a cell belongs to the cell on the other side: alone with
-/// the nodes beyond, its points would be unstable (docs/method.md, section 1). At borders of levels it is at most one cell of
+/// the nodes beyond, its points would be unstable (docs/decisions.md). At borders of levels it is at most one cell of
 /// the finer one.
 inline constexpr double kSliver = 0.25 + kRounding;
 inline constexpr double kThinnestPoint = 0.1 + kRounding; ///< part of a whole point; of other shapes what is thinner is a sliver

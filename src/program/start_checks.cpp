@@ -141,8 +141,8 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
   return thinnest;
 }
 
-/// Such points are unstable from half a square of the Courant number down where they follow the new velocity: docs/method.md,
-/// section 1.
+/// Such points are unstable from half a square of the Courant number down where they follow the new velocity:
+/// docs/decisions.md.
 void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<std::string> *warnings)
 {
   const Body &body = c.model.bodies[b];

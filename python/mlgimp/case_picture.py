@@ -34,13 +34,27 @@ def read_case(directory):
     options = summary.get("options")
     if not options:
         raise ResultError(directory, "there is no summary.json with the options of the case")
-    points, boxes = results.all_points(frame.levels), results.level_boxes(summary, frame.time)
+    points, (boxes, sizes) = results.all_points(frame.levels), first_boxes(summary, frame.levels)
     domain = np.array([numbers(options["-domain_lower"]), numbers(options["-domain_upper"])])
-    sizes = [level["cell_size"] for level in summary["levels"]][:len(boxes)]
     if domain.shape[1] == 2:
         return Case(options, points, boxes, sizes, "xy", domain)
     tip = numbers(options["-indenter_tip"])[1] if options["-indenter"] != "none" else None
     return Case(options, *fields.slice_of(points, boxes, tip), sizes, "xz", domain[:, [0, SLICE_OF_3D]])
+
+
+def first_boxes(summary, levels):
+    """Returns the boxes [levels][lower, upper][axis] (m) and cell sizes (m) of the levels that have points at the start.
+
+    levels: those of the first frame. Of a box that has moved since, the summary does not have the first place: it is the part of it
+    that holds points.
+    """
+    boxes = results.level_boxes(summary)
+    for level in {move["level"] for move in summary.get("regrids", [])}:
+        position, half = levels[level]["position"], levels[level]["half_size"]
+        if len(position):
+            boxes[level] = (position - half).min(axis=0), (position + half).max(axis=0)
+    kept = [level for level, points in enumerate(levels) if len(points["position"])]
+    return boxes[kept], [summary["levels"][level]["cell_size"] for level in kept]
 
 
 def in_plane(case, text):
@@ -108,10 +122,9 @@ def draw_bodies(axes, case, window, factor):
 def draw_velocities(axes, case, window, factor):
     """Draws an arrow on each body that moves at the start."""
     for number, name in enumerate(case.options["-bodies"].split(",")):
-        velocity = in_plane(case, case.options[f"-{name}_velocity"])
-        if velocity.any():
-            middle = case.points["position"][case.points["body"] == number].mean(axis=0)
-            draw_arrow(axes, middle, velocity / np.hypot(*velocity) * 0.25 * (window[3] - window[2]), factor, "0.25")
+        velocity, own = in_plane(case, case.options[f"-{name}_velocity"]), case.points["body"] == number
+        if velocity.any() and own.any():
+            draw_arrow(axes, case.points["position"][own].mean(axis=0), velocity / np.hypot(*velocity) * 0.25 * (window[3] - window[2]), factor, "0.25")
     return []
 
 
@@ -144,26 +157,37 @@ def draw_indenter(axes, case, window, factor):
     return [Patch(facecolor=INDENTER_COLOUR, edgecolor="0.2", label=f"indenter: {kind.replace('_', ' ')}")]
 
 
+def span_along(case, name, side, axis):
+    """Returns the start and the end (m) of a load along an axis of its side; None where it acts on the whole side."""
+    span = case.options[f"-{name}_span"].split(",")
+    if "none" in span:
+        return None
+    place = [each for each in "xyz" if each != side[0]].index(axis)  # in space the span has two numbers for each axis of the side
+    return np.array(span[2 * place:2 * place + 2] if len(span) > 2 else span, float)
+
+
 def draw_loads(axes, case, window, factor):
     """Draws arrows on the part of a body's side that a pressure acts on."""
     entries, length = [], 0.09 * max(window[1] - window[0], window[3] - window[2])
     for name in filter(None, case.options["-loads"].split(",")):
         body, side = case.options[f"-{name}_body"], case.options[f"-{name}_side"]
-        across, end = case.axes.index(side[0]), side[2:]
+        largest = max(numbers(case.options[f"-{name}_pressures"]), key=abs)
+        kind = "pressure" if largest > 0 else "tension"
+        entries.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label=f"{kind}, up to {in_si_unit(abs(largest), 'Pa')}"))
         own = case.points["body"] == case.options["-bodies"].split(",").index(body)
+        if side[0] not in case.axes or not own.any():  # of a slice
+            continue
+        across, end = case.axes.index(side[0]), side[2:]
         ends = np.array([(case.points["position"] - case.points["half_size"])[own].min(axis=0),
                          (case.points["position"] + case.points["half_size"])[own].max(axis=0)])
-        span = case.options[f"-{name}_span"].split(",")
-        first, last = ends[:, 1 - across] if "none" in span else np.clip(np.array(span[:2], float), *ends[:, 1 - across])
-        largest = max(numbers(case.options[f"-{name}_pressures"]), key=abs)
+        span = span_along(case, name, side, case.axes[1 - across])
+        first, last = ends[:, 1 - across] if span is None else np.clip(span, *ends[:, 1 - across])
         outward = 1 if end == "upper" else -1
-        for place in np.linspace(first, last, 7 if "none" in span else 3):
+        for place in np.linspace(first, last, 7 if span is None else 3):
             foot, away = np.zeros(2), np.zeros(2)
             foot[across], foot[1 - across] = ends[1 if end == "upper" else 0, across], place
             away[across] = outward * length
             draw_arrow(axes, *((foot + away, -away) if largest > 0 else (foot, away)), factor, LOAD_COLOUR)
-        kind = "pressure" if largest > 0 else "tension"
-        entries.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label=f"{kind}, up to {in_si_unit(abs(largest), 'Pa')}"))
     return entries
 
 

@@ -57,3 +57,22 @@ def test_a_run_that_goes_on_has_no_case_yet(tmp_path):
     (folder / "summary.json").unlink()
     with pytest.raises(Error, match="no summary.json with the options"):
         case_picture.case(folder)
+
+
+def test_boxes_that_move_later_are_those_of_their_points():
+    levels = [{"position": np.array([[2.0, 2.0]]), "half_size": np.full((1, 2), 2.0)},
+              {"position": np.array([[1.0, 1.0], [2.0, 1.0]]), "half_size": np.full((2, 2), 0.5)},
+              {"position": np.zeros((0, 2)), "half_size": np.zeros((0, 2))}]
+    summary = {"levels": [{"lower": [0, 0], "upper": [4, 4], "cell_size": 4}, {"lower": [2, 0], "upper": [4, 2], "cell_size": 2},
+                          {"lower": [3, 0], "upper": [4, 1], "cell_size": 1}], "regrids": [{"level": 1}, {"level": 2}]}
+    boxes, sizes = case_picture.first_boxes(summary, levels)
+    assert boxes.tolist() == [[[0, 0], [4, 4]], [[0.5, 0.5], [2.5, 1.5]]] and sizes == [4, 2]
+
+
+@pytest.mark.parametrize("span, side, axis, expected", [
+    ("none,none", "x_upper", "y", None), ("1,5", "x_upper", "y", [1, 5]), ("1,5,2,4", "x_upper", "z", [2, 4]),
+    ("1,5,2,4", "z_lower", "x", [1, 5])])
+def test_span_of_a_load(span, side, axis, expected):
+    case = case_picture.Case({"-press_span": span}, *[None] * 5)
+    found = case_picture.span_along(case, "press", side, axis)
+    assert found is None if expected is None else found.tolist() == expected

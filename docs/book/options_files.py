@@ -7,7 +7,8 @@ from pygments.token import Comment, Name, Number, Text
 class OptionsLexer(RegexLexer):
     """One -name value a line; # begins a comment."""
     name = "mlgimp options"
-    tokens = {"root": [(r"#.*$", Comment), (r"^-[A-Za-z]\w*", Name.Tag), (r"[-+]?\d[\w.+-]*", Number), (r"[^\S\n]+|\n|[^\s#]", Text)]}
+    tokens = {"root": [(r"#.*$", Comment), (r"^-[A-Za-z]\w*", Name.Tag), (r"[-+]?\d[\w.+-]*", Number),
+                       (r"[A-Za-z]\w*|\s|[^\s#]", Text)]}
 
 
 def setup(app):

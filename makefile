@@ -1,4 +1,4 @@
-# mlgimp: make run | make test | make verify | make bench | make lint | make install | make deps | make clean; see README.md.
+# mlgimp: make run | make test | make docs | make gallery | make verify | make bench | make lint | make install | make deps | make clean; see README.md.
 #
 # PETSc is found by pkg-config, or under PETSC_DIR/PETSC_ARCH where they are set. V=1 shows the commands whole.
 
@@ -56,7 +56,7 @@ endif
 COMPILE = $(call RUN,$(CXX) $(CXXFLAGS) $(FLAGS) $(1) -c -o $@ $<,CXX $<)
 LINK    = $(call RUN,$(CXX) $(CXXFLAGS) -o $@ $^ $(1) $(LIBRARIES),LINK $@)
 
-.PHONY: all programs deps run test verify bench lint install clean anew
+.PHONY: all programs deps run test docs gallery verify bench lint install clean anew
 .SECONDARY:
 all: $(BIN)/mlgimp
 programs: all $(TESTS) $(BIN)/faults/mlgimp
@@ -122,6 +122,20 @@ test: deps
 verify: deps
 	@$(MAKE) $(ON_CORES) programs
 	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(SELECT)
+
+# The book, from README.md, docs/ and the pictures of the gallery that are there.
+BOOK          = output/docs
+BOOK_PACKAGES = python3-sphinx python3-myst-parser furo python3-sphinx-copybutton libjs-katex fonts-katex
+docs:
+	@sh scripts/install_packages.sh $(BOOK_PACKAGES)
+	@rm -rf $(BOOK)
+	@$(PYTHON) -m sphinx -q -E -n -W --keep-going -c docs -d $(BUILD)/docs . $(BOOK)
+	@echo "$(BOOK)/index.html"
+
+# SELECT="NAME NAME": runs and draws only these cases of the gallery.
+gallery: deps
+	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp
+	@MLGIMP_BIN=$(BIN) $(PYTHON) scripts/gallery.py $(SELECT)
 
 bench: deps
 	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp $(BIN)/bench_machine

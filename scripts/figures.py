@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws pictures that compare several result folders: load against depth, fields side by side, or cells saved by levels."""
+"""Draws pictures that compare several result folders: load against depth, fields side by side, or cells saved by levels; and the
+picture of a case before it runs."""
 
 import argparse
 import re
@@ -12,7 +13,7 @@ from plot import add_window_option
 
 import numpy as np
 
-from mlgimp import fields, pictures, results
+from mlgimp import case_picture, fields, pictures, results
 from mlgimp.errors import ResultError
 from mlgimp.pictures import plt, styled
 
@@ -167,6 +168,11 @@ def cells(options):
     save(figure, options.picture)
 
 
+def case(options):
+    """Draws the case of a run as it begins: bodies, indenter, loads, sides of the domain, boxes of levels."""
+    save(case_picture.case(options.directory), options.picture)
+
+
 @command
 def main(arguments=None):
     """Draws the picture that the command line asks for."""
@@ -200,6 +206,10 @@ def main(arguments=None):
     savings.add_argument("picture", metavar="OUT.png")
     savings.add_argument("runs", nargs="+", type=labelled, metavar="DIR:LABEL")
     savings.set_defaults(draw=cells)
+    before = commands.add_parser("case", help=case.__doc__)
+    before.add_argument("picture", metavar="OUT.png")
+    before.add_argument("directory", metavar="DIR")
+    before.set_defaults(draw=case)
     options = parser.parse_args(arguments)
     options.draw(options)
 

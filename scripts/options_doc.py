@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes the tables of docs/options.md from `bin/mlgimp -help`; the text around them is kept.
+"""Writes docs/cheat_sheet.md and the tables of docs/options.md from `bin/mlgimp -help`; the text around those tables is kept.
 
 The first table under each heading that is a group of -help is replaced; other tables and all notes are hand-written.
-With --check nothing is written: the exit status is 1 where the page is not what it would be, and the first difference is shown.
+With --check nothing is written: the exit status is 1 where a page is not what it would be, and the first difference is shown.
 """
 import argparse
 import itertools
@@ -16,6 +16,13 @@ from typing import NamedTuple
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / os.environ.get("MLGIMP_BIN", "bin") / "mlgimp"
 PAGE = ROOT / "docs" / "options.md"
+SHEET = ROOT / "docs" / "cheat_sheet.md"
+SHEET_BEGINS = """# Options on one page
+
+What `bin/mlgimp -help` lists, in few words; [options.md](options.md) has it all, with notes. A unit
+is in brackets, what holds by default is bold, and NAME is the name of a material, a body or a load.
+`scripts/options_doc.py` writes this page.
+"""
 HEADER = ["| option | meaning | unit | default |", "| --- | --- | --- | --- |"]
 
 # "  -name <now 1 : formerly 1>: meaning [unit] (None)", as PETSc prints an option; later versions have a colon behind the name.
@@ -41,8 +48,25 @@ class Option(NamedTuple):
         return cls(name, meaning, unit or "", default or "none")
 
     def row(self):
-        cells = [f"`{self.name}`", self.meaning, self.unit, self.default]
-        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+        return row_of([f"`{self.name}`", self.meaning, self.unit, self.default])
+
+    def short_row(self):
+        return row_of([f"`{self.name}`", re.sub(r"(?<!\w)-(?:NAME_)?[a-z]\w\w+", r"`\g<0>`", self.in_few_words())])
+
+    def in_few_words(self):
+        """The meaning up to its first semicolon, the choices, the unit, and the default in bold."""
+        before, _, choices = self.meaning.rpartition(": ")
+        choices, default = choices.split(", "), self.default.split(";")[0]
+        if default in choices:
+            return f"{before.split(';')[0]}: " + ", ".join(f"**{each}**" if each == default else each for each in choices)
+        phrase = self.meaning.split(";")[0] + (f" [{self.unit}]" if self.unit else "")
+        explained = re.search(rf"; {re.escape(default)} = ([^;]*)", self.meaning)
+        return phrase if default == "none" else f"{phrase}, **{default}**" + (f" = {explained[1]}" if explained else "")
+
+
+def row_of(cells):
+    """A row of a table."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def groups(text):
@@ -72,11 +96,18 @@ def rewrite(page, options):
     return "\n".join(lines) + "\n"
 
 
-def first_difference(page, wanted):
+def sheet(options):
+    """The page that has all options in few words."""
+    parts = [f"\n## {heading}\n\n| option | in few words |\n| --- | --- |\n" + "\n".join(option.short_row() for option in of_group) + "\n"
+             for heading, of_group in options.items()]
+    return SHEET_BEGINS + "".join(parts)
+
+
+def first_difference(path, page, wanted):
     """One line each for what the page has and what it should have, at the first place where they differ."""
     for number, (have, want) in enumerate(itertools.zip_longest(page.splitlines(), wanted.splitlines(), fillvalue="(nothing)"), 1):
         if have != want:
-            return f"{PAGE.relative_to(ROOT)}:{number} has\n  {have}\n-help says\n  {want}\nrun scripts/options_doc.py"
+            return f"{path.relative_to(ROOT)}:{number} has\n  {have}\n-help says\n  {want}\nrun scripts/options_doc.py"
     return "the page does not end with a new line"
 
 
@@ -85,15 +116,17 @@ def main(arguments):
     parser.add_argument("--check", action="store_true", help="only compare")
     check = parser.parse_args(arguments).check
     text = subprocess.run([str(PROGRAM), "-help"], capture_output=True, text=True, check=True).stdout
-    page = PAGE.read_text()
-    wanted = rewrite(page, groups(text))
-    if page == wanted:
-        return 0
-    if check:
-        print(first_difference(page, wanted), file=sys.stderr)
-        return 1
-    PAGE.write_text(wanted)
-    return 0
+    options, stale = groups(text), False
+    for path, wanted in ((PAGE, rewrite(PAGE.read_text(), options)), (SHEET, sheet(options))):
+        page = path.read_text() if path.exists() else ""
+        if page == wanted:
+            continue
+        stale = True
+        if check:
+            print(first_difference(path, page, wanted), file=sys.stderr)
+        else:
+            path.write_text(wanted)
+    return 1 if check and stale else 0
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def test_low_layers_know_no_mesh(expect):
 
 
 def test_length(expect):
-    long = [f"{short(path)} {lines}" for path in sources("include", "src", "python")
+    long = [f"{short(path)} {lines}" for path in sources("include", "src", "python", "docs")
             if (lines := len(path.read_text().splitlines())) > LONGEST]
     expect.that(f"no source has over {LONGEST} lines", not long, ", ".join(long))
 
@@ -55,7 +55,7 @@ def test_length(expect):
 def test_first_line(expect):
     """A comment of some words: '// ...' or, after '#!', a docstring."""
     silent = []
-    for path in sources("include", "src", "tests", "scripts", "python"):
+    for path in sources("include", "src", "tests", "scripts", "python", "docs"):
         lines = [line for line in path.read_text().splitlines() if not line.startswith("#!")]
         start = r"// \w+(\W+\w+){2}" if path.suffix in (".hpp", ".cpp") else r'"""\w+(\W+\w+){2}'
         if not lines or not re.match(start, lines[0]):
@@ -65,7 +65,7 @@ def test_first_line(expect):
 
 def test_nothing_left_over(expect):
     words = re.compile(r"\b(TO" r"DO|FIX" r"ME|XX" r"X|HA" r"CK)\b")
-    marked = [short(path) for path in sources("include", "src", "tests", "scripts", "python") if words.search(path.read_text())]
+    marked = [short(path) for path in sources("include", "src", "tests", "scripts", "python", "docs") if words.search(path.read_text())]
     expect.that("no notes of unfinished work", not marked, ", ".join(marked))
 
 

@@ -1,4 +1,4 @@
-"""Checks that the documents are current: docs/options.md against -help, and the files, functions and links that documents name."""
+"""Checks that the documents are current: docs/options.md and docs/cheat_sheet.md against -help, and the files, functions and links that documents name."""
 
 import re
 import subprocess
@@ -66,12 +66,21 @@ class Tables(unittest.TestCase):
         groups = {"Time": [Option("-cfl", "h/(c + |v|)", "", "0.4")]}
         self.assertEqual(options_doc.rewrite(page, groups), wanted)
         self.assertEqual(options_doc.rewrite(wanted, groups), wanted)
-        self.assertIn(":7 has", options_doc.first_difference(page, wanted))
+        self.assertIn(":7 has", options_doc.first_difference(options_doc.PAGE, page, wanted))
         for lacking in ("# Options\n", "## Time\n\n## Notes\n\n| kept |\n"):
             with self.assertRaises(ValueError):
                 options_doc.rewrite(lacking, groups)
 
-    def test_the_page_is_current(self):
+    def test_options_in_few_words(self):
+        for option, words in ((Option("-cfl", "fraction of h/(c + |v|); small", "%", "0.4"), "fraction of h/(c + |v|) [%], **0.4**"),
+                              (Option("-side", "kind; x comes first: free, fixed", "", "free"), "kind: **free**, fixed"),
+                              (Option("-steps", "last step; 0 = no limit", "", "0"), "last step, **0** = no limit"),
+                              (Option("-restart", "a file", "", "none"), "a file")):
+            self.assertEqual(option.in_few_words(), words)
+        page = options_doc.sheet({"Time": [Option("-cfl", "h/(c + |v|)", "", "0.4")]})
+        self.assertTrue(page.endswith("\n## Time\n\n| option | in few words |\n| --- | --- |\n| `-cfl` | h/(c + \\|v\\|), **0.4** |\n"))
+
+    def test_the_pages_are_current(self):
         done = subprocess.run([sys.executable, str(ROOT / "scripts" / "options_doc.py"), "--check"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 

@@ -1,0 +1,76 @@
+"""The cases of the gallery, one row each: scripts/gallery.py draws their pictures, and pages.py writes their pages."""
+
+from typing import NamedTuple
+
+
+class Case(NamedTuple):
+    """A case of options/NAME.opts, what its page says, and which pictures of its result it has."""
+    name: str
+    title: str
+    shows: str  # the physics
+    look: str  # what to look for in the pictures
+    pictures: tuple  # (name as in scripts/plot.py, window: None, "near" or (xmin, xmax, ymin, ymax) in m)
+
+
+CASES = [
+    Case("tension", "A bar under tension",
+         "One end of a silicon bar is held and the other one is pulled, with a stress that rises to 8 GPa within half the time; the "
+         "bar grows by 6 %. This is Fig. 9 of the paper.",
+         "The stress along x is smooth, though points cross cells. With `-shape_function linear`, the original material point method, "
+         "the same bar tears.",
+         (("stress_xx", None),)),
+    Case("pressure", "A pressure on a part of a side",
+         "A pressure of up to 60 GPa acts on the middle of a silicon block, of which the right half is simulated. The pressure "
+         "follows the faces of the points as they move (Figs. 10 and 11 of the paper).",
+         "The stress under the load is that of the pressure, and the surface next to the load sinks without a step.",
+         (("stress_yy", None),)),
+    Case("wedge_3level", "A wedge on three levels",
+         "A wedge is pressed 450 nm into aluminium, on three nested levels of the grid: only the contact has cells of 125 nm. This is "
+         "the case that `make run` runs (Figs. 12 to 16 of the paper).",
+         "The stress is continuous where it crosses the box of the finest level. The load grows in proportion to the depth, as it "
+         "must under a wedge, without stairs.",
+         (("stress_yy", "near"), ("load_depth", None))),
+    Case("sphere_axisymmetric", "Hertz's contact: a sphere on an elastic block",
+         "A rigid sphere with a radius of 100 µm is pressed 400 nm into aluminium, in axisymmetry: x is the radius.",
+         "The pressure over the radius is half an ellipse, as Hertz found, with a largest value near 1.5 times its mean, although the "
+         "radius of the contact is only 6.5 cells.",
+         (("contact_pressure", None),)),
+    Case("punch_axisymmetric", "A round flat punch",
+         "A flat punch with a radius of 8 µm is pressed 50 nm into an elastic block. The radius of the contact is given, so that the "
+         "stiffness is 2 E* a, and somewhat more because the block is finite.",
+         "The stress is largest under the edge of the punch, where the exact solution has no limit, and small below its middle.",
+         (("von_mises_stress", (-24e-6, 24e-6, 36e-6, 67e-6)),)),
+    Case("cone_metal", "The hardness of a metal under a cone",
+         "A cone with the section of a Berkovich tip is pressed 200 nm into a metal with a yield stress of 1 GPa, on three levels with "
+         "a ratio of 4. Finite elements give a load of 52.2 GPa times the square of the depth (Lu, Dao and others, 2020).",
+         "The plastic zone keeps its shape while it grows, so that the load is a parabola. It ends at 2.13 mN, where finite elements "
+         "give 2.09 mN.",
+         (("equivalent_plastic_strain", (-1.4e-6, 1.4e-6, 24.4e-6, 26e-6)), ("load_depth", None))),
+    Case("film", "A soft film on a stiff substrate",
+         "A cone is pressed into a metal film of 1 µm on silicon, in four cycles to 70 % of the film's thickness. The test is slow: "
+         "with `-quasi_static` the program chooses speeds, holds and damping.",
+         "The plastic zone spreads along the interface, because the substrate does not yield. Each unloading is steep: most of the "
+         "depth stays.",
+         (("equivalent_plastic_strain", (-4.5e-6, 4.5e-6, 13.5e-6, 16.6e-6)), ("load_depth", None))),
+    Case("rod_impact", "The heat of an impact",
+         "A copper rod meets a rigid wall at 150 m/s. Its flow stress follows Johnson and Cook: it rises with strain and with the "
+         "rate of strain and falls with temperature, and plastic work heats each point.",
+         "The rod shortens from 25.4 mm to 19.8 mm and its foot spreads. The foot is 110 K warmer than at the start.",
+         (("temperature", None),)),
+    Case("taylor_bar", "Taylor's test",
+         "A copper rod of 32.4 mm meets a rigid wall at 227 m/s, a standard test of programs for large plastic strains.",
+         "The rod ends with a length of 21.5 mm and a foot of 7.1 mm radius; other programs give 21.3 to 21.5 mm and 6.9 to 7.2 mm.",
+         (("equivalent_plastic_strain", None),)),
+    Case("berkovich_3d", "A Berkovich tip in three dimensions",
+         "A three-sided pyramid is pressed 400 nm into an elastic block, on two levels. The plane y = 0 is a side of symmetry, so "
+         "that half of the tip is simulated and the load is half of the whole.",
+         "In the plane y = 0 the tip has a face on its right and an edge on its left, and so the stress is not quite symmetric. Half "
+         "the contact is less than two cells wide, of which the program warns: this case is quick, not exact.",
+         (("von_mises_stress", (-4.8e-6, 4.8e-6, 3.2e-6, 8.6e-6)),)),
+    Case("scratch", "A scratch",
+         "A ball is pressed on a metal, slides 0.6 µm along x under a constant load, with a coefficient of friction of 0.2, and is "
+         "lifted again; half of it is simulated.",
+         "The groove stays, with a pile of metal in front of the ball. The force that resists the motion is 0.36 of the load, because "
+         "the ball also ploughs.",
+         (("plastic_surface", None),)),
+]

@@ -42,7 +42,7 @@ INCLUDES    = $(eval INCLUDES := -Iinclude $$(shell $(PKG_CONFIG) --cflags $(PAC
 LIBRARIES   = $(eval LIBRARIES := $$(shell $(PKG_CONFIG) --libs $(PACKAGES)) -lmetis $(RUN_PATH))$(LIBRARIES)
 FLAGS       = -std=c++17 -fopenmp-simd -fno-math-errno -fno-trapping-math -fno-signed-zeros $(WARNINGS) $(INCLUDES) -MMD -MP
 
-SOURCES := $(filter-out src/program/main.cpp,$(wildcard src/*/*.cpp src/*/*/*.cpp))
+SOURCES := $(filter-out src/program/run/main.cpp,$(wildcard src/*/*.cpp src/*/*/*.cpp))
 OBJECTS := $(SOURCES:src/%.cpp=$(BUILD)/%.o)
 # tests/unit/*.cpp make one program of fast tests, each of tests/simulation/*.cpp one of its own.
 UNITS   := $(patsubst %.cpp,$(BUILD)/%.o,$(wildcard tests/unit/*.cpp))
@@ -67,16 +67,16 @@ $(BUILD)/flags: anew
 	@mkdir -p $(@D); echo '$(BUILT_WITH)' | cmp -s - $@ || echo '$(BUILT_WITH)' > $@
 anew:
 
-$(BIN)/mlgimp: $(BUILD)/program/main.o $(BUILD)/libmlgimp.a
+$(BIN)/mlgimp: $(BUILD)/program/run/main.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(BIN)
 	$(call LINK)
 
 # The same program with failures to order, for tests; only this file knows of them.
-$(BIN)/faults/mlgimp: $(BUILD)/program/main.o $(BUILD)/faults/agree.o $(BUILD)/libmlgimp.a
+$(BIN)/faults/mlgimp: $(BUILD)/program/run/main.o $(BUILD)/faults/agree.o $(BUILD)/libmlgimp.a
 	@mkdir -p $(@D)
 	$(call LINK)
 
-$(BUILD)/faults/agree.o: src/program/agree.cpp makefile $(BUILD)/flags
+$(BUILD)/faults/agree.o: src/program/system/agree.cpp makefile $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call COMPILE,-DMLGIMP_FAULTS)
 
@@ -144,7 +144,7 @@ bench: deps
 
 # Layout and checks of the sources; needs clang-format and clang-tidy. Fewer nodes than the analyser's own 225000 halve its time.
 ANALYSER := -Xclang -analyzer-config -Xclang max-nodes=40000
-lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/main.tidy
+lint: $(SOURCES:%.cpp=$(BUILD)/%.tidy) $(BUILD)/src/program/run/main.tidy
 	clang-format --dry-run -Werror $(wildcard src/*/*.cpp src/*/*/*.cpp include/*/*.hpp include/*/*/*.hpp tests/*/*.cpp tests/*/*.hpp)
 
 $(BUILD)/%.tidy: %.cpp .clang-tidy
@@ -164,4 +164,4 @@ install: $(BIN)/mlgimp
 clean:
 	rm -rf build bin
 
--include $(OBJECTS:.o=.d) $(BUILD)/program/main.d $(BUILD)/faults/agree.d $(wildcard $(BUILD)/tests/*/*.d)
+-include $(OBJECTS:.o=.d) $(BUILD)/program/run/main.d $(BUILD)/faults/agree.d $(wildcard $(BUILD)/tests/*/*.d)

@@ -63,5 +63,5 @@ def page(help_text, version):
 
 if __name__ == "__main__":
     text = subprocess.run([str(options_doc.PROGRAM), "-help"], capture_output=True, text=True, check=True).stdout
-    header = (options_doc.ROOT / "src/program/versions.cpp").read_text()
+    header = (options_doc.ROOT / "src/program/system/versions.cpp").read_text()
     print(page(text, re.search(r'kVersion = "([^"]+)"', header).group(1)), end="")

@@ -3,11 +3,12 @@
 
 #include "contact/group.hpp"
 #include "contact/settings.hpp"
-#include "contact/surface.hpp"
 #include "grid/nodes.hpp"
+#include "physics/body_table.hpp"
+#include "physics/indenter.hpp"
 #include "points/points.hpp"
-#include "pointwise/body_table.hpp"
-#include "pointwise/indenter.hpp"
+#include "surface/pieces.hpp"
+#include "surface/surface_motion.hpp"
 
 #include <cstdint>
 #include <map>
@@ -18,26 +19,10 @@ namespace mlgimp
 
 class NodeMotion;
 
-/// The surface of the bodies beside the indenter, and the grid whose nodes move it.
-struct SurfaceInputs {
-  const Grid &grid;
-  const Geometry &geometry;
-  const Surface &patches;
-  Points &points;
-  const BodyTable &bodies;
-  const Indenter &indenter;
-};
-
 /// A step from `time` to `time + dt`, s, and the way of the indenter's tip in it.
 struct ContactStep {
   double time, dt;
   TipStep tip{};
-};
-
-/// A column of the grid and the share of its surface that presses.
-struct PressedColumn {
-  std::int64_t key;
-  double share;
 };
 
 /// What contact did in a step. Impulses, work and counts are this rank's part; the shape of the contact is known alike on all
@@ -110,22 +95,20 @@ protected:
   const ContactGroup &group_;
 };
 
+/// A pressure on each segment of the surface (docs/method.md): the default.
+std::unique_ptr<Contact> MakePressureContact(const ContactGroup &group);
+/// One pressure per material point, gap at its centre: the paper's Eq. 11 as printed, for comparison.
+std::unique_ptr<Contact> MakePointPressureContact(const ContactGroup &group);
+/// Hu & Chen's (2003) multi-mesh contact at nodes that body and indenter share, for comparison.
+std::unique_ptr<Contact> MakeMultimeshContact(const ContactGroup &group);
+
 /// The method that the settings name.
 PetscErrorCode CreateContact(const ContactSettings &settings, const ContactGroup &group, std::unique_ptr<Contact> *contact);
 
-/// Nearness to the indenter, in cells, from which on surface segments take part in the contact problem.
-inline constexpr double kContactRange = 2.5;
-/// Distance of a point's centre from the indenter, in cells, beyond which its faces take no part.
-inline constexpr double kPointRange = kContactRange + 1.5;
-/// Gap of a segment, in cells, beyond which it cannot touch in a step.
-inline constexpr double kCandidateGap = 0.5;
 /// Distance of a point's centre from the indenter, in cells, beyond which nothing presses on it: with pressures of segments
 /// that of those that may be candidates; the other methods read nodes and points.
 inline double TouchRange(const ContactSettings &settings)
 {
   return settings.method == "pressure" ? kCandidateGap + kPointRange - kContactRange : kPointRange;
 }
-/// Cosine of the angle between the indenter's normal and that into the body, from which on the indenter presses on a face.
-inline constexpr double kMinFacing = 0.1;
-
 } // namespace mlgimp

@@ -3,7 +3,7 @@
 
 #include "base/handle.hpp"
 #include "contact/pressure_problem.hpp"
-#include "pointwise/indenter.hpp"
+#include "physics/indenter.hpp"
 
 #include <vector>
 

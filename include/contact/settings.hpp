@@ -1,7 +1,7 @@
 // What the user chooses of contact.
 #pragma once
 
-#include "pointwise/geometry.hpp"
+#include "physics/geometry.hpp"
 
 #include <string>
 #include <vector>

@@ -7,8 +7,8 @@
 #include "base/index.hpp"
 #include "base/tensor.hpp"
 #include "grid/shared_nodes.hpp"
-#include "pointwise/point_fields.hpp"
-#include "pointwise/shape.hpp"
+#include "physics/point_fields.hpp"
+#include "physics/shape.hpp"
 
 #include <cmath>
 #include <string>

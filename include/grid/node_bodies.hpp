@@ -2,7 +2,7 @@
 #pragma once
 
 #include "grid/grid.hpp"
-#include "pointwise/point_fields.hpp"
+#include "physics/point_fields.hpp"
 
 #include <cstdint>
 #include <vector>

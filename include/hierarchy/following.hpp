@@ -1,8 +1,8 @@
 // Where the boxes of levels lie that follow the contact or a path: a plan, from places and times alone.
 #pragma once
 
-#include "pointwise/piecewise_linear.hpp"
-#include "pointwise/region.hpp"
+#include "base/piecewise_linear.hpp"
+#include "physics/region.hpp"
 
 #include <array>
 #include <vector>

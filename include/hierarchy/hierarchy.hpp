@@ -1,11 +1,11 @@
 // The hierarchy of levels: creation, the recursion of the paper's Fig. 8, and the budgets of the whole run.
 #pragma once
 
+#include "hierarchy/coupling/level_interface.hpp"
 #include "hierarchy/following.hpp"
-#include "hierarchy/level_interface.hpp"
-#include "hierarchy/point_copies.hpp"
-#include "hierarchy/point_transfer.hpp"
 #include "hierarchy/tip_track.hpp"
+#include "hierarchy/transfer/point_copies.hpp"
+#include "hierarchy/transfer/point_transfer.hpp"
 #include "level/level.hpp"
 #include "level/seeding.hpp"
 

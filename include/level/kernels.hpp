@@ -6,7 +6,7 @@
 
 #include "grid/budgets.hpp"
 #include "grid/grid.hpp"
-#include "pointwise/body_table.hpp"
+#include "physics/body_table.hpp"
 
 #include <functional>
 #include <memory>

@@ -4,12 +4,12 @@
 #include "contact/border_nodes.hpp"
 #include "contact/contact.hpp"
 #include "contact/strain_under.hpp"
-#include "contact/surface.hpp"
-#include "contact/surface_motion.hpp"
 #include "grid/light_nodes.hpp"
 #include "level/events.hpp"
 #include "level/model.hpp"
 #include "points/points.hpp"
+#include "surface/surface.hpp"
+#include "surface/surface_motion.hpp"
 
 #include <memory>
 
@@ -69,7 +69,7 @@ public:
   PetscErrorCode Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout);
 
   // One explicit step from `time` to `time + dt` is these, in this order. Between them the nodes of neighbouring levels
-  // are coupled (see hierarchy/level_interface.hpp). Nothing happens on ranks that hold no part of the grid.
+  // are coupled (see hierarchy/coupling/level_interface.hpp). Nothing happens on ranks that hold no part of the grid.
 
   /// Mass, momentum and forces of the points on owned nodes.
   PetscErrorCode GatherForces(double time, double dt);

@@ -3,9 +3,9 @@
 
 #include "grid/grid.hpp"
 #include "level/kernels.hpp"
+#include "physics/indenter.hpp"
 #include "points/face.hpp"
 #include "points/points.hpp"
-#include "pointwise/indenter.hpp"
 
 #include <vector>
 

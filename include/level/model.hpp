@@ -5,10 +5,10 @@
 #include "grid/nodes.hpp"
 #include "level/kernels.hpp"
 #include "level/loads.hpp"
-#include "pointwise/geometry.hpp"
-#include "pointwise/indenter.hpp"
-#include "pointwise/material.hpp"
-#include "pointwise/region.hpp"
+#include "physics/geometry.hpp"
+#include "physics/indenter.hpp"
+#include "physics/material.hpp"
+#include "physics/region.hpp"
 
 #include <algorithm>
 #include <memory>

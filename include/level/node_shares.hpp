@@ -2,7 +2,7 @@
 #pragma once
 
 #include "level/point_blocks.hpp"
-#include "pointwise/group_sums.hpp"
+#include "physics/group_sums.hpp"
 
 #include <cstddef>
 #include <type_traits>

@@ -1,10 +1,10 @@
 // Fills bodies with material points.
 #pragma once
 
-#include "contact/surface.hpp"
 #include "grid/grid.hpp"
 #include "level/model.hpp"
 #include "points/points.hpp"
+#include "surface/surface.hpp"
 
 #include <functional>
 

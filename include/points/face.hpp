@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/tensor.hpp"
-#include "pointwise/point_fields.hpp"
+#include "physics/point_fields.hpp"
 
 namespace mlgimp
 {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/handle.hpp"
-#include "pointwise/point_fields.hpp"
+#include "physics/point_fields.hpp"
 
 #include <string>
 #include <vector>

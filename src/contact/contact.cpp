@@ -1,5 +1,5 @@
 // The choice of a contact method.
-#include "contact/methods.hpp"
+#include "contact/contact.hpp"
 
 namespace mlgimp
 {

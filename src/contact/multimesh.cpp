@@ -1,7 +1,7 @@
 // Multi-mesh contact after Hu & Chen (2003): where a node has mass of the body and weight of the indenter, the normal
 // component of the approach is removed. The indenter, filled with points up to its surface, gives weight to the nodes
 // within one cell of it, so contact comes up to a cell too early (the paper's Fig. 1). For comparison only.
-#include "contact/methods.hpp"
+#include "contact/contact.hpp"
 
 #include "contact/node_motion.hpp"
 

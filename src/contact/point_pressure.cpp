@@ -3,12 +3,12 @@
 //   V^c_p = dt sum_i S_ip/m_i sum_q T_iq P_q,  T_iq = int_face S_i ds,  gap at the point's centre (its Fig. 2).
 // With several points per cell the matrix is rank deficient, so 1e-2 of its diagonal is added. T_iq is S_iq times the face's area
 // A_q, so that q = sqrt(A) P makes the matrix symmetric.
-#include "contact/methods.hpp"
+#include "contact/contact.hpp"
 
 #include "base/exchange.hpp"
-#include "contact/body.hpp"
 #include "contact/contact_nodes.hpp"
 #include "contact/pressure_solver.hpp"
+#include "surface/pieces.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Contact with a pressure on each segment of the surface: see segment_problem.hpp.
-#include "contact/methods.hpp"
+#include "contact/contact.hpp"
 
 #include "base/exchange.hpp"
 #include "contact/friction.hpp"

@@ -30,25 +30,6 @@ double PressedShare(double h, int up, const SurfaceSegment &segment, const Surfa
 
 } // namespace
 
-CellPlace Locate(const GridGeometry &grid, Vec3 x)
-{
-  CellPlace place{};
-  for (int a = 0; a < grid.dim; ++a) {
-    const double from_first = (x[a] - grid.lower[a]) / grid.spacing, cell = std::floor(from_first);
-    place.cell[a] = static_cast<int>(cell);
-    place.part[a] = from_first - cell;
-  }
-  return place;
-}
-
-std::array<double, 8> Hats(Vec3 part, int axes)
-{
-  std::array<double, 8> hats{1};
-  for (int a = 0, count = 1; a < axes; ++a, count *= 2)
-    for (int c = 0; c < count; ++c) hats[count + c] = part[a] * hats[c], hats[c] *= 1 - part[a];
-  return hats;
-}
-
 /// To the indenter at the end of the step, from that to its nearest face. What nodes show of the surface goes into the indenter
 /// where pressures rise, as beside an edge; there the wall may be nearer than the face that presses, which is the one that a way
 /// down comes out of.

@@ -1,8 +1,8 @@
 // Plastic strains of points at the surface, by columns of the grid.
 #include "contact/strain_under.hpp"
 
-#include "contact/body.hpp"
 #include "contact/segments.hpp"
+#include "surface/pieces.hpp"
 
 namespace mlgimp
 {

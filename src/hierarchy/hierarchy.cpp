@@ -3,7 +3,7 @@
 
 #include "level/flow.hpp"
 
-#include "hierarchy/balance.hpp"
+#include "hierarchy/partition/balance.hpp"
 
 #include <algorithm>
 #include <cmath>

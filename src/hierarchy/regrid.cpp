@@ -1,7 +1,7 @@
 // Boxes that move: points to the levels they belong to now, new grids, and the borders between them.
-#include "hierarchy/balance.hpp"
 #include "hierarchy/hierarchy.hpp"
-#include "hierarchy/merging.hpp"
+#include "hierarchy/partition/balance.hpp"
+#include "hierarchy/transfer/merging.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 """The sources keep to their layers, are short, say what they are, and read every option that an example uses."""
+import pathlib
 import re
 import subprocess
 
@@ -8,7 +9,11 @@ import harness
 
 pytestmark = pytest.mark.fast
 
-LAYERS = ("base", "pointwise", "grid", "points", "contact", "level", "hierarchy", "program")  # a file includes only its own layer and those before it
+# A file includes only its own layer and those before it; in a layer with rooms only its own room and those before it.
+LAYERS = ("base", "physics", "grid", "points", "surface", "contact", "level", "hierarchy", "program")
+ROOMS = {"hierarchy": ("partition", "coupling", "transfer", ""),
+         "program": ("system", "options", "case", "slow_test", "advice", "input", "output", "checkpoint", "run")}
+MOST_IN_ROOM = 12  # files
 LONGEST = 400  # lines
 
 
@@ -22,28 +27,43 @@ def short(path):
     return str(path.relative_to(harness.ROOT))
 
 
+def floor(path):
+    """Of a file below include/ or src/: its place among the layers and rooms; None where there is no such room."""
+    layer, *room = path.parts[:-1]
+    rooms = ROOMS.get(layer, ("",))
+    known = layer in LAYERS and len(room) <= 1 and (room or [""])[0] in rooms
+    return (LAYERS.index(layer), rooms.index((room or [""])[0])) if known else None
+
+
 def test_layers(expect):
-    upwards, layers_seen = [], set()
+    upwards, strangers, files = [], set(), {}
     for path in sources("include", "src"):
-        own = path.relative_to(harness.ROOT).parts[1]
-        layers_seen.add(own)
+        inside = pathlib.Path(*path.relative_to(harness.ROOT).parts[1:])
+        own = floor(inside)
+        files.setdefault(path.parent, []).append(path)
+        if own is None:
+            strangers.add(short(path.parent))
+            continue
         for header in re.findall(r'^\s*#\s*include\s+"([^"]+)"', path.read_text(), re.M):
-            layer = header.split("/")[0]
-            known = own in LAYERS and layer in LAYERS and (harness.ROOT / "include" / header).exists()
-            if not known or LAYERS.index(layer) > LAYERS.index(own):
+            other = floor(pathlib.Path(header)) if (harness.ROOT / "include" / header).exists() else None
+            if other is None or other > own:
                 upwards.append(f"{short(path)} includes {header}")
     expect.that("includes go only downwards", not upwards, "; ".join(upwards))
-    expect.that("every layer has files, and every folder is a layer", layers_seen == set(LAYERS), ", ".join(sorted(layers_seen)))
+    expect.that("every folder is a layer or a room", not strangers, ", ".join(sorted(strangers)))
+    seen = {floor(pathlib.Path(*path.relative_to(harness.ROOT).parts[1:])) for group in files.values() for path in group}
+    expect("layers and rooms without files", len({(k, r) for k, layer in enumerate(LAYERS) for r in range(len(ROOMS.get(layer, ("",))))} - seen), at_most=0)
+    full = [f"{short(folder)} {len(group)}" for folder, group in files.items() if len(group) > MOST_IN_ROOM]
+    expect.that(f"no room of more than {MOST_IN_ROOM} files", not full, ", ".join(full))
     misplaced = [short(path) for path in sources("include") if path.suffix != ".hpp"]
     misplaced += [short(path) for path in sources("src") if path.suffix != ".cpp"]
     expect.that("headers in include/, sources in src/", not misplaced, ", ".join(misplaced))
 
 
 def test_low_layers_know_no_mesh(expect):
-    """Pointwise physics sees neither PETSc nor MPI."""
-    wrong = [short(path) for path in sources("include/pointwise", "src/pointwise")
+    """Physics of a point sees neither PETSc nor MPI."""
+    wrong = [short(path) for path in sources("include/physics", "src/physics")
              if re.search(r"\b(Petsc\w*|MPI_\w+|DM[A-Z]\w*|Vec[A-Z]\w+)\b|petsc|mpi\.h", path.read_text())]
-    expect.that("the pointwise layer knows no PETSc and no MPI", not wrong, ", ".join(wrong))
+    expect.that("the layer of physics knows no PETSc and no MPI", not wrong, ", ".join(wrong))
 
 
 def test_length(expect):

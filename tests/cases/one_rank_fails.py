@@ -5,7 +5,7 @@ import time
 import harness
 from checkpoints import NESTED
 
-PROGRAM = harness.BIN / "faults" / "mlgimp"  # takes orders to fail; see include/program/agree.hpp
+PROGRAM = harness.BIN / "faults" / "mlgimp"  # takes orders to fail; see include/program/system/agree.hpp
 RANKS, FAILING = 3, 1
 LONGEST = 10  # seconds
 CASE = {**NESTED, "points_per_rank": "1", "frames": "2", "checkpoint_interval": "3", "max_steps": "8"}

@@ -87,7 +87,7 @@ class Tables(unittest.TestCase):
 
 class Names(unittest.TestCase):
     def test_what_is_missing_is_found(self):
-        text = "`src/pointwise/*.cpp`, `src/none.cpp`, `Level::Create`, `Level::Vanish(x)`, `tests/unit/NAME.cpp`\n```\n`src/block.cpp`\n```\n"
+        text = "`src/physics/*.cpp`, `src/none.cpp`, `Level::Create`, `Level::Vanish(x)`, `tests/unit/NAME.cpp`\n```\n`src/block.cpp`\n```\n"
         self.assertEqual(missing_paths(text), ["src/none.cpp"])
         self.assertEqual(missing_names(text, ["class Level { Create(); };", "Vanish"]), ["Level::Vanish(x)"])
 

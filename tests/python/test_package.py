@@ -330,7 +330,7 @@ def test_options_file_round_trip(tmp_path):
 
 def test_version():
     """The package has the program's version."""
-    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "src/program/versions.cpp").read_text())[1]
+    version = re.search(r'kVersion = "(.*)"', (harness.ROOT / "src/program/system/versions.cpp").read_text())[1]
     assert f'version = "{version}"' in (harness.ROOT / "pyproject.toml").read_text()
 
 

@@ -1,5 +1,5 @@
 // The border of two levels as a linear map: the blended functions add up to one, and reproduce linear fields.
-#include "hierarchy/merging.hpp"
+#include "hierarchy/transfer/merging.hpp"
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"

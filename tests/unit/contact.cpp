@@ -1,6 +1,6 @@
 // What contact makes of faces: their segments, and the columns of the grid under them.
-#include "contact/body.hpp"
 #include "points/face.hpp"
+#include "surface/pieces.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

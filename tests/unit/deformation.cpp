@@ -1,5 +1,5 @@
 // How F advances in a step.
-#include "pointwise/material.hpp"
+#include "physics/material.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

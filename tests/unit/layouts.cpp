@@ -1,6 +1,6 @@
 // Cuts of a grid into blocks, and blocks to ranks: against the best of all cuts, and by their properties.
-#include "hierarchy/balance.hpp"
-#include "hierarchy/mapping.hpp"
+#include "hierarchy/partition/balance.hpp"
+#include "hierarchy/partition/mapping.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

@@ -1,5 +1,5 @@
 // Materials by their properties: energy, objectivity, yield, the same law in all geometries.
-#include "pointwise/material.hpp"
+#include "physics/material.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

@@ -1,6 +1,6 @@
 // Hardening laws and the return to them; logarithm and exponential by series; a steady state of simple shear.
-#include "pointwise/log_strain.hpp"
-#include "pointwise/material.hpp"
+#include "physics/log_strain.hpp"
+#include "physics/material.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

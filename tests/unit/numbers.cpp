@@ -1,5 +1,5 @@
 // Numbers of points: those of children follow from their parent's and the other way round.
-#include "hierarchy/point_transfer.hpp"
+#include "hierarchy/transfer/point_transfer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The option reader: values, defaults, and the one line that refuses what is not allowed.
-#include "program/options.hpp"
-#include "program/case_groups.hpp"
-#include "program/command_line.hpp"
+#include "program/options/options.hpp"
+#include "program/input/groups.hpp"
+#include "program/options/command_line.hpp"
 
 #include <gtest/gtest.h>
 

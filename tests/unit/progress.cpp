@@ -1,5 +1,5 @@
 // The progress line fits its terminal.
-#include "program/progress.hpp"
+#include "program/system/progress.hpp"
 
 #include <gtest/gtest.h>
 

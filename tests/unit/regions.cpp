@@ -1,5 +1,5 @@
 // Shapes of bodies and their tilings by their properties.
-#include "pointwise/region.hpp"
+#include "physics/region.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

@@ -1,6 +1,6 @@
 // Shape functions by their properties at random places.
-#include "pointwise/geometry.hpp"
-#include "pointwise/shape.hpp"
+#include "physics/geometry.hpp"
+#include "physics/shape.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

@@ -1,5 +1,5 @@
 // The schedule of a slow test: it passes through its turns without a jump, in the times it promises.
-#include "pointwise/slow_schedule.hpp"
+#include "program/case/slow_schedule.hpp"
 #include "unit/largest.hpp"
 
 #include <gtest/gtest.h>

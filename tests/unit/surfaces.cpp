@@ -1,6 +1,6 @@
 // Indenters and histories by their properties.
-#include "pointwise/geometry.hpp"
-#include "pointwise/indenter.hpp"
+#include "physics/geometry.hpp"
+#include "physics/indenter.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 

@@ -1,5 +1,5 @@
 // The clock that ends a run in time.
-#include "program/wall_time.hpp"
+#include "program/system/wall_time.hpp"
 
 #include <gtest/gtest.h>
 

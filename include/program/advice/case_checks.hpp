@@ -1,0 +1,26 @@
+// Checks of a case once all of its options have been read: what is refused, and what is only warned of.
+#pragma once
+
+#include "program/case/case.hpp"
+
+#include <string>
+
+namespace mlgimp
+{
+
+inline constexpr double kLargestSpeed = 0.1; ///< of an indenter, of the speed of waves; no indentation is as fast
+
+/// Warns where less than a cell lies between a body and others, or a side that holds it: they have nodes in common, and move as
+/// if they touched.
+void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body);
+/// Refuses or warns of what is wrong with an indenter of that kind once all of it has been read.
+void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind);
+/// A level that the tip meets must hold it with the band of its border for the whole run, also where its box follows a path.
+void CheckLevelsHoldTip(OptionReader &reader, const Case &c);
+/// Warns of bodies with fewer than two cells in their thickness where a load or the indenter presses them, and of a finest level
+/// whose box does not hold the surface under the tip.
+void WarnOfCells(OptionReader &reader, const Case &c);
+/// Warns of a run that is too long, of loads after its end, and of an indenter or a load that is fast beside waves.
+void CheckTimes(OptionReader &reader, const Case &c);
+
+} // namespace mlgimp

@@ -1,0 +1,48 @@
+// Warnings during a run, each printed once: results that the user's input makes doubtful.
+#pragma once
+
+#include "grid/budgets.hpp"
+#include "program/advice/motion_watch.hpp"
+#include "program/case/case.hpp"
+#include "program/slow_test/watch.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+class Warnings
+{
+public:
+  /// Prints lines that are known before the first step. A restarted run keeps such a line once.
+  void Issue(MPI_Comm comm, const std::vector<std::string> &lines);
+  /// Checks the budgets, which are the same on each rank, and prints new warnings; some are for the end
+  /// of a run. Collective.
+  void Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended);
+  /// The lines so far, for summary.json; and those that a restarted run keeps: a warning at an end need not hold after more
+  /// steps.
+  std::vector<std::string> Lines() const;
+  std::vector<std::string> KeptLines() const;
+
+  /// What it keeps from row to row; whether these may be a state with its lines.
+  std::vector<double> State() const;
+  void SetState(const std::vector<double> &state, const std::vector<std::string> &lines);
+  static bool IsState(const std::vector<double> &state, const std::vector<std::string> &lines);
+
+private:
+  static constexpr std::size_t kAtStart = 99; ///< kind of those before the first step
+  struct Issued {
+    std::size_t kind;
+    bool at_end;
+    std::string line;
+  };
+  /// Energies in J: the bodies' less all works in the first row, and the most that they had or were given; the rest are the
+  /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
+  enum Kept { kLooked, kHadAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
+  std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  MotionWatch motion_;
+  std::vector<Issued> issued_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,125 @@
+// A case: everything that options say, validated.
+#pragma once
+
+#include "hierarchy/hierarchy.hpp"
+#include "program/case/slow_schedule.hpp"
+#include "program/options/options.hpp"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// Steps above this fraction of h/(c + |v|) are refused as unstable.
+inline constexpr double kLargestCfl = 1;
+
+/// When a run ends and how long its steps are.
+struct TimeSettings {
+  double end_time = HUGE_VAL;      ///< s
+  int max_steps = 0;               ///< of level 0; 0 = no limit
+  double time_step = 0;            ///< s; 0 = from cfl
+  double cfl = 0.4;                ///< fraction of h/(c + |v|)
+  double max_wall_time = HUGE_VAL; ///< by the clock, s
+};
+
+/// A slow test: what -quasi_static has chosen.
+struct QuasiStaticPlan {
+  bool on = false;
+  double tolerance = 0.01;                      ///< share of the load that inertia and damping may add
+  std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
+  bool own_damping = true;                      ///< none was given
+  bool own_xpic = true;                         ///< no fraction of XPIC was given
+  double distance = 0;                          ///< from the contact to the farthest end of the bodies along an axis, m
+  SlowPace pace;                                ///< of depths, or of roots of the load
+  double rise = 0;                              ///< time in which loads and gravity rise before the tip starts, s
+  double damping_ratio = 0;                     ///< of the body's lowest mode
+  double largest_speed = 0;                     ///< of the tip, m/s; 0 under load control
+  double wave_speed = 0;                        ///< distance over transit, m/s
+  double depth = 0, load = 0;                   ///< largest that is wanted, m or N, the other 0
+  double exponent = 1;                          ///< of the load over depth, elastic
+  double end_time = 0;                          ///< of the schedule, s
+  std::vector<std::pair<double, double>> holds; ///< begin and end, s
+  std::vector<std::string> lines;               ///< for people
+};
+
+/// What is written, and where.
+struct OutputSettings {
+  std::string directory;
+  bool overwrite = false, monitor = false;
+  int history_interval = 1, frames = 20, checkpoint_interval = 0;
+  std::string restart; ///< checkpoint to go on from; empty for none
+};
+
+struct Case {
+  std::string name; ///< given before the options are read
+  Box domain;
+  double cell_size = 0; ///< of level 0, m
+  int levels = 1;
+  std::vector<Box> boxes;                    ///< of the levels; the first is the domain
+  double least_blend_width = kMinBlendWidth; ///< what boxes must leave room for, cells of the coarser level
+  HierarchySettings hierarchy;               ///< where the levels lie, and how they are coupled and kept
+  Model model;
+  TimeSettings time;
+  OutputSettings output;
+  QuasiStaticPlan quasi_static;
+  std::vector<std::string> load_names; ///< in the order of model.loads
+  std::vector<std::string> identity;   ///< options that a restart must share
+
+  /// The finest level whose box holds a place.
+  int LevelAt(Vec3 x) const
+  {
+    int level = 0;
+    while (level + 1 < levels && boxes[level + 1].Contains(x)) ++level;
+    return level;
+  }
+  /// The finest level at the surface that the indenter's tip meets.
+  int LevelAtTip() const
+  {
+    Vec3 x = model.indenter->tip;
+    x[model.indenter->up] = model.indenter->initial_surface - 1e-6 * CellSize(levels - 1);
+    return LevelAt(x);
+  }
+  /// The side of the domain across a horizontal axis that the indenter's tip is on.
+  std::optional<Side> SideAtTip(int axis) const
+  {
+    for (const Side side : SidesAcross(axis))
+      if (std::abs(model.indenter->tip[axis] - domain.At(side)) < kRounding * cell_size) return side;
+    return {};
+  }
+  /// Whether that is a side of symmetry, so that the indenter is a half of one.
+  bool MirrorsTip(int axis) const
+  {
+    const std::optional<Side> side = SideAtTip(axis);
+    return side && model.sides[*side] == BoundaryKind::kSymmetry;
+  }
+  int Dim() const { return model.geometry.Dim(); }
+  /// Points that splitting has made, less those that merging has taken.
+  static double PointsCreated(const Budgets &b) { return b.points_made - b.points_spent; }
+  /// What a level needs between the tip and its borders, m.
+  double BorderMargin(int k) const { return k == 0 ? 0 : least_blend_width * CellSize(k - 1) + kBorderCells * CellSize(k); }
+  /// The lowest place that the tip may come to while it is on a level.
+  double LowestTip(int k) const
+  {
+    if (hierarchy.follow.kind == FollowKind::kContact) return domain.lower[model.indenter->up]; // no box holds it back
+    const Side below = static_cast<Side>(2 * model.indenter->up);
+    return boxes[k].At(below) + (IsBorder(k, below) ? BorderMargin(k) : 0);
+  }
+  double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
+  /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
+  bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }
+  int Cells(int axis) const { return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size)); }
+};
+
+/// Boxes of all levels at a time, s.
+struct BoxesAtTime {
+  double time;
+  std::vector<Box> boxes;
+};
+/// Those on paths, at the beginning and end of the run and at times between.
+std::vector<BoxesAtTime> BoxesAlongPaths(const Case &c);
+
+} // namespace mlgimp

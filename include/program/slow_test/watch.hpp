@@ -1,0 +1,68 @@
+// What inertia and damping add to the load of a slow test, watched row by row of the history.
+#pragma once
+
+#include "grid/budgets.hpp"
+#include "program/case/case.hpp"
+
+#include <vector>
+
+namespace mlgimp
+{
+
+/// The load less what inertia and damping add to it, by their power: with E_k the kinetic energy of nodes, W the work of
+/// -damping, z the depth, as changes over the last transit of a wave,
+///   P_qs = P - (dE_k + dW) dz/(dz^2 + (0.05 z/N)^2),   z/N: the way in a transit of a loading to z,
+/// so that a tip at rest has P_qs = P. The difference is at most P: loads, gravity and waves that come later have energy too.
+class QuasiStaticWatch
+{
+public:
+  /// The plan is kept by reference.
+  explicit QuasiStaticWatch(const QuasiStaticPlan &plan) : plan_(plan) {}
+
+  /// Takes up a row of the history and sets its load_quasi_static. Without a plan it does nothing.
+  void Record(Budgets &row);
+
+  // Largest so far, from a fifth of the depth on and above a fifth of the largest load.
+  double LoadShare() const { return numbers_[kLoadShare]; }       ///< |P/P_qs - 1|
+  double KineticShare() const { return numbers_[kKineticShare]; } ///< of the body's energy, under loads of the indenter's work
+  double NoiseShare() const { return numbers_[kNoiseShare]; }     ///< of the indenter's work
+  /// Largest range of the load, under load control of the depth, in the last transit of a hold, of its largest.
+  double HoldDrift() const { return numbers_[kHoldDrift]; }
+  double FastestSpeed() const { return numbers_[kFastest]; } ///< of the tip, mean over a transit, m/s
+
+  /// What it keeps from row to row; empty without a plan.
+  std::vector<double> State() const;
+  void SetState(const std::vector<double> &state);
+  /// Whether these numbers may be a state.
+  bool IsState(const std::vector<double> &state) const;
+
+private:
+  enum Kept {
+    kFastest,
+    kLargestLoad,
+    kLoadShare,
+    kKineticShare,
+    kNoiseShare,
+    kHoldDrift,
+    kHoldTime,
+    kHoldLeast,
+    kHoldMost,
+    kNumbers
+  };
+  /// A row that was.
+  struct Sample {
+    double time, depth, spent; ///< s, m, E_k + W, J
+  };
+  static constexpr int kSample = sizeof(Sample) / sizeof(double);
+
+  double Added(const Sample &now, double load);
+  void CheckHold(double time, double value);
+  bool IsLoaded(const Budgets &row) const;
+
+  const QuasiStaticPlan &plan_;
+  std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  std::vector<Sample> window_; ///< of the last transit
+  double speed_ = 0;           ///< mean over it, of the last row, m/s
+};
+
+} // namespace mlgimp

@@ -1,0 +1,130 @@
+// Warnings of contact: its cells, its levels, and whether it was met.
+#include "program/advice/warning_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+/// The surface lies deeper inside the indenter than a sharp tip between two columns explains.
+std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watched &)
+{
+  if (!c.model.indenter || c.model.contact.method == "none") return "";
+  const int level = c.LevelAtTip();
+  const bool follows = c.hierarchy.follow.kind == FollowKind::kContact;
+  if (budgets.penetration_cells <= 1) return "";
+  return "-cell_size " + FormatNumber(c.cell_size) + ": the surface lies " + FormatRounded(budgets.penetration) +
+         " m inside the indenter" + When(budgets) + ", more than a cell" + (follows ? "" : " of level " + std::to_string(level)) +
+         ": the indenter is too slender or too fast for the cells, and the load too small";
+}
+
+/// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where
+/// the surface there comes to a line of nodes, points may still split, and make energy.
+std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &)
+{
+  const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
+  if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
+  const std::string level = "-level_" + std::to_string(finest);
+  const double half = budgets.contact_half_width;
+  return level + "_lower, " + level + "_upper: contact crosses a border of levels" + When(budgets) + ", half its width being " +
+         FormatRounded(half / c.CellSize(finest)) + " cells of level " + std::to_string(finest) + " and " +
+         FormatRounded(half / c.CellSize(coarsest)) + " of level " + std::to_string(coarsest) +
+         ": contact_area, contact_half_width, peak_pressure and pressures on points are uneven there, and so may stress and load "
+         "be where the surface comes to a line of cells; try a box that reaches more than " +
+         FormatRounded(half + c.BorderMargin(finest)) + " m to each side of the tip";
+}
+
+/// Levels that follow the contact, and are too few for how wide it gets.
+std::string WidestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
+{
+  const FollowSettings &follow = c.hierarchy.follow;
+  const double cells = budgets.contact_half_width / c.CellSize(0);
+  if (follow.kind != FollowKind::kContact || cells <= follow.cells_max) return "";
+  return "-levels " + std::to_string(c.levels) + ": half the contact's width is " + FormatRounded(cells) + " cells of level 0" +
+         When(budgets) + ", more than -level_cells_max, and no level is coarser: try more levels and a larger -cell_size";
+}
+
+/// Cells in half the contact's width from which the load is no more that of the cells. With fewer than two it is some 10 %
+/// off, and a third before, as the tip stands between columns; metal rises beside a steep tip column by column for longer.
+static double EnoughCells(const Case &c)
+{
+  constexpr double kHeight = 4, kSteepRatio = 4; // a half angle of 63 degrees
+  const double height = kHeight * c.CellSize(c.LevelAtTip());
+  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
+}
+
+/// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
+std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
+{
+  if (budgets.contact_cells == 0) return "";
+  const FollowSettings &follow = c.hierarchy.follow;
+  const bool follows = follow.kind == FollowKind::kContact;
+  const int level = follows ? c.levels - 1 : c.LevelAtTip();
+  const double cells = budgets.contact_cells, cell = c.CellSize(level);
+  const double least = follows ? follow.cells_min : EnoughCells(c);
+  if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
+  return (follows ? "-levels " + std::to_string(c.levels) : "-cell_size " + FormatNumber(c.cell_size)) +
+         ": half the contact's width is at most " + FormatRounded(cells) + " cells of level " + std::to_string(level) +
+         ", fewer than " + (follows ? "-level_cells_min" : FormatNumber(least)) + ": the load is that of the cells; try " +
+         (follows                ? "more levels"
+          : level < c.levels - 1 ? "a finer level there"
+                                 : "smaller ones, or more -levels");
+}
+
+/// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
+/// cell away. A plate over all of the domain has none.
+std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &)
+{
+  if (!c.model.indenter || budgets.contact_half_width == 0) return "";
+  const Indenter &indenter = *c.model.indenter;
+  const Vec3 tip = indenter.Tip(budgets.time);
+  const double reach = budgets.contact_half_width + 0.5 * c.CellSize(c.LevelAtTip()), flat = indenter.surface->Width(0);
+  for (int s = c.model.geometry.HasHoop() ? 2 * indenter.up : 0; s < 2 * indenter.up; ++s) {
+    const Side side = static_cast<Side>(s);
+    const int axis = AxisOf(side);
+    const double off = std::abs(tip[axis] - c.domain.At(side));
+    const bool covers = flat > 2 * (c.domain.upper[axis] - c.domain.lower[axis]);
+    if (c.model.sides[s] == BoundaryKind::kSymmetry && c.SideAtTip(axis) != side && off < reach && !covers)
+      return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": contact has reached " + kSideNames[s] + When(budgets) +
+             ", a side of symmetry " + FormatRounded(off) + " m beside the tip: the load is that of two indenters, one of them " +
+             "mirrored, that have met; put the tip on the side, or farther away";
+  }
+  return "";
+}
+
+/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. For an indenter that a load moves see
+/// LoadWarning.
+std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxDepth = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
+  if (!c.model.indenter || c.model.contact.method == "none" || c.model.indenter->by_load || watched.carried > 0) return "";
+  const Indenter &indenter = *c.model.indenter;
+  const auto is_below = [&](const Body &body) {
+    const Box bounds = body.region->Bounds();
+    bool below = true;
+    for (int axis = 0; axis < indenter.up; ++axis)
+      below = below && indenter.tip[axis] >= bounds.lower[axis] && indenter.tip[axis] <= bounds.upper[axis];
+    return below;
+  };
+  const bool above_body = std::any_of(c.model.bodies.begin(), c.model.bodies.end(), is_below);
+  const bool came_down = budgets.depth >= indenter.Depth(indenter.tip);
+  if (above_body && came_down && budgets.depth <= kMaxDepth * c.CellSize(c.LevelAtTip())) return "";
+  return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
+}
+
+/// A load that the tip, at its largest speed, has not come to carry.
+std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMet = 0.5; // the load of a row is the mean of its step
+  if (!c.model.indenter || !c.model.indenter->by_load) return "";
+  const double asked = c.model.indenter->by_load->force.Value(budgets.time);
+  const bool missed = watched.carried < kMet * watched.asked;
+  if (budgets.load >= kMet * asked && !missed) return "";
+  return "-indenter_loads: " + FormatRounded(missed ? watched.asked : asked) + " N are asked for" +
+         (missed ? ", and the tip carries at most " : " at the end, and the tip carries ") +
+         FormatRounded(missed ? watched.carried : budgets.load) +
+         " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
+}
+
+} // namespace mlgimp

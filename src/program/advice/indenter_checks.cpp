@@ -1,0 +1,271 @@
+// Checks of the indenter, its way and what holds the bodies against it, once its options are read.
+#include "program/advice/case_checks.hpp"
+
+#include "base/index.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Lowest place of the tip during the run; -infinity where the end of the run is not known.
+double LowestTip(const Indenter &indenter, double end_time)
+{
+  constexpr int kSamples = 1000;
+  if (!std::isfinite(end_time) || indenter.by_load) return -HUGE_VAL;
+  double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[indenter.up];
+  for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[indenter.up]);
+  return lowest;
+}
+
+/// How deep the indenter is inside any body with its tip there, by points of their surfaces, m; below zero where it is in none.
+double DeepestInside(const Case &c, Vec3 tip)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const int up = indenter.up, places = up == 2 ? 31 : 101;
+  double deepest = -HUGE_VAL;
+  for (const Body &body : c.model.bodies) {
+    const Box bounds = body.region->Bounds();
+    ForEach({{0, 0, 0}, {places, up == 2 ? places : 1, 1}}, [&](Index place) {
+      Vec3 x{};
+      for (int axis = 0; axis < up; ++axis)
+        x[axis] = bounds.lower[axis] + (place[axis] + 0.5) / places * (bounds.upper[axis] - bounds.lower[axis]);
+      if (SurfaceAbove(*body.region, x, up, &x[up])) deepest = std::max(deepest, -indenter.Gap(x, tip).distance);
+    });
+  }
+  return deepest;
+}
+
+/// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
+void CheckReach(OptionReader &reader, const Case &c)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const double above = indenter.tip[indenter.up] - indenter.initial_surface;
+  const double height = c.domain.upper[indenter.up] - c.domain.lower[indenter.up];
+  const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
+  if (!std::isfinite(above)) return; // there is no body
+  if (above > height)
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
+                      FormatRounded(above));
+  const double deepest = -nearest;
+  const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
+  if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  "such that the tip stays in the domain; by its motion it comes to a depth of " + FormatRounded(deepest) +
+                      " m, where the domain ends at " + FormatRounded(floor) + " m");
+  bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
+  for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
+  for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};
+  Vec3 lowest = indenter.tip;
+  lowest[indenter.up] = indenter.initial_surface + nearest;
+  if (c.model.contact.method != "none" && nearest > 0 && !moves && DeepestInside(c, lowest) < 0) // also none beside the tip
+    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
+                     FormatRounded(nearest) + " m to the body until the end: there will be no contact");
+}
+
+/// Depths count from the body below the tip. An indenter that is deep inside another part by then, as a punch over a gap between
+/// pillars, goes far beyond the depth that was meant.
+void CheckOtherParts(OptionReader &reader, const Case &c)
+{
+  constexpr double kMaxDepth = 0.5; // cells
+  const Indenter &indenter = *c.model.indenter;
+  Vec3 tip = indenter.tip;
+  tip[indenter.up] = indenter.initial_surface;
+  if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[indenter.up])) return;
+  const double deepest = DeepestInside(c, tip);
+  if (deepest > kMaxDepth * c.CellSize(c.LevelAtTip()))
+    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) +
+                     ": depths count from the body below the tip, where the indenter is " + FormatRounded(deepest) +
+                     " m inside another part already; put the tip above what it meets first");
+}
+
+/// Whether gravity or a load presses bodies against the indenter, which then holds them.
+bool ArePressedUp(const Case &c)
+{
+  const int up = c.model.indenter->up;
+  const auto presses = [&](const Load &load) {
+    return load.side == static_cast<Side>(2 * up) && load.pressure.LargestMagnitude(0, c.time.end_time) > 0;
+  };
+  return c.model.nodal.gravity[up] > 0 || std::any_of(c.model.loads.begin(), c.model.loads.end(), presses);
+}
+
+/// Bodies that nothing holds are pushed away, and the load is that of inertia: a side was forgotten, or a gap was left to it.
+void CheckSupport(OptionReader &reader, const Case &c)
+{
+  constexpr double kGap = 1e-3; // cells
+  const int up = c.model.indenter->up;
+  const bool rests = !c.model.indenter->by_load && c.model.indenter->Fastest(0, c.time.end_time) == 0;
+  if (c.model.contact.method == "none" || ArePressedUp(c)) return;
+  for (const Side side : SidesOf{c.Dim()}) {
+    const BoundaryKind kind = c.model.sides[side];
+    if (kind == BoundaryKind::kFree || (kind == BoundaryKind::kSymmetry && AxisOf(side) != up)) continue;
+    for (const Body &body : c.model.bodies)
+      if (std::abs(body.region->Bounds().At(side) - c.domain.At(side)) < kGap * c.cell_size) return;
+  }
+  const bool fall = rests && c.model.nodal.gravity[up] < 0;
+  reader.WarnLater(
+      fall ? "-gravity " + reader.Text(c.model.nodal.gravity) + ": no body lies at a side of the domain that holds it: they fall"
+           : std::string("-boundary_") + kSideNames[2 * up] +
+                 ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
+}
+
+/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
+/// where the lowest place is not.
+Box TipPath(const Indenter &indenter, double end_time)
+{
+  constexpr int kSamples = 1000;
+  Box way{indenter.tip, indenter.tip};
+  for (int axis = 0; axis < indenter.up; ++axis) {
+    const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
+    for (int k = 1; k <= kSamples; ++k) {
+      const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
+      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
+    }
+  }
+  way.lower[indenter.up] = LowestTip(indenter, end_time);
+  return way;
+}
+
+/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one; with its axis beyond the
+/// side, what is left of it and its mirror image are no indenter.
+void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
+{
+  constexpr double kMinDistance = 0.1; // cells
+  const Vec3 tip = c.model.indenter->tip;
+  const Box way = TipPath(*c.model.indenter, c.time.end_time);
+  for (const Side side : SidesAcross(axis)) {
+    if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
+    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
+    if (off < kMinDistance * c.CellSize(c.LevelAtTip()))
+      reader.Refuse("-indenter_tip", reader.Text(tip),
+                    std::string("on the side of symmetry ") + kSideNames[side] + ", or away from it; it is " +
+                        FormatRounded(off) + " m off");
+    if (beyond > 0 && std::isfinite(c.model.indenter->surface->Width(0)))
+      reader.Refuse("-indenter_tip", reader.Text(tip),
+                    std::string("on this side of ") + kSideNames[side] + ", a side of symmetry, all the time; it is or comes " +
+                        FormatRounded(beyond) + " m beyond");
+  }
+}
+
+/// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
+void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  for (int axis = 0; axis < c.model.indenter->up; ++axis) {
+    const std::optional<Side> side = c.SideAtTip(axis);
+    if (axis == 0 && c.model.geometry.HasHoop()) continue;
+    if (!side) CheckBesideSide(reader, c, axis);
+    if (!side) continue;
+    if (!c.MirrorsTip(axis))
+      reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
+                       "ends; with symmetry it would be half of a body that goes on");
+    else if (!c.model.indenter->surface->MayBeMirrored(axis))
+      reader.Refuse(
+          "-indenter", kind,
+          std::string("its own mirror image across ") + kSideNames[*side] +
+              ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter where a turn makes "
+              "it so");
+  }
+}
+
+/// Under an indenter of which less than a cell ever meets the surface the load is that of the cells; one that is curved and yet
+/// flat over the whole domain has a size in another unit.
+void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const int level = c.LevelAtTip();
+  const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  constexpr double kFlat = 0.1; // cells
+  const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
+  if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
+    reader.Refuse("-indenter", kind,
+                  "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide");
+  if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
+    reader.WarnLater("-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
+                     FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
+                     ": the load is that of the cells");
+  double extent = 0;
+  for (int axis = 0; axis < indenter.up; ++axis) extent = std::max(extent, c.domain.upper[axis] - c.domain.lower[axis]);
+  if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
+    reader.WarnLater("-indenter " + kind + ": is flat as far as the domain goes, as it rises there by less than " +
+                     FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
+}
+
+/// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.
+/// Returns whether it meets the tip.
+bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &way, const std::string &when)
+{
+  const int up = c.model.indenter->up;
+  const double margin = c.BorderMargin(k), just_below = c.model.indenter->initial_surface - 1e-6 * c.CellSize(k);
+  const auto is_border = [&](Side side) { return std::abs(box.At(side) - c.domain.At(side)) > 1e-6 * c.CellSize(k); };
+  bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
+  for (int axis = 0; axis < up; ++axis)
+    meets = meets && way.upper[axis] >= box.lower[axis] - margin && way.lower[axis] <= box.upper[axis] + margin;
+  if (!meets) return false;
+  const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
+  for (int axis = 0; axis < up; ++axis) {
+    const auto from = [&, axis = axis](double x) {
+      return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatRounded(x) + when +
+             ", or the level away from it";
+    };
+    if (is_border(static_cast<Side>(2 * axis)) && way.lower[axis] < box.lower[axis] + margin)
+      reader.Refuse(option + "_lower", reader.Text(box.lower), from(way.lower[axis]));
+    if (is_border(static_cast<Side>(2 * axis + 1)) && way.upper[axis] > box.upper[axis] - margin)
+      reader.Refuse(option + "_upper", reader.Text(box.upper), from(way.upper[axis]));
+  }
+  if (!is_border(static_cast<Side>(2 * up))) return true;
+  if (std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
+    reader.Refuse(option + "_lower", reader.Text(box.lower),
+                  needed + " below the indenter's lowest place, " + FormatRounded(way.lower[up]) + when);
+  // A load moves the tip to a depth that is not known yet, but from where it meets the body.
+  const double start = std::min(way.upper[up], c.model.indenter->initial_surface);
+  if (!std::isfinite(way.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
+    reader.Refuse(option + "_lower", reader.Text(box.lower),
+                  "more than " + FormatRounded(margin) + " below where the indenter begins to press, " + FormatRounded(start) +
+                      when);
+  return true;
+}
+
+} // namespace
+
+void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  CheckReach(reader, c);
+  CheckOtherParts(reader, c);
+  CheckMirror(reader, c, kind);
+  CheckSupport(reader, c);
+  CheckIndenterSize(reader, c, kind);
+}
+
+/// The tip on the way of boxes along their paths.
+static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
+{
+  const Indenter &indenter = *c.model.indenter;
+  std::vector<bool> met;
+  for (const BoxesAtTime &look : BoxesAlongPaths(c)) {
+    Box tip{indenter.Tip(look.time), indenter.Tip(look.time)};
+    if (indenter.by_load) tip.lower[indenter.up] = -HUGE_VAL;
+    for (int k = 1; k < c.levels; ++k) {
+      const std::string when = " at time " + FormatRounded(look.time) + " s";
+      const bool meets = CheckHoldsTip(reader, c, k, look.boxes[k], tip, when);
+      if (static_cast<int>(met.size()) < k) met.push_back(meets);
+      if (meets != met[k - 1])
+        reader.Refuse("-level_" + std::to_string(k) + "_path", "",
+                      "such that the level holds the indenter's tip all the time, or never: it " +
+                          std::string(meets ? "comes to" : "has left") + " it" + when);
+    }
+  }
+}
+
+void CheckLevelsHoldTip(OptionReader &reader, const Case &c)
+{
+  if (c.hierarchy.follow.kind == FollowKind::kPath) CheckPathsHoldTip(reader, c);
+  if (c.hierarchy.follow.kind != FollowKind::kNone) return; // those of contact are where the tip is
+  for (int k = 1; k < c.levels; ++k) CheckHoldsTip(reader, c, k, c.boxes[k], TipPath(*c.model.indenter, c.time.end_time), "");
+}
+
+} // namespace mlgimp

@@ -1,0 +1,232 @@
+// Sums over the points of each body at the start, against its shape.
+#include "program/advice/start_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+constexpr double kSame = 1e-9; ///< relative; sums over many points are exact to 1e-12
+
+/// What the points of a body add up to.
+struct BodySums {
+  double points, mass, faces[kSides]; ///< -, kg, area of the outer faces on each side, m2 (m in the plane)
+};
+
+/// Area of a side of a box with such edges; in the plane its length.
+double SideArea(Side side, Vec3 size, int dim)
+{
+  double area = 1;
+  for (int k = 0; k < dim - 1; ++k) area *= size[TangentAxis(side, k)];
+  return area;
+}
+
+/// Circumference at a radius, m; 1 where there is no axis.
+double RoundAxis(const Geometry &geometry, double radius) { return geometry.HasHoop() ? geometry.OutOfPlane(radius) : 1; }
+
+/// Sums of all bodies, and the area of the faces that each load acts on. Collective.
+void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *bodies, std::vector<double> *loads)
+{
+  bodies->assign(model.bodies.size(), {});
+  loads->assign(model.loads.size(), 0.0);
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
+    for (int p = 0; p < a.count; ++p) {
+      BodySums &body = (*bodies)[a.body[p]];
+      ++body.points;
+      body.mass += a.mass[p];
+      const auto area = [&](Side side) { return SideArea(side, 2 * a.HalfSize(p), a.dim); };
+      for (const Side side : SidesOf{a.dim})
+        if (a.faces[p] & OuterFaceBit(side)) body.faces[side] += area(side);
+      for (int k = 0; k < a.loads; ++k) {
+        const Side side = model.loads[k].side;
+        const double x = a.Position(p)[0] + (AxisOf(side) == 0 ? SignOf(side) * a.HalfSize(p)[0] : 0);
+        (*loads)[k] += a.load_share[PointArrays::At(p, a.loads) + k] * area(side) * RoundAxis(model.geometry, x);
+      }
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, bodies->data(), static_cast<int>(bodies->size() * sizeof(BodySums) / sizeof(double)), MPI_DOUBLE,
+                MPI_SUM, hierarchy.Comm());
+  MPI_Allreduce(MPI_IN_PLACE, loads->data(), static_cast<int>(loads->size()), MPI_DOUBLE, MPI_SUM, hierarchy.Comm());
+}
+
+bool Differ(double a, double b) { return std::abs(a - b) > kSame * std::abs(b); }
+
+/// True where nothing can cover a side of a body: neither another body nor a held side of the domain is within a cell.
+bool IsFree(const Case &c, std::size_t body, Side side)
+{
+  const Box bounds = c.model.bodies[body].region->Bounds();
+  if (c.model.sides[side] != BoundaryKind::kFree && std::abs(bounds.At(side) - c.domain.At(side)) < c.cell_size) return false;
+  for (std::size_t b = 0; b < c.model.bodies.size(); ++b) {
+    const Box other = c.model.bodies[b].region->Bounds();
+    bool near = b != body;
+    for (int d = 0; d < c.Dim(); ++d)
+      near = near && other.lower[d] < bounds.upper[d] + c.cell_size && other.upper[d] > bounds.lower[d] - c.cell_size;
+    if (near) return false;
+  }
+  return true;
+}
+
+/// Why points cannot fill a box that is a small part of a cell thin, and what cells it needs; empty for others.
+std::string DescribeThin(const Case &c, const Box &bounds)
+{
+  const double cell = c.CellSize(c.LevelAt(0.5 * (bounds.lower + bounds.upper)));
+  double thinnest = HUGE_VAL;
+  for (int axis = 0; axis < c.Dim(); ++axis) thinnest = std::min(thinnest, bounds.upper[axis] - bounds.lower[axis]);
+  if (thinnest >= kSliver * cell) return "";
+  return ", as it is " + FormatRounded(thinnest) + " m thin, " + FormatRounded(thinnest / cell) + " of a cell of " +
+         FormatRounded(cell) + " m; take cells of at most " + FormatRounded(0.5 * thinnest) + " m there (-cell_size, -levels)";
+}
+
+/// A box has its mass and its sides' lengths.
+void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
+{
+  const Body &body = c.model.bodies[b];
+  const Box bounds = body.region->Bounds();
+  const Vec3 size = bounds.upper - bounds.lower;
+  const std::string start = "-bodies " + body.name + ": must have ", unit = c.Dim() == 3 ? " m2" : " m";
+  if (sums.points == 0)
+    Refuse("-bodies " + body.name + ": must hold at least one material point; it is too small for -cell_size " +
+           FormatNumber(c.cell_size) + DescribeThin(c, bounds));
+  double volume = c.model.geometry.OutOfPlane(0.5 * (bounds.lower[0] + bounds.upper[0]));
+  for (int axis = 0; axis < c.Dim(); ++axis) volume *= size[axis];
+  const double mass = volume * c.model.materials[body.material]->Density();
+  if (body.region->IsBox() && Differ(sums.mass, mass))
+    Refuse(start + "the mass of its box, " + FormatNumber(mass) + " kg; its points have " + FormatNumber(sums.mass) + " kg" +
+           DescribeThin(c, bounds));
+  for (int axis = 0; axis < c.Dim(); ++axis) {
+    const auto [lower, upper] = SidesAcross(axis);
+    for (const Side side : {lower, upper})
+      if (const double area = SideArea(side, size, c.Dim());
+          body.region->IsBox() && IsFree(c, b, side) && Differ(sums.faces[side], area))
+        Refuse(start + "outer faces along its whole side " + kSideNames[side] + ", " + FormatNumber(area) + unit +
+               "; they add up to " + FormatNumber(sums.faces[side]) + unit);
+  }
+}
+
+/// In axisymmetry, a hole along the axis that the grid cannot see, and no body fills: r = 0 was meant.
+void CheckHole(const Case &c, std::size_t b)
+{
+  const Box bounds = c.model.bodies[b].region->Bounds();
+  const double radius = bounds.lower[0], cell = c.CellSize(c.LevelAt({radius, bounds.upper[1] - kRounding * c.cell_size, 0}));
+  if (!c.model.geometry.HasHoop() || radius <= 0 || radius >= 2 * cell) return;
+  for (const Body &other : c.model.bodies)
+    if (other.region->Bounds().lower[0] < radius) return;
+  Refuse("-bodies " + c.model.bodies[b].name + ": must begin at x = 0, the axis, or at least two cells, " +
+         FormatRounded(2 * cell) + " m, from it; it leaves a hole of " + FormatRounded(radius) + " m");
+}
+
+/// Half the thickness, in cells, of each body's thinnest point that lies beyond a line of cells with nothing beyond itself; huge
+/// where there is none. Collective.
+std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
+{
+  std::vector<double> thinnest(model.bodies.size(), HUGE_VAL);
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
+    const GridGeometry &grid = hierarchy.At(l).Mesh().Geometry();
+    for (const int p : hierarchy.At(l).PointStore().SurfacePoints())
+      for (const Side side : SidesOf{a.dim}) {
+        const int axis = AxisOf(side);
+        const double half = a.HalfSize(p)[axis],
+                     inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;
+        if (a.faces[p] & OuterFaceBit(side) && std::abs(inner - std::round(inner)) < kRounding)
+          thinnest[a.body[p]] = std::min(thinnest[a.body[p]], half / grid.spacing);
+      }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, thinnest.data(), static_cast<int>(thinnest.size()), MPI_DOUBLE, MPI_MIN, hierarchy.Comm());
+  return thinnest;
+}
+
+/// Such points are unstable from half a square of the Courant number down where they follow the new velocity:
+/// docs/decisions.md.
+void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<std::string> *warnings)
+{
+  const Body &body = c.model.bodies[b];
+  const double speed = c.model.materials[body.material]->SpeedOfSound();
+  const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
+  const bool follows = c.model.stress_update == StressUpdate::kUsl || c.levels > 1 || c.model.VolumeAverages() > 0;
+  if (!follows || std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
+  warnings->push_back("-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
+                      " of a cell thin, alone beyond a line of cells: unstable with usl, in metals and at borders of levels; "
+                      "move its sides, or take a -cfl below " +
+                      FormatRounded(std::sqrt(2 * thinnest)));
+}
+
+/// area: of the faces that the load acts on, m2 (in plane strain by its thickness, m).
+void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::string> *warnings)
+{
+  const Load &load = c.model.loads[k];
+  const Body &body = c.model.bodies[load.body];
+  const Box bounds = body.region->Bounds();
+  const std::string name = c.load_names[k], start = "-loads " + name + ": ",
+                    unit = c.model.geometry.kind == GeometryKind::kPlaneStrain ? " m" : " m2";
+  const double farthest = RoundAxis(c.model.geometry, bounds.upper[0]);
+  double wanted = AxisOf(load.side) == 0 ? RoundAxis(c.model.geometry, bounds.At(load.side)) : 1, largest_edge = 0;
+  std::string beyond; // what the user gave where it reaches beyond the side
+  if (area == 0) Refuse(start + "must cover a free face of body " + body.name + "; see its side and span");
+  if (!body.region->IsBox()) return;
+  for (int t = 0; t < c.Dim() - 1; ++t) {
+    const int along = TangentAxis(load.side, t);
+    const double *const span = load.span[t];
+    const double from = std::max(bounds.lower[along], span[0]), to = std::min(bounds.upper[along], span[1]), part = to - from;
+    const double first = std::isfinite(span[0]) ? span[0] : bounds.lower[along];
+    const double last = std::isfinite(span[1]) ? span[1] : bounds.upper[along];
+    if (last - first > part + 2 * kRounding * c.cell_size)
+      beyond += (beyond.empty() ? "" : ",") + FormatNumber(first) + "," + FormatNumber(last);
+    wanted *= part * (along == 0 ? RoundAxis(c.model.geometry, 0.5 * (from + to)) : 1);
+    largest_edge = std::max(largest_edge, part);
+  }
+  const double tolerance = 2 * kRounding * c.cell_size * (c.Dim() == 3 ? 2 * largest_edge : farthest);
+  if (IsFree(c, load.body, load.side) && !(std::abs(area - wanted) < tolerance))
+    Refuse(start + "must act on " + FormatNumber(wanted) + unit + " of body " + body.name + "; the faces it acts on add up to " +
+           FormatNumber(area) + unit);
+  if (!beyond.empty())
+    warnings->push_back("-" + name + "_span " + beyond + ": reaches beyond the side of body " + body.name +
+                        "; the load acts on " + FormatRounded(wanted) + unit);
+  if (area < wanted - tolerance)
+    warnings->push_back(start + "acts on " + FormatRounded(area) + " of the " + FormatRounded(wanted) + unit +
+                        " of its side; the rest touches a body or a held side of the domain");
+}
+
+} // namespace
+
+std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c)
+{
+  std::vector<std::string> warnings;
+  std::vector<BodySums> bodies;
+  std::vector<double> loads;
+  SumBodies(hierarchy, c.model, &bodies, &loads);
+  const std::vector<double> thinnest = ThinnestAlone(hierarchy, c.model);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(c, b, thinnest[b], &warnings);
+  for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(c, k, loads[k], &warnings);
+  return warnings;
+}
+
+void CheckIndenter(Hierarchy &hierarchy, const Case &c)
+{
+  double deepest = 0;
+  if (!c.model.indenter) return;
+  for (int l = 0; l < hierarchy.Levels(); ++l) {
+    const PointArrays a = hierarchy.At(l).PointStore().Arrays();
+    const std::vector<int> &surface = hierarchy.At(l).PointStore().SurfacePoints();
+    for (int p : surface)
+      for (int corner = 0; corner < 1 << a.dim; ++corner) {
+        Vec3 x = a.Position(p);
+        for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * a.HalfSize(p)[d];
+        const Region &region = *c.model.bodies[a.body[p]].region;
+        if (!region.IsBox() && !region.Contains(x)) continue; // a corner of a step
+        deepest = std::max(deepest, -c.model.indenter->Gap(x, c.model.indenter->tip).distance);
+      }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, hierarchy.Comm());
+  if (!(deepest <= 1e-6 * c.cell_size))
+    Refuse("-indenter_tip " + FormatVector(c.model.indenter->tip, c.Dim()) +
+           ": must leave the indenter outside every body; it starts " + FormatRounded(deepest) + " m inside one");
+}
+
+} // namespace mlgimp

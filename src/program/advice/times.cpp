@@ -1,0 +1,145 @@
+// Checks of times and loads: how long a run is, how fast its indenter and its loads are beside waves, and whether a load is one.
+#include "program/advice/case_checks.hpp"
+
+#include "program/slow_test/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
+void CheckSpeed(OptionReader &reader, const Case &c)
+{
+  if (c.model.indenter->by_load) return;
+  const double speed = c.model.indenter->Fastest(0, c.time.end_time);
+  double slowest = HUGE_VAL;
+  for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
+  if (speed > kLargestSpeed * slowest)
+    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
+                     " m/s: that is an impact; is Young's modulus in Pa?");
+}
+
+/// When the tip first comes down to the body, s; infinity where it does not.
+double FirstTouch(const Indenter &indenter, double end_time)
+{
+  const double above = indenter.tip[indenter.up] - indenter.initial_surface;
+  return above > 0 ? indenter.motion.speed.TimeOfIntegral(above, end_time) : 0;
+}
+
+/// A loading within so few transits of a wave through the bodies is carried by their inertia, though the tip is slow.
+void CheckLoading(OptionReader &reader, const Case &c)
+{
+  constexpr double kMinTransits = 2; // transits; at 0.6 the load of an elastic block is 1.3 times that of a slow test
+  const Indenter &indenter = *c.model.indenter;
+  const double end = std::min(c.time.end_time, indenter.motion.turning_time), transit = TransitOf(c);
+  if (!std::isfinite(end) || indenter.motion.speed.EndValue() < 0) return;
+  const double loading = end - FirstTouch(indenter, end);
+  if (loading > 0 && loading < kMinTransits * transit)
+    reader.WarnLater("-indenter: presses for " + FormatRounded(loading) + " s, where a wave takes " + FormatRounded(transit) +
+                     " s through the bodies: the load is that of their inertia; a slow test has ten such times and more "
+                     "(-quasi_static)");
+}
+
+/// The same of a load, which the tip overshoots: in a metal for good.
+void CheckLoadRise(OptionReader &reader, const Case &c)
+{
+  constexpr double kMinTransits = 5,
+                   kJump = 0.1; // transits, at 4 the depth of an elastic block is 10 % too large; of the largest load
+  const PiecewiseLinear &force = c.model.indenter->by_load->force;
+  const double largest = force.LargestMagnitude(0, force.EndTime()), transit = TransitOf(c);
+  double rise = force.Value(0) > kJump * largest ? 0 : HUGE_VAL;
+  for (std::size_t k = 1; k < force.Times().size(); ++k) {
+    const double from = force.Times()[k - 1], to = force.Times()[k], more = force.Value(to) - force.Value(from);
+    if (more > kJump * largest) rise = std::min(rise, (to - from) * largest / more);
+  }
+  if (rise < kMinTransits * transit)
+    reader.WarnLater(
+        "-indenter_loads: " + (rise > 0 ? "rise within " + FormatRounded(rise) + " s" : std::string("begin at once")) +
+        ", where a wave takes " + FormatRounded(transit) +
+        " s through the bodies: the tip overshoots, in metals for good; let them rise from 0 within ten such times "
+        "or more (-quasi_static)");
+}
+
+/// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
+void CheckLoadUnits(OptionReader &reader, const Case &c)
+{
+  constexpr double kMinShare = 0.1, kMinStrain = 1e-7; // of the largest pressure; of the shear modulus
+  for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
+    const PiecewiseLinear &pressure = c.model.loads[k].pressure;
+    const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
+    const double largest = pressure.LargestMagnitude(0, pressure.EndTime());
+    if (met < kMinShare * largest)
+      reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
+                       " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
+                       FormatRounded(met) + " Pa; are the times in s?");
+    const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
+    if (largest > 0 && largest < kMinStrain * mu)
+      reader.WarnLater("-" + c.load_names[k] + "_pressures: of at most " + FormatRounded(largest) +
+                       " Pa are nothing to a body with a shear modulus of " + FormatRounded(mu) + " Pa; are they in Pa?");
+  }
+}
+
+/// A pressure that changes within few transits of a wave sends as much stress again through the body, which a metal that would
+/// bear the pressure does not forget.
+void CheckBlows(OptionReader &reader, const Case &c)
+{
+  constexpr double kMinTransits = 2; // transits
+  for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
+    const PiecewiseLinear &pressure = c.model.loads[k].pressure;
+    const Material &material = c.model.MaterialOf(c.model.loads[k].body);
+    const Box bounds = c.model.bodies[c.model.loads[k].body].region->Bounds();
+    double extent = 0, most = 0, largest = 0; // of pressure and change, of the pressure, Pa
+    for (int axis = 0; axis < c.Dim(); ++axis) extent = std::max(extent, bounds.upper[axis] - bounds.lower[axis]);
+    const double transit = extent / material.SpeedOfSound();
+    const auto look = [&](double time) {
+      const double now = pressure.Value(time),
+                   then = time > kMinTransits * transit ? pressure.Value(time - kMinTransits * transit) : 0;
+      most = std::max(most, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
+    };
+    look(0);
+    for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
+    const double yield = material.FlowStress(0);
+    if (!material.IsMetal() || largest >= yield || most <= yield) continue;
+    reader.WarnLater("-" + c.load_names[k] + "_pressures: change within " + FormatRounded(kMinTransits * transit) +
+                     " s, in which a wave goes twice through the body, by so much that their blow adds to the stress: a metal "
+                     "with a yield stress of " +
+                     FormatRounded(yield) + " Pa flows that would bear " + FormatRounded(largest) +
+                     " Pa; let them rise from 0 within five such times or more" + (c.model.indenter ? " (-quasi_static)" : ""));
+  }
+}
+
+/// Warns when a run needs more than 1e8 steps: usually a time has the wrong unit, or is that of a test in the laboratory.
+void CheckSteps(OptionReader &reader, const Case &c)
+{
+  constexpr double kMaxSteps = 1e8;
+  double fastest = 0;
+  for (const auto &material : c.model.materials) fastest = std::max(fastest, material->SpeedOfSound());
+  const double step = c.time.time_step > 0 ? c.time.time_step : c.time.cfl * c.cell_size / fastest;
+  const double steps = c.time.max_steps > 0 ? c.time.max_steps : c.time.end_time / step;
+  if (steps > kMaxSteps)
+    reader.WarnLater(std::string(c.quasi_static.on ? "-quasi_static" : "-end_time") + ": the end of the run at " +
+                     FormatRounded(c.time.end_time) + " s is some " + FormatRounded(steps) + " steps of " + FormatRounded(step) +
+                     " s away; " +
+                     (c.quasi_static.on ? "is all in SI units?"
+                                        : "are times in s? With -quasi_static the program chooses those of a slow test"));
+}
+
+} // namespace
+
+void CheckTimes(OptionReader &reader, const Case &c)
+{
+  CheckLoadUnits(reader, c);
+  CheckBlows(reader, c);
+  CheckSteps(reader, c);
+  if (!c.model.indenter || c.model.contact.method == "none") return;
+  CheckSpeed(reader, c);
+  if (c.quasi_static.on) return;
+  c.model.indenter->by_load ? CheckLoadRise(reader, c) : CheckLoading(reader, c);
+}
+
+} // namespace mlgimp

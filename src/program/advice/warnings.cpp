@@ -1,0 +1,317 @@
+// The warnings of a run, one function each: each returns its line, or an empty string where its condition does not hold.
+#include "program/advice/warnings.hpp"
+#include "program/advice/warning_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Share of the energy that bodies were given from which on a loss that no work explains is a fault.
+constexpr double kUnexplained = 0.15;
+
+/// Energies below so many times the rounding of bodies at rest are none.
+constexpr double kRoundings = 1e6;
+
+/// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
+std::string ViscosityWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxGain = 0.01; // of what bodies have taken; energy of strain is below zero by rounding where there is none
+  const double energy = budgets.kinetic_energy + std::abs(budgets.strain_energy) + budgets.plastic_work;
+  if (budgets.short_wave_dissipation >= -kMaxGain * std::max(energy, watched.given)) return "";
+  return "-short_wave_viscosity " + FormatNumber(c.model.short_wave.a) + "," + FormatNumber(c.model.short_wave.b) +
+         ": has given " + FormatRounded(-budgets.short_wave_dissipation) + " J" + When(budgets) +
+         " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
+}
+
+/// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
+/// comes down with little load or none, and blows where it meets points again.
+std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxExcess =
+      0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
+  if (!c.model.indenter || c.model.contact.method == "none") return "";
+  const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
+  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  if (given <= kMaxExcess * work) return "";
+  return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
+         FormatRounded(100 * given / work) + " % of what they got or brought," + When(budgets) +
+         ": it has met few cells so far, or " +
+         (c.model.HasMetal()
+              ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+              : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
+}
+
+/// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
+/// and catches it again, it takes much.
+std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxLoss = 0.15; // of the largest work, or what the bodies brought; runs that touch well are seen to take 0.1
+  constexpr int kFirstSteps = 100;  // of contact, before which it is all first touch
+  if (!c.model.indenter || budgets.contact_steps < kFirstSteps) return "";
+  const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
+  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  if (taken <= kMaxLoss * work) return "";
+  return "-indenter: contact has taken " + FormatRounded(taken) + " J, " + FormatRounded(100 * taken / work) +
+         " % of what the bodies were to get or brought," + When(budgets) +
+         ": the surface has met the tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a "
+         "slower "
+         "indenter" +
+         (std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
+}
+
+/// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
+std::string NoiseWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxNoise = 0.005;
+  if (!c.model.HasMetal() || !c.model.indenter || c.model.contact.method == "none") return "";
+  if (budgets.plastic_work <= 0 || watched.noise <= kMaxNoise * watched.indenter_work) return "";
+  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
+         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) +
+         ", which softens plastic flow: try a larger fraction or a slower indenter";
+}
+
+/// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
+/// seen, and more in the first steps of a touch, as velocities are half a step behind stresses.
+std::string EnergyWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxGain = 0.25; // of what they were given
+  if (watched.made <= kMaxGain * std::max(watched.given, kRoundings * watched.floor)) return "";
+  const std::string option =
+      c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
+  return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
+         FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
+}
+
+/// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
+/// see. Not where energy is made or lost, which has another cause.
+std::string MotionWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxNoise = 0.05;
+  if (c.model.indenter || std::abs(watched.made) > kMaxNoise * watched.given) return "";
+  if (budgets.noise_energy <= kMaxNoise * std::max(watched.given, kRoundings * watched.floor)) return "";
+  return "-bodies: noise of the points' velocities holds " + FormatRounded(budgets.noise_energy) + " J" + When(budgets) +
+         ", where the bodies had or got " + FormatRounded(watched.given) +
+         " J: bodies that turn, or collide, have too few cells for it, and lose their motion; try smaller cells";
+}
+
+/// The same of elastic bodies, at the end: a surface that a tip slides along with friction feeds it, the more the smaller steps
+/// are, and bodies that are bent far have it at their surfaces.
+std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxNoise = 0.01,
+                   kMinOfMotion = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
+  if (c.model.HasMetal() || budgets.noise_energy <= kMaxNoise * budgets.strain_energy) return "";
+  if (budgets.noise_energy <= kMinOfMotion * budgets.kinetic_energy || !MotionWarning(c, budgets, watched).empty()) return "";
+  if (!EnergyWarning(c, budgets, watched).empty()) return "";
+  if (budgets.contact_points == 0 && std::abs(watched.made) > kUnexplained * watched.given) return ""; // see LossWarning
+  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
+         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
+         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
+         (c.model.indenter ? ", or a slower indenter" : "") + "; smaller steps alone make it worse";
+}
+
+/// A slow test that is not slow.
+std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
+{
+  constexpr double kMaxKinetic = 0.01, kMaxAdded = 2; // of energy; of the tolerance
+  const double share = watched.slow.LoadShare(), kinetic = watched.slow.KineticShare();
+  if (share <= kMaxAdded * c.quasi_static.tolerance && kinetic <= std::max(kMaxKinetic, c.quasi_static.tolerance)) return "";
+  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": inertia and damping have added up to " +
+         FormatRounded(100 * share) + " % to the load, and kinetic energy was up to " + FormatRounded(100 * kinetic) +
+         " % of what the body has taken: try a smaller one, or less -damping where that was given";
+}
+
+/// Whether an indenter presses in a test whose speed the user has chosen.
+bool HasFastIndenter(const Case &c) { return c.model.indenter && c.model.contact.method != "none" && !c.quasi_static.on; }
+
+/// Damping that is strong beside the indenter's motion carries a part of the load. For metals see DragWarning.
+std::string DampingWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  constexpr double kMaxDamping = 0.2;
+  if (!HasFastIndenter(c) || c.model.HasMetal()) return "";
+  if (budgets.damping_work <= kMaxDamping * std::max(watched.given, watched.floor)) return "";
+  return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
+         When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
+         " J, and carries a part of the load: try less, or a slower indenter";
+}
+
+constexpr double kMaxOfMotion = 0.01; // of the load or the plastic work: a metal does not forget what drag and inertia did
+
+/// The same in metals, from a smaller share on.
+std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double share = watched.motion.DragOfLoad();
+  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  return "-damping " + FormatNumber(c.model.nodal.damping) + ": its drag adds some " + FormatRounded(100 * share) +
+         " % to the load at the largest depth: try less, or a slower indenter (-quasi_static chooses both)";
+}
+
+/// An indenter whose speed sets a metal in motion.
+std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double share = watched.motion.InertiaOfLoad();
+  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  return std::string(c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities") + ": inertia carries some " +
+         FormatRounded(100 * share) +
+         " % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)";
+}
+
+/// Pressures that are there before a metal has come to rest under them: it flows on by its motion, and does not come back.
+std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double share = watched.motion.ShareOfPlasticWork();
+  if (c.model.loads.empty() || c.model.indenter || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  return "-" + c.load_names[0] + "_pressures: the bodies' motion adds some " + FormatRounded(100 * share) +
+         " % to the plastic work, as they still move when pressures are at their largest: let these rise over a longer time, or "
+         "give -damping";
+}
+
+/// A load that is still on its way at the end of a hold.
+std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
+{
+  const double drift = watched.slow.HoldDrift();
+  if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
+  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": the " +
+         (c.quasi_static.depth > 0 ? "load" : "depth") + " changes by " + FormatRounded(100 * drift) +
+         " % in the last transit of a hold, as waves still run: try a smaller one";
+}
+
+/// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no
+/// work has.
+std::string LossWarning(const Case &c, const Budgets &budgets, const Watched &watched)
+{
+  if (-watched.made <= kUnexplained * std::max(watched.given, kRoundings * watched.floor)) return "";
+  if (!ElasticNoiseWarning(c, budgets, watched).empty()) return ""; // which has taken it
+  return "-bodies: energy balance: " + FormatRounded(-watched.made) + " J are missing" + When(budgets) +
+         ", where they had or got " + FormatRounded(watched.given) +
+         " J: cells are too few for how they turn and for their waves, or points have parted or crumpled; look at the last "
+         "frames, and try smaller cells or steps" +
+         (c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "") +
+         (c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
+}
+
+} // namespace
+
+void Warnings::Issue(MPI_Comm comm, const std::vector<std::string> &lines)
+{
+  for (const std::string &line : lines) {
+    Warn(comm, line);
+    const bool kept = std::any_of(issued_.begin(), issued_.end(), [&](const Issued &one) { return one.line == line; });
+    if (!kept) issued_.push_back({kAtStart, false, line});
+  }
+}
+
+void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
+{
+  constexpr struct {
+    std::string (*line)(const Case &, const Budgets &, const Watched &);
+    bool at_end; ///< while little work is done, there is little to compare with
+  } kAll[] = {{PenetrationWarning, false},
+              {ViscosityWarning, false},
+              {ContactWarning, true},
+              {NoiseWarning, true},
+              {SpeedWarning, true},
+              {WidestContactWarning, false},
+              {NarrowestContactWarning, true},
+              {EnergyWarning, true},
+              {DampingWarning, true},
+              {LoadWarning, true},
+              {LossWarning, true},
+              {TouchWarning, true},
+              {BorderWarning, false},
+              {MotionWarning, true},
+              {ElasticNoiseWarning, true},
+              {MirrorWarning, false},
+              {ContactLossWarning, true},
+              {DragWarning, true},
+              {InertiaWarning, true},
+              {OvershootWarning, true},
+              {HoldWarning, true}};
+  const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
+  const double energy = budgets.kinetic_energy + budgets.strain_energy;
+  const double unexplained =
+      energy + budgets.dissipated_energy - budgets.external_work - budgets.GivenByContact() - budgets.friction_work;
+  if (numbers_[kLooked] == 0) numbers_[kHadAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
+  raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
+  raise(kIndenterWork, std::abs(budgets.indenter_work));
+  raise(kNoise, budgets.noise_energy);
+  raise(kCarried, budgets.load);
+  if (c.model.indenter && c.model.indenter->by_load)
+    raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
+  double pressure = 0;
+  for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
+  motion_.Record(budgets, pressure);
+  constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
+  double stiffness = 0;
+  for (const auto &material : c.model.materials)
+    stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
+  const Watched watched = {slow,
+                           motion_,
+                           unexplained - numbers_[kHadAtStart],
+                           numbers_[kGiven],
+                           std::abs(numbers_[kHadAtStart]),
+                           numbers_[kIndenterWork],
+                           numbers_[kNoise],
+                           kRounding * stiffness,
+                           numbers_[kAsked],
+                           numbers_[kCarried],
+                           motion_.Deepest()};
+  for (std::size_t k = 0; k < std::size(kAll); ++k) {
+    const bool issued = std::any_of(issued_.begin(), issued_.end(), [k](const Issued &one) { return one.kind == k; });
+    if (issued || (kAll[k].at_end && !ended)) continue;
+    const std::string line = kAll[k].line(c, budgets, watched);
+    if (line.empty()) continue;
+    issued_.push_back({k, kAll[k].at_end, line});
+    Warn(comm, line);
+  }
+}
+
+std::vector<std::string> Warnings::Lines() const
+{
+  std::vector<std::string> lines;
+  for (const Issued &one : issued_) lines.push_back(one.line);
+  return lines;
+}
+
+std::vector<std::string> Warnings::KeptLines() const
+{
+  std::vector<std::string> lines;
+  for (const Issued &one : issued_)
+    if (!one.at_end) lines.push_back(one.line);
+  return lines;
+}
+
+std::vector<double> Warnings::State() const
+{
+  std::vector<double> state = numbers_;
+  const std::vector<double> motion = motion_.State();
+  state.insert(state.end(), motion.begin(), motion.end());
+  for (const Issued &one : issued_)
+    if (!one.at_end) state.push_back(static_cast<double>(one.kind));
+  return state;
+}
+
+void Warnings::SetState(const std::vector<double> &state, const std::vector<std::string> &lines)
+{
+  numbers_.assign(state.begin(), state.begin() + kNumbers);
+  motion_.SetState(state.data() + kNumbers);
+  issued_.clear();
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    issued_.push_back({static_cast<std::size_t>(state[kNumbers + MotionWatch::kSize + k]), false, lines[k]});
+}
+
+bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
+{
+  constexpr double kMaxKinds = kAtStart + 1;
+  const auto is_kind = [](double kind) { return kind >= 0 && kind < kMaxKinds && kind == std::floor(kind); };
+  constexpr std::size_t kFirst = kNumbers + MotionWatch::kSize;
+  return state.size() == kFirst + lines.size() && std::all_of(state.begin() + kFirst, state.end(), is_kind);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,109 @@
+// Legs, ramps and holds of a slow test.
+#include "program/case/slow_schedule.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+PiecewiseLinear SmoothRise(double value, double duration)
+{
+  constexpr int kPieces = 16;
+  std::vector<double> times = {0}, values = {0};
+  for (int k = 1; k <= kPieces; ++k) {
+    const double s = static_cast<double>(k) / kPieces;
+    times.push_back(s * duration);
+    values.push_back(value * s * s * (3 - 2 * s));
+  }
+  return {times, values};
+}
+
+/// Changes the speed. The straight pieces have the curve's integral, which is symmetric about its middle.
+void SlowSchedule::Ramp(double to, double duration)
+{
+  const double start = times_.back(), from = speeds_.back();
+  const PiecewiseLinear rise = SmoothRise(1, duration);
+  for (std::size_t k = 1; k < rise.Times().size(); ++k) {
+    times_.push_back(start + rise.Times()[k]);
+    speeds_.push_back(from + (to - from) * rise.Value(rise.Times()[k]));
+  }
+  speeds_.back() = to; // without rounding
+}
+
+/// Goes on for a way at the speed of now, which has its sign.
+void SlowSchedule::Cruise(double way)
+{
+  const double duration = way / speeds_.back();
+  if (!(duration > 1e-9 * times_.back())) return; // rounding
+  times_.push_back(times_.back() + duration);
+  speeds_.push_back(speeds_.back());
+}
+
+/// From rest to rest; a short way does not reach the speed.
+void SlowSchedule::Leg(double way, double speed, double ramp)
+{
+  const double top = std::copysign(std::min(speed, std::abs(way) / ramp), way);
+  Ramp(top, ramp);
+  Cruise(way - top * ramp);
+  Ramp(0, ramp);
+}
+
+/// Back by a way, at first slowly.
+void SlowSchedule::Unload(double way, double first, double slow, double fast, double ramp)
+{
+  const double rest = way - first, change = 0.5 * (slow + fast) * ramp, stop = 0.5 * fast * ramp;
+  if (!(fast > slow) || rest < change + stop) {
+    Leg(-way, slow, ramp);
+    return;
+  }
+  Ramp(-slow, ramp);
+  Cruise(-(first - 0.5 * slow * ramp));
+  Ramp(-fast, ramp);
+  Cruise(-(rest - change - stop));
+  Ramp(0, ramp);
+}
+
+SlowSchedule::SlowSchedule(const SlowPace &pace, const std::vector<double> &turns, double surface)
+{
+  if (pace.start > 0) times_.push_back(pace.start), speeds_.push_back(0);
+  const double duration = pace.transits * pace.transit, ramp = SlowPace::kRamp * duration;
+  const auto speed = [&](double x) { return std::min(pace.most_speed, x / (duration - ramp)); };
+  for (std::size_t k = 1; k < turns.size(); ++k) {
+    const double from = turns[k - 1], to = turns[k], way = to - from;
+    if (way > 0) {
+      Leg(way, speed(to > surface ? to - surface : way), ramp);
+      holds_.emplace_back(times_.back(), times_.back() + SlowPace::kHold * pace.transit);
+      times_.push_back(holds_.back().second);
+      speeds_.push_back(0);
+    } else {
+      const double reached = from > surface ? from - surface : -way, first = pace.spring_back * reached;
+      Unload(-way, first, speed(first), speed(reached), ramp);
+    }
+  }
+}
+
+double SlowSchedule::LargestSpeed() const { return PiecewiseLinear(times_, speeds_).LargestMagnitude(0, EndTime()); }
+
+PiecewiseLinear SlowSchedule::Power(double power) const
+{
+  constexpr int kPieces = 16;
+  const PiecewiseLinear speed = Speed();
+  std::vector<double> times = {0}, values = {0};
+  double x = 0, largest = 0;
+  for (std::size_t k = 1; k < times_.size(); ++k) {
+    const double T = times_[k] - times_[k - 1], v0 = speeds_[k - 1], v1 = speeds_[k];
+    const bool resting = v0 == 0 && v1 == 0, cruising = v0 == v1 && !resting;
+    const int pieces = cruising ? 4 * kPieces : resting ? 1 : 2;
+    for (int piece = 1; piece <= pieces; ++piece) {
+      const double t = T * piece / pieces;
+      times.push_back(times_[k - 1] + t);
+      values.push_back(std::pow(std::max(0.0, x + t * (v0 + 0.5 * (v1 - v0) * t / T)), power));
+    }
+    x += 0.5 * (v0 + v1) * T;
+    largest = std::max(largest, x);
+    if (x < 1e-12 * largest) x = values.back() = 0; // no load is none
+  }
+  return {times, values};
+}
+
+} // namespace mlgimp

@@ -1,0 +1,67 @@
+// Options of contact: kernel, friction, and the solver of the pressures.
+#include "program/input/groups.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+/// Coulomb's coefficient, which one method of contact has.
+void ReadFriction(OptionReader &reader, ContactSettings *contact)
+{
+  double friction = 0;
+  reader.NumberOrInfinity({"-indenter_friction", "Coulomb's coefficient of friction under the indenter; inf sticks"},
+                          kNotNegative, &friction);
+  if (friction > 0 && contact->method != "pressure")
+    reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
+  constexpr double kLargest = 3; // of dry surfaces; more is meant in per cent
+  if (friction > kLargest && std::isfinite(friction))
+    reader.WarnLater("-indenter_friction " + FormatNumber(friction) +
+                     ": is Coulomb's coefficient, not per cent; surfaces hardly slip with as much");
+  contact->friction = friction;
+}
+
+/// Those of PETSc's types that solve the contact equations, whose matrix is never formed; others end with PETSc's errors, or
+/// never.
+const std::vector<std::string> kSolvers = {"cg",     "cr",  "minres", "symmlq", "gmres", "fgmres",
+                                           "lgmres", "gcr", "bicg",   "bcgs",   "cgs",   "tfqmr"};
+const std::vector<std::string> kPreconditioners = {"jacobi", "none"};
+
+/// One of the types, where the option is given.
+void CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
+{
+  std::string text = "default";
+  if (reader.Text({option, "type of the solver of the contact pressures"}, false, &text) &&
+      std::find(types.begin(), types.end(), text) == types.end())
+    reader.Refuse(option, text, "one of " + Join(types, ", "));
+}
+
+/// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
+void CheckContactSolver(OptionReader &reader)
+{
+  constexpr double kLoosest = 1e-3; // with 0.01 loads are 1 % off, with 0.3 a fifth
+  double tolerance = 1e-10;
+  int iterations = 10000;
+  reader.Identify(false);
+  CheckType(reader, "-contact_ksp_type", kSolvers);
+  CheckType(reader, "-contact_pc_type", kPreconditioners);
+  reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, {0, kLoosest, true, false}, false,
+                &tolerance);
+  reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
+  reader.Identify(true);
+}
+
+} // namespace
+
+void ReadContact(OptionReader &reader, ContactSettings *contact)
+{
+  ReadFriction(reader, contact);
+  if (reader.Help() || (contact->method != "pressure" && contact->method != "point_pressure")) return;
+  CheckContactSolver(reader);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,197 @@
+// Options of materials.
+#include "program/input/groups.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+using Constants = MaterialConstants;
+
+void ReadConstant(OptionReader &reader, const std::string &prefix, const HardeningConstant &constant, Constants *c)
+{
+  const Range range = {constant.least, constant.most, !constant.may_be_least, std::isinf(constant.most)};
+  reader.Number({prefix + constant.name, constant.help, constant.unit}, range, constant.required, &(c->*constant.value));
+}
+
+/// The lists of a hardening table: strains that rise from 0, stresses that do not fall.
+void ReadTable(OptionReader &reader, const std::string &prefix, Constants *c)
+{
+  const std::string strains = prefix + "plastic_strains", stresses = prefix + "flow_stresses";
+  reader.Numbers({strains, "equivalent plastic strains, rising from 0 (table)"}, kNotNegative, 1, 0, true, &c->plastic_strains);
+  reader.Numbers({stresses, "flow stresses at them, not falling (table)", "Pa"}, kPositive, 1, 0, true, &c->flow_stresses);
+  if (reader.Help()) return;
+  const auto &strain = c->plastic_strains, &stress = c->flow_stresses;
+  if (strain[0] != 0) reader.Refuse(strains, FormatNumber(strain[0]), "0 at first: the initial yield stress is there");
+  if (stress.size() != strain.size())
+    reader.Refuse(stresses, std::to_string(stress.size()) + " values",
+                  "as many as " + strains + " has: " + std::to_string(strain.size()));
+  for (std::size_t k = 1; k < strain.size(); ++k) {
+    if (!(strain[k] > strain[k - 1])) reader.Refuse(strains, FormatNumber(strain[k]), "rising");
+    if (stress[k] < stress[k - 1]) reader.Refuse(stresses, FormatNumber(stress[k]), "at least the one before it");
+  }
+  c->yield_stress = stress[0];
+}
+
+/// What the constants of a hardening law must be to each other.
+void CheckHardening(const OptionReader &reader, const std::string &prefix, const Constants &c)
+{
+  if (c.saturation_stress < c.yield_stress)
+    reader.Refuse(prefix + "saturation_stress", FormatNumber(c.saturation_stress),
+                  "at least " + prefix + "yield_stress " + FormatNumber(c.yield_stress));
+  if (c.melting_temperature <= c.initial_temperature)
+    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
+                  "above -initial_temperature " + FormatNumber(c.initial_temperature));
+  if (c.melting_temperature <= c.reference_temperature)
+    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
+                  "above " + prefix + "reference_temperature " + FormatNumber(c.reference_temperature));
+  if (c.adiabatic && std::isnan(c.heat_capacity))
+    reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
+}
+
+/// K is meant.
+void WarnIfCelsius(OptionReader &reader, const std::string &option, double temperature)
+{
+  constexpr double kColdest = 60; // K; oxygen boils at 90
+  if (temperature < kColdest) reader.WarnLater(option + " " + FormatNumber(temperature) + ": is it in K? 20 degrees are 293");
+}
+
+/// Another unit than Pa would be a metal that flows away, one that never flows or one that does not harden, without a word.
+void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
+{
+  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
+  const bool table = c.hardening == "table";
+  const std::pair<const char *, double> stresses[] = {
+      {table ? "flow_stresses" : "yield_stress", table ? c.flow_stresses.front() : c.yield_stress},
+      {"flow_stresses", table && c.flow_stresses.size() > 1 ? c.flow_stresses.back() : NAN},
+      {"hardening_modulus", c.hardening_modulus},
+      {"saturation_stress", c.saturation_stress}}; // NaN where not given
+  for (const auto &[name, stress] : stresses) {
+    const bool soft = stress > 0 && stress < kSoftest * c.youngs_modulus;
+    if (soft || stress >= c.youngs_modulus)
+      reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
+                       (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
+  }
+  constexpr double kLargestStrain = 5, kMaxSensitive = 0.5, kMinHeat = 50,
+                   kMaxHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
+  const std::pair<const char *, double> strains[] = {{"plastic_strains", table ? c.plastic_strains.back() : NAN},
+                                                     {"saturation_strain", c.saturation_strain},
+                                                     {"hardening_strain", c.hardening_strain}}; // NaN where not given
+  for (const auto &[name, strain] : strains)
+    if (strain > kLargestStrain)
+      reader.WarnLater(prefix + name + " " + FormatNumber(strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
+  if (c.rate_sensitivity > kMaxSensitive)
+    reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
+                     ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
+  constexpr double kSlowest = 1e-5; // 1/s; those of creep are slower, but not those of this law
+  if (c.reference_rate < kSlowest)
+    reader.WarnLater(prefix + "reference_rate " + FormatNumber(c.reference_rate) + ": is slower than tests are; is it in 1/s?");
+  WarnIfCelsius(reader, prefix + "reference_temperature", c.reference_temperature);
+  if (!c.adiabatic && !std::isnan(c.heat_capacity))
+    reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
+  if (c.heat_capacity < kMinHeat || c.heat_capacity > kMaxHeat)
+    reader.WarnLater(prefix + "heat_capacity " + FormatNumber(c.heat_capacity) + ": is that of no metal; is it in J/(kg K)?");
+}
+
+/// Refuses constants that the user gave and that the material's law does not read.
+void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
+{
+  const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
+  if (common.rate_scale > 1 && !none([](const auto &material) { return material->RateScale() > 0; }))
+    reader.WarnLater(
+        "-rate_scale " + FormatNumber(common.rate_scale) +
+        ": the simulation is slower than the test; is it its time over that of the test? 1e-8 where 100 ns stand for 10 s");
+  if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->RateScale() > 0; }))
+    reader.WarnLater("-rate_scale " + FormatNumber(common.rate_scale) + ": changes nothing, as no material knows a rate");
+  if (common.initial_temperature != Constants().initial_temperature &&
+      none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
+    reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) +
+                     ": changes nothing, as no material knows a temperature");
+  WarnIfCelsius(reader, "-initial_temperature", common.initial_temperature);
+}
+
+/// Waves that no solid has, which make a run slow and each of its times wrong.
+void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, double poissons_ratio, const Material &material)
+{
+  constexpr double kFastest = 30e3; // m/s; diamond has 18e3
+  const double speed = material.SpeedOfSound();
+  if (speed > kFastest && std::isfinite(speed) && poissons_ratio < 0.49) // a nearly incompressible one is fast by its ratio
+    reader.WarnLater(prefix + "density " + FormatNumber(material.Density()) + ": waves have " + FormatRounded(speed) +
+                     " m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?");
+}
+
+/// Cells of a body that hardly changes its volume lock: a cylinder on one cell of contact meets 1.6 times the load at a ratio of
+/// 0.499, on three 1.08 times.
+void WarnOfLocking(OptionReader &reader, const std::string &prefix, double poissons_ratio, bool average)
+{
+  constexpr double kNearlyIncompressible = 0.49;
+  if (poissons_ratio >= kNearlyIncompressible && !average)
+    reader.WarnLater(prefix + "poissons_ratio " + FormatNumber(poissons_ratio) +
+                     ": cells of a body that hardly changes its volume lock, and loads under a tip are too large; add " + prefix +
+                     "volume_average");
+}
+
+void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)
+{
+  std::vector<std::string> names, known;
+  for (const HardeningLaw &law : HardeningLaws()) names.emplace_back(law.name);
+  reader.Choice({prefix + "hardening", "flow stress over plastic strain (j2)"}, names, &c->hardening);
+  for (const HardeningLaw &law : HardeningLaws())
+    for (const HardeningConstant &constant : law.constants) {
+      const bool is_new = std::find(known.begin(), known.end(), constant.name) == known.end();
+      if (!(reader.Help() ? is_new : law.name == c->hardening)) continue;
+      ReadConstant(reader, prefix, constant, c);
+      known.emplace_back(constant.name);
+    }
+  if (c->hardening == "table" || reader.Help()) ReadTable(reader, prefix, c);
+  if (c->hardening == "johnson_cook" || reader.Help())
+    reader.Flag({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
+  if (reader.Help()) return;
+  CheckHardening(reader, prefix, *c);
+  WarnOfUnits(reader, prefix, *c);
+}
+
+/// Share of its own growth of volume that a point keeps: enough to resist what the mean of its cell does not see, too little to
+/// lock.
+double KeptVolumeShare(const Constants &c)
+{
+  constexpr double kMaxShare = 0.05, kYieldStrains = 15;
+  return std::isnan(c.yield_stress) ? kMaxShare : std::min(kMaxShare, kYieldStrains * c.yield_stress / c.youngs_modulus);
+}
+
+} // namespace
+
+void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
+{
+  Constants common;
+  reader.Names({"-materials", "names of the materials"}, true, names);
+  reader.Number({"-rate_scale", "simulated time over real time, for laws that know a rate"}, kPositive, false,
+                &common.rate_scale);
+  reader.Number({"-initial_temperature", "temperature at the start, and T0 of johnson_cook where a material gives none", "K"},
+                kPositive, false, &common.initial_temperature);
+  for (const std::string &name : *names) {
+    const std::string prefix = "-" + name + "_";
+    std::string model = "neo_hookean";
+    Constants k = common;
+    reader.Choice({prefix + "model", "constitutive law"}, MaterialModels(), &model);
+    reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus);
+    reader.Number({prefix + "poissons_ratio", "Poisson's ratio"}, Open(-1, 0.5), true, &k.poissons_ratio);
+    reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density);
+    bool average = model == "j2", split = average;
+    if (average || reader.Help()) ReadHardening(reader, prefix, &k);
+    reader.Flag({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
+    reader.Flag({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
+    c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
+    c->model.materials.back()->SplitStretched(split);
+    if (!reader.Help()) WarnOfLocking(reader, prefix, k.poissons_ratio, average);
+    WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, *c->model.materials.back());
+    if (average) c->model.materials.back()->AverageVolume(KeptVolumeShare(k));
+  }
+  if (!reader.Help()) WarnOfUnused(reader, c->model, common);
+}
+
+} // namespace mlgimp

@@ -1,0 +1,171 @@
+// Looking at, locking and clearing the folder of a run; the first rank does it for all.
+#include "program/output/output_folder.hpp"
+
+#include "program/system/agree.hpp"
+#include "program/system/hdf5_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/file.h>
+
+namespace mlgimp
+{
+
+namespace fs = std::filesystem;
+
+static constexpr char kLockName[] = ".mlgimp_lock";
+
+/// The number in `name` between start and end, of six digits or more as it is written; -1 for any other name.
+static long NumberIn(const std::string &name, const std::string &start, const std::string &end)
+{
+  constexpr std::size_t kDigits = 6, kMaxDigits = 18;
+  if (name.size() < start.size() + kDigits + end.size() || name.rfind(start, 0) != 0) return -1;
+  const std::string digits = name.substr(start.size(), name.size() - start.size() - end.size());
+  if (name.substr(start.size() + digits.size()) != end || digits.size() > kMaxDigits) return -1;
+  for (char c : digits)
+    if (!std::isdigit(static_cast<unsigned char>(c))) return -1;
+  return digits.size() > kDigits && digits[0] == '0' ? -1 : std::strtol(digits.c_str(), nullptr, 10);
+}
+
+ResultName ParseResultName(const std::string &name)
+{
+  static const std::string kPart = ".part";
+  ResultName result;
+  result.part = name.size() > kPart.size() && name.substr(name.size() - kPart.size()) == kPart;
+  const std::string whole = result.part ? name.substr(0, name.size() - kPart.size()) : name;
+  const long frame = NumberIn(whole, "points_", ".h5"), checkpoint = NumberIn(whole, "checkpoint_", ".h5");
+  result.number = std::max({frame, checkpoint, 0L});
+  if (whole == "history.csv") result.kind = ResultName::kHistory;
+  if (whole == "summary.json") result.kind = ResultName::kSummary;
+  if (whole == "points.vtkhdf" || whole == "points.xdmf" || whole == "surface.vtkhdf" || whole == "surface.xdmf")
+    result.kind = ResultName::kSeries;
+  if (frame >= 0) result.kind = ResultName::kFrame;
+  if (checkpoint >= 0) result.kind = ResultName::kCheckpoint;
+  return result;
+}
+
+/// Names of the results in a folder, and of folders in their way; false, with the reason, where it cannot be listed.
+static bool ListResults(const std::string &directory, std::vector<std::string> *files, std::vector<std::string> *folders,
+                        std::error_code *error)
+{
+  for (fs::directory_iterator entry(directory, *error), end; !*error && entry != end; entry.increment(*error)) {
+    const std::string name = entry->path().filename().string();
+    std::error_code unknown;
+    if (ParseResultName(name).kind == ResultName::kNone) continue;
+    (fs::is_directory(entry->symlink_status(unknown)) ? folders : files)->push_back(name);
+  }
+  return !*error;
+}
+
+/// True for the checkpoint that the run goes on from, by whatever name or link.
+bool OutputFolder::IsRestart(const std::string &path) const
+{
+  std::error_code error;
+  return !settings_.restart.empty() && fs::equivalent(path, settings_.restart, error);
+}
+
+/// True where the run goes on in the folder that the checkpoint lies in, be it named there by a link.
+bool OutputFolder::HoldsRestart(const std::vector<std::string> &names) const
+{
+  std::error_code error;
+  if (settings_.restart.empty()) return false;
+  for (const fs::path &file : {fs::path(settings_.restart), fs::canonical(settings_.restart, error)}) {
+    const fs::path folder = file.parent_path();
+    if (!file.empty() && fs::equivalent(folder.empty() ? "." : folder, settings_.directory, error)) return true;
+  }
+  return std::any_of(names.begin(), names.end(), [&](const std::string &name) { return IsRestart(PathOf(name)); });
+}
+
+/// What is wrong with the folder as it is; empty where nothing is, or where there is none yet.
+std::string OutputFolder::Check()
+{
+  const std::string option = "-output_dir " + Shortened(settings_.directory) + ": must ";
+  std::vector<std::string> files, folders;
+  std::error_code error, unknown;
+  goes_on_ = false;
+  const fs::file_status status = fs::status(settings_.directory, unknown);
+  if (status.type() == fs::file_type::unknown) return option + "be a folder that can be reached: " + unknown.message();
+  if (!fs::exists(status)) return "";
+  if (!fs::is_directory(status)) return option + "be a folder; it is a file";
+  if (!ListResults(settings_.directory, &files, &folders, &error))
+    return option + "be a folder that can be listed: " + error.message();
+  if (!folders.empty()) return option + "hold no folder " + folders[0] + ", the name of a result";
+  goes_on_ = HoldsRestart(files);
+  if (!files.empty() && !goes_on_ && !settings_.overwrite) return option + "hold no results, or -overwrite be given";
+  return "";
+}
+
+/// Locks a file of its own, since the results are replaced by renaming. A file that a killed run left is not locked any more.
+std::string OutputFolder::Lock()
+{
+  const std::string path = PathOf(kLockName), option = "-output_dir " + Shortened(settings_.directory) + ": ";
+  do {
+    lock_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666), close);
+    if (!lock_.Valid()) return ""; // where no file can be made, the first result says why
+    if (flock(lock_, LOCK_EX | LOCK_NB) == 0) continue;
+    const int error = errno;
+    if (error == EWOULDBLOCK) {
+      lock_.Close();
+      return option + "must be used by one run at a time; another is writing there";
+    }
+    warning_ = option + "the file system gives no locks (" + std::strerror(error) +
+               "): two runs in this folder at once would not be noticed, and on NFS all ranks must be on one machine";
+  } while (!SameFile(lock_, path)); // the run before has just removed it
+  return "";
+}
+
+void OutputFolder::Unlock()
+{
+  if (lock_.Valid() && SameFile(lock_, PathOf(kLockName))) unlink(PathOf(kLockName).c_str());
+  lock_.Close();
+}
+
+std::string OutputFolder::Check(MPI_Comm comm)
+{
+  return OnFirstRank(comm, "folder_check", [&] { return Check(); });
+}
+
+/// Of the results in the folder, those that the run does without.
+bool OutputFolder::IsStale(const std::string &name, long step, int frames) const
+{
+  const ResultName result = ParseResultName(name);
+  if (IsRestart(PathOf(name))) return false;
+  if (!goes_on_ || result.part) return true;
+  return (result.kind == ResultName::kCheckpoint && result.number > step) ||
+         (result.kind == ResultName::kFrame && result.number > frames) || (result.kind == ResultName::kSeries && frames < 0);
+}
+
+std::string OutputFolder::Claim(MPI_Comm comm)
+{
+  std::string problem = OnFirstRank(comm, "folder_claim", [&] {
+    std::error_code error, unknown;
+    fs::create_directories(settings_.directory, error);
+    if (!fs::is_directory(settings_.directory, unknown))
+      return "-output_dir " + Shortened(settings_.directory) + ": must be a folder that can be created: " + error.message();
+    const std::string taken = Lock();
+    return taken.empty() ? Check() : taken; // once more: another run may have come between
+  });
+  MPI_Bcast(&goes_on_, 1, MPI_CXX_BOOL, 0, comm);
+  warning_ = ShareText(comm, warning_);
+  if (!warning_.empty()) DoWithoutLocks();
+  return problem;
+}
+
+std::string OutputFolder::Clear(MPI_Comm comm, long step, int frames)
+{
+  return OnFirstRank(comm, "folder_clear", [&]() -> std::string {
+    std::error_code error;
+    std::vector<std::string> files, folders;
+    if (!ListResults(settings_.directory, &files, &folders, &error)) return CannotWrite(settings_.directory, error.value());
+    for (const std::string &name : files)
+      if (IsStale(name, step, frames)) fs::remove(PathOf(name), error);
+    return "";
+  });
+}
+
+} // namespace mlgimp

@@ -1,0 +1,196 @@
+// summary.json: what a run was, how it ended and what it cost.
+#include "program/run/simulation.hpp"
+
+#include "program/system/agree.hpp"
+#include "program/system/files.hpp"
+#include "program/system/versions.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+/// Counts are sums of doubles, but whole; what is not finite becomes null.
+Json Number(double x)
+{
+  constexpr double kLargestWhole = 9007199254740992; // 2^53
+  return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
+}
+
+Json Numbers(Vec3 x, int dim)
+{
+  Json list = Json::array();
+  for (int axis = 0; axis < dim; ++axis) list.push_back(Number(x[axis]));
+  return list;
+}
+
+/// Seconds in an event over the stages of all levels, on this rank.
+double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent event)
+{
+  PetscEventPerfInfo info;
+  double seconds = 0;
+  for (PetscLogStage stage : stages) {
+    ExitOnError(PetscLogEventGetPerfInfo(stage, event, &info));
+    seconds += info.time;
+  }
+  return seconds;
+}
+
+/// Whether -log_view is in a format for which PETSc keeps times by their place in a tree of events, and not of events alone.
+bool LogsTree()
+{
+  char viewer[PETSC_MAX_PATH_LEN] = "";
+  ExitOnError(PetscOptionsGetString(nullptr, nullptr, "-log_view", viewer, sizeof viewer, nullptr));
+  const std::string text = viewer;
+  return text.find("ascii_xml") != std::string::npos || text.find("ascii_flamegraph") != std::string::npos;
+}
+
+Json VersionsJson()
+{
+  Json json;
+  for (const auto &[name, version] : Versions()) json[name] = version;
+  return json;
+}
+
+Json LevelJson(const Level &level, double points, double largest, double time_step)
+{
+  const GridGeometry &grid = level.Geometry().grid;
+  const int ranks = level.Mesh().Layout().Blocks();
+  const auto upper = [&](int axis) { return grid.lower[axis] + grid.cells[axis] * grid.spacing; };
+  return {{"lower", Numbers(grid.lower, grid.dim)},
+          {"upper", Numbers({upper(0), upper(1), upper(2)}, grid.dim)},
+          {"cell_size", Number(grid.spacing)},
+          {"points", Number(points)},
+          {"cells", static_cast<long>(grid.cells[0]) * grid.cells[1] * (grid.dim == 3 ? grid.cells[2] : 1)},
+          {"steps", level.Steps()},
+          {"time_step", Number(time_step)},
+          {"imbalance", Number(points > 0 ? largest * ranks / points : 1)},
+          {"ranks", ranks}};
+}
+
+/// {name: value} of "name value", as text.
+Json OptionsJson(const std::vector<std::string> &options)
+{
+  Json json = Json::object();
+  for (const std::string &option : options) {
+    const std::size_t space = option.find(' ');
+    json[option.substr(0, space)] = option.substr(space + 1);
+  }
+  return json;
+}
+
+/// Those that are shown there, in the order of the table.
+Json BudgetsJson(const Budgets &budgets, Shown shown, int dim)
+{
+  Json json = Json::object();
+  for (const Budget &row : budgets)
+    if (row.shown == shown) json[row.name] = row.components > 1 ? Numbers(row.value, dim) : Number(row.value[0]);
+  return json;
+}
+
+/// What a slow test has chosen, and what inertia and damping came to.
+Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
+{
+  const QuasiStaticPlan &plan = c.quasi_static;
+  return {{"tolerance", plan.tolerance},
+          {"transit", Number(plan.pace.transit)},
+          {"transits", Number(plan.pace.transits)},
+          {"distance", Number(plan.distance)},
+          {"start", Number(plan.pace.start)},
+          {"speed", Number(watch.FastestSpeed())},
+          {"speed_over_wave_speed", Number(watch.FastestSpeed() / plan.wave_speed)},
+          {"damping", Number(c.model.nodal.damping)},
+          {"damping_ratio", Number(plan.damping_ratio)},
+          {"xpic_fraction", Number(c.model.nodal.xpic_fraction)},
+          {"end_time", Number(plan.end_time)},
+          {"kinetic_over_internal", Number(watch.KineticShare())},
+          {"added_load", Number(watch.LoadShare())},
+          {"noise_over_work", Number(watch.NoiseShare())},
+          {"hold_drift", Number(watch.HoldDrift())}};
+}
+
+Json MovesJson(const std::vector<LevelMove> &moves, int dim)
+{
+  Json list = Json::array();
+  for (const LevelMove &move : moves)
+    list.push_back({{"step", Number(move.step)},
+                    {"time", Number(move.time)},
+                    {"level", move.level},
+                    {"active", move.active},
+                    {"lower", Numbers(move.box.lower, dim)},
+                    {"upper", Numbers(move.box.upper, dim)},
+                    {"split", Number(move.split)},
+                    {"merged", Number(move.merged)},
+                    {"mass_error", Number(move.mass_error)},
+                    {"momentum_error", Number(move.momentum_error)},
+                    {"energy", Number(move.energy)}});
+  return list;
+}
+
+} // namespace
+
+std::string Simulation::WriteSummary(const std::string &status)
+{
+  const std::vector<PetscLogStage> &stages = hierarchy_.Stages();
+  enum { kSteps, kPointSteps, kContact, kHalo, kTransfer, kCoupling, kSweep, kTimes };
+  double times[kTimes] = {level_seconds_,
+                          point_steps_,
+                          EventSeconds(stages, events_.contact),
+                          EventSeconds(stages, events_.halo),
+                          EventSeconds(stages, events_.transfer),
+                          EventSeconds(stages, events_.coupling),
+                          EventSeconds(stages, events_.points_to_grid)};
+  MPI_Allreduce(MPI_IN_PLACE, times, kTimes, MPI_DOUBLE, MPI_SUM, comm_);
+  const bool has_times = times[kSweep] > 0 && !LogsTree(); // another log, as -log_trace, may keep none
+  const auto share = [&](int event) { return has_times ? Number(times[event] / std::max(times[kSteps], 1e-30)) : Json(nullptr); };
+  double mapped = 0, unmapped = 0;
+  Budgets budgets;
+  ExitOnError(hierarchy_.ReduceBudgets(&budgets));
+  ExitOnError(hierarchy_.BytesBetweenLevels(&mapped, &unmapped));
+  const double created = Case::PointsCreated(budgets) - state_.initial_created;
+  Json levels = Json::array();
+  std::vector<double> points, largest;
+  ExitOnError(hierarchy_.CountPoints(&points, &largest));
+  for (int l = 0; l < hierarchy_.Levels(); ++l)
+    levels.push_back(LevelJson(hierarchy_.At(l), points[l], largest[l], state_.time_step / std::pow(case_.hierarchy.ratio, l)));
+  Json json = {{"status", status},
+               {"case", case_.name},
+               {"ranks", RanksOf(comm_)},
+               {"levels", levels},
+               {"steps", state_.step},
+               {"simulated_time", Number(state_.time)},
+               {"wall_seconds", Number(MPI_Wtime() - start_wall_)},
+               {"seconds_per_point_step", Number(times[kPointSteps] > 0 ? times[kSteps] / times[kPointSteps] : 0)},
+               {"contact_share", share(kContact)},
+               {"halo_share", share(kHalo)},
+               {"transfer_share", share(kTransfer)},
+               {"coupling_share", share(kCoupling)},
+               {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
+               {"mass_error", Number(budgets.mass / state_.initial_mass - 1)},
+               {"points_created", Number(created)},
+               {"points_lost", Number(state_.initial_points + created - budgets.points)},
+               {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
+  json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
+  json["contact_excess"] = Number(budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work);
+  json["noise_energy"] = Number(budgets.noise_energy);
+  if (case_.quasi_static.on) json["quasi_static"] = QuasiStaticJson(case_, watch_);
+  if (case_.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state_.moves, case_.Dim());
+  json["warnings"] = warnings_.Lines();
+  json["options"] = OptionsJson(case_.identity);
+  json["versions"] = VersionsJson();
+  return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
+    return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  });
+}
+
+} // namespace mlgimp

@@ -1,0 +1,279 @@
+// The plan of a slow test: speeds, ramps, holds and damping from the size of the body and its materials.
+#include "program/slow_test/plan.hpp"
+
+#include "base/index.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+namespace
+{
+
+// By measurement (docs/indentation.md): inertia and damping of the ratio kDampingRatio add about kLoadPerTransit/N to the load.
+constexpr double kLoadPerTransit = 0.4, kMinTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.05;
+constexpr double kXpicFraction = 0.02; ///< in holds and slow motion the noise of velocities does not go by itself
+constexpr double kPlaneStrain = 2;     ///< more transits where the load grows like the depth, and its beginning counts
+constexpr double kLoadControl = 2;     ///< more transits for metals, whose depth lags behind their load
+constexpr double kMaxStress = 15;      ///< of rho c V over the shear yield stress, times the tolerance
+
+/// The material that holds a place; null where no body is.
+const Material *MaterialAt(const Model &model, Vec3 x)
+{
+  for (const Body &body : model.bodies)
+    if (body.region->Contains(x)) return model.materials[body.material].get();
+  return nullptr;
+}
+
+/// Time that waves take for a length, s/m: of pressure, or, where they are much faster than those of shear, as in nearly
+/// incompressible bodies, so much of the latter's as at a Poisson's ratio of 0.4; what is slow to come to rest is shear.
+double Slowness(const Material &material)
+{
+  const double kRatio = std::sqrt(6); // of the two speeds at 0.4
+  return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Mu()) / kRatio);
+}
+
+/// Mean of the time that waves take for a length over all bodies, s/m.
+double MeanSlowness(const Case &c)
+{
+  constexpr int kSamples = 40; // along each axis
+  const bool is_space = c.Dim() == 3;
+  const Vec3 step = (1.0 / kSamples) * (c.domain.upper - c.domain.lower);
+  double sum = 0;
+  int count = 0;
+  ForEach({{0, 0, 0}, {kSamples, kSamples, is_space ? kSamples : 1}}, [&](Index k) {
+    Vec3 x = c.domain.lower;
+    for (int axis = 0; axis < c.Dim(); ++axis) x[axis] += (k[axis] + 0.5) * step[axis];
+    if (const Material *material = MaterialAt(c.model, x)) sum += Slowness(*material), ++count;
+  });
+  return count > 0 ? sum / count : Slowness(*c.model.materials[c.model.bodies[0].material]);
+}
+
+/// Where the tip meets the body, just inside it.
+Vec3 ContactPlace(const Case &c)
+{
+  constexpr double kInside = 1e-6; // of the domain
+  const Indenter &indenter = *c.model.indenter;
+  Vec3 x = indenter.tip;
+  x[indenter.up] = indenter.initial_surface;
+  for (int axis = 0; axis < c.Dim(); ++axis) {
+    const double margin = kInside * (c.domain.upper[axis] - c.domain.lower[axis]);
+    const double lower = c.domain.lower[axis] + margin, upper = c.domain.upper[axis] - margin;
+    x[axis] = std::clamp(axis == indenter.up ? x[axis] - margin : x[axis], lower, upper);
+  }
+  return x;
+}
+
+/// The longest way within the bodies from the contact along an axis to a side of the domain, or to one that is held.
+double LongestWay(const Case &c, bool held)
+{
+  const Indenter &indenter = *c.model.indenter;
+  double longest = 0;
+  for (const Body &body : c.model.bodies)
+    for (const Side side : SidesOf{c.Dim()}) {
+      const int axis = AxisOf(side);
+      const double from = axis == indenter.up ? indenter.initial_surface : indenter.tip[axis],
+                   to = body.region->Bounds().At(side);
+      if (!held || c.model.sides[side] != BoundaryKind::kFree) longest = std::max(longest, std::abs(to - from));
+    }
+  return longest;
+}
+
+/// The way of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
+double WavePath(const Case &c)
+{
+  const double held = LongestWay(c, true);
+  return held < kRounding * c.cell_size ? LongestWay(c, false) : held;
+}
+
+/// Exponent m of an elastic load over depth, P ~ h^m, from the width of the indenter; in plane strain there is only a logarithm.
+double LoadExponent(const Case &c, double depth)
+{
+  const IndenterSurface &surface = *c.model.indenter->surface;
+  if (c.model.geometry.kind == GeometryKind::kPlaneStrain) return 1;
+  const double wider = surface.Width(2 * depth) / surface.Width(depth);
+  return std::isfinite(wider) ? 1 + std::log2(wider) : 1;
+}
+
+/// Share of a depth that comes back until half of the load is gone: 1 - 2^(-1/m) of what is elastic. In a metal that is
+/// m P/S = m pi H a/(2 E*), with a hardness H.
+double SpringBack(const Case &c, double exponent, double depth)
+{
+  const double half = 1 - std::pow(0.5, 1 / exponent);
+  const Material *material = MaterialAt(c.model, ContactPlace(c));
+  if (!material || !(depth > 0)) return half;
+  const double mu = material->Mu(), lambda = material->Lambda(), modulus = 4 * mu * (lambda + mu) / (lambda + 2 * mu);
+  const double slope = 0.5 * c.model.indenter->surface->Width(depth) / depth; // a/h
+  return half * std::min(1.0, exponent * M_PI / 2 * ContactPressureOfFlow(*material) / modulus * slope);
+}
+
+/// The speed from which on inertia presses a metal noticeably: rho c V against the shear yield stress sy/sqrt 3.
+double MostSpeed(const Case &c)
+{
+  double most = HUGE_VAL;
+  for (const auto &material : c.model.materials)
+    most = std::min(most, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
+                              (material->Density() * material->SpeedOfSound()));
+  return most;
+}
+
+/// Loads and gravity rise from nothing, and the bodies come to rest, before the tip starts: what begins at once is a blow.
+void PlanRise(Case *c)
+{
+  QuasiStaticPlan &plan = c->quasi_static;
+  if (c->model.loads.empty() && c->model.nodal.gravity == Vec3{}) return;
+  plan.rise = plan.pace.transits * plan.pace.transit;
+  plan.pace.start = plan.rise + SlowPace::kHold * plan.pace.transit;
+  for (Load &load : c->model.loads) load.pressure = SmoothRise(load.pressure.EndValue(), plan.rise);
+  c->model.gravity_share = SmoothRise(1, plan.rise);
+}
+
+/// Turns of the travel that was read, m, from 0 on; gap: what is left of it before the surface.
+std::vector<double> TravelTurns(OptionReader &reader, const Case &c, double gap)
+{
+  std::vector<double> turns = {0};
+  for (double depth : c.quasi_static.turns) turns.push_back(gap + depth);
+  if (turns.size() > 1) return turns;
+  const IndenterMotion &motion = c.model.indenter->motion;
+  const bool comes_back = std::isfinite(motion.turning_time);
+  const double end = comes_back ? motion.turning_time : std::isfinite(c.time.end_time) ? c.time.end_time : motion.speed.EndTime();
+  if (end == 0) reader.Refuse("-indenter_max_depth", "", "given with -quasi_static, or more than one of -indenter_times");
+  turns = motion.speed.TurnsOfIntegral(end);
+  if (comes_back) turns.push_back(0);
+  return turns;
+}
+
+void PlanDepths(OptionReader &reader, Case *c)
+{
+  QuasiStaticPlan &plan = c->quasi_static;
+  Indenter &indenter = *c->model.indenter;
+  const double gap = indenter.tip[indenter.up] - indenter.initial_surface;
+  const std::vector<double> turns = TravelTurns(reader, *c, gap);
+  plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
+  if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
+  plan.exponent = LoadExponent(*c, plan.depth);
+  plan.pace.most_speed = MostSpeed(*c);
+  plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
+  const SlowSchedule schedule(plan.pace, turns, gap);
+  indenter.motion = {schedule.Speed()};
+  plan.largest_speed = schedule.LargestSpeed();
+  plan.end_time = schedule.EndTime();
+  plan.holds = schedule.Holds();
+}
+
+/// Under load control the m-th root of the load takes the place of the depth.
+void PlanLoads(OptionReader &reader, Case *c)
+{
+  QuasiStaticPlan &plan = c->quasi_static;
+  PiecewiseLinear &force = c->model.indenter->by_load->force;
+  std::vector<double> turns = force.Turns();
+  plan.load = *std::max_element(turns.begin(), turns.end());
+  if (!(plan.load > 0)) reader.Refuse("-quasi_static", "true", "with a load above 0");
+  plan.exponent = LoadExponent(*c, c->CellSize(c->LevelAtTip()));
+  if (c->model.HasMetal()) plan.pace.transits *= kLoadControl;
+  plan.pace.spring_back = 1 - std::pow(0.5, 1 / plan.exponent);
+  for (double &load : turns) load = std::pow(load, 1 / plan.exponent);
+  if (turns.front() > 0) turns.insert(turns.begin(), 0.0);
+  const SlowSchedule schedule(plan.pace, turns);
+  force = schedule.Power(plan.exponent);
+  plan.end_time = schedule.EndTime();
+  plan.holds = schedule.Holds();
+}
+
+/// The time of the test that the schedule stands for, where a material knows its rates.
+std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
+{
+  double scale = 0;
+  for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
+  return scale > 0 ? ", by -rate_scale that of a test of " + FormatRounded(plan.end_time / scale) + " s" : "";
+}
+
+/// What was chosen, in one line, and what the user should know of it, each in one.
+void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
+{
+  const auto in = [](double x) { return FormatRounded(x); };
+  plan->lines.push_back("quasi-static: " + in(plan->pace.transits) + " transits of " + in(plan->pace.transit) + " s (" +
+                        in(plan->distance) + " m at " + in(plan->wave_speed) + " m/s) for a loading" +
+                        (plan->depth > 0 ? ", at most " + in(plan->largest_speed) +
+                                               " m/s = " + in(plan->largest_speed / plan->wave_speed) + " of the speed of waves"
+                                         : "") +
+                        "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
+                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + RatesText(c, *plan));
+  if (plan->rise > 0)
+    plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
+                          in(plan->pace.start) + " s, and depths count from the surface without them");
+  if (std::isfinite(end_time) && end_time < plan->end_time)
+    plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
+}
+
+constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
+
+/// A case keeps its history where depths are given for a slow test.
+void LeaveHistoryAside(OptionReader &reader)
+{
+  std::string text;
+  for (const char *option : {"-indenter_times", "-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
+    reader.Text({option, "not used with -indenter_depths"}, false, &text);
+  for (const char *option : {"-indenter_velocities_x", "-indenter_velocities_y"})
+    if (reader.Text({option, "sideways speed"}, false, &text)) reader.Refuse(option, text, kNotSideways);
+  text = "displacement";
+  reader.Text({"-indenter_control", "not used with -indenter_depths"}, false, &text);
+  if (text != "displacement")
+    reader.Refuse("-indenter_control", text, "displacement or left out where -indenter_depths are given");
+}
+
+} // namespace
+
+void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan)
+{
+  reader.Flag(
+      {"-quasi_static", "slow test through the turns of the indenter's history: speeds, ramps, holds and damping are chosen"},
+      &plan->on);
+  if (plan->on && !has_indenter && !reader.Help()) reader.Refuse("-quasi_static", "true", "left out without -indenter");
+  if (!plan->on && !reader.Help()) return;
+  reader.Numbers({"-indenter_depths", "depths at the turns of a slow test, in place of its history", "m"}, kNotNegative, 1, 0,
+                 false, &plan->turns);
+  if (reader.Help()) plan->turns.clear();
+  if (!plan->turns.empty()) LeaveHistoryAside(reader);
+  reader.Number({"-quasi_static_tolerance", "share of the load that inertia and damping may add"}, {0, 0.1, true, false}, false,
+                &plan->tolerance);
+}
+
+double TransitOf(const Case &c) { return WavePath(c) * MeanSlowness(c); }
+
+void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
+{
+  QuasiStaticPlan &plan = c->quasi_static;
+  for (int axis = 0; axis < 2; ++axis)
+    if (!c->model.indenter->sideways[axis].Times().empty())
+      reader.Refuse(std::string("-indenter_velocities_") + "xy"[axis], "", kNotSideways);
+  for (std::size_t k = 0; k < c->model.loads.size(); ++k)
+    if (c->model.loads[k].pressure.EndTime() > 0)
+      reader.Refuse("-quasi_static", "true",
+                    "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
+  plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
+  plan.pace.transit = plan.distance * MeanSlowness(*c);
+  plan.wave_speed = plan.distance / plan.pace.transit;
+  plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));
+  if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
+  PlanRise(c);
+  c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
+  double &damping = c->model.nodal.damping;
+  const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit
+  if (plan.own_damping) damping = (c->model.HasMetal() ? kMetalDampingRatio : kDampingRatio) * critical;
+  plan.damping_ratio = damping / critical;
+  double &xpic_fraction = c->model.nodal.xpic_fraction;
+  if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);
+  reader.Chosen("-damping", damping);
+  reader.Chosen("-xpic_fraction", xpic_fraction);
+  c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
+  Describe(*c, end_time, &plan);
+  const auto &materials = c->model.materials;
+  if (std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->RateScale() == 1; }))
+    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; the scale is its time "
+                     "over that of the test");
+}
+
+} // namespace mlgimp

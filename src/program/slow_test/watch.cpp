@@ -1,0 +1,86 @@
+// The watch over a slow test.
+#include "program/slow_test/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mlgimp
+{
+
+static constexpr double kEarly = 0.2; ///< of depth or load: before, shares of them say nothing
+static constexpr int kSamples = 16;   ///< in a transit
+
+/// What inertia and damping add to the load, N: no more than all of it, since other things than the tip move bodies too.
+double QuasiStaticWatch::Added(const Sample &now, double load)
+{
+  constexpr double kMaxSpeed = 0.05;
+  const double transit = plan_.pace.transit;
+  if (window_.empty() || now.time - window_.back().time > transit / kSamples) window_.push_back(now);
+  while (window_.size() > 1 && window_[1].time <= now.time - transit) window_.erase(window_.begin());
+  const Sample &then = window_.front();
+  const double time = now.time - then.time, way = now.depth - then.depth;
+  if (!(time > 0)) return 0;
+  speed_ = std::abs(way) / time;
+  const double least = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
+  const double added = way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  return std::clamp(added, -std::abs(load), std::abs(load));
+}
+
+/// value: the load, or under load control the depth.
+void QuasiStaticWatch::CheckHold(double time, double value)
+{
+  const auto in_last_transit = [&](const std::pair<double, double> &hold) {
+    return time > hold.second - plan_.pace.transit && time <= hold.second;
+  };
+  const auto hold = std::find_if(plan_.holds.begin(), plan_.holds.end(), in_last_transit);
+  if (hold == plan_.holds.end() || value == 0) return;
+  double &least = numbers_[kHoldLeast], &most = numbers_[kHoldMost];
+  if (numbers_[kHoldTime] != hold->second) numbers_[kHoldTime] = hold->second, least = most = value;
+  least = std::min(least, value), most = std::max(most, value);
+  numbers_[kHoldDrift] = std::max(numbers_[kHoldDrift], (most - least) / std::max(std::abs(most), std::abs(least)));
+}
+
+bool QuasiStaticWatch::IsLoaded(const Budgets &row) const
+{
+  const bool deep = plan_.depth > 0 ? row.depth > kEarly * plan_.depth : row.load > std::pow(kEarly, plan_.exponent) * plan_.load;
+  return deep && row.load_quasi_static > kEarly * numbers_[kLargestLoad];
+}
+
+void QuasiStaticWatch::Record(Budgets &row)
+{
+  if (!plan_.on) return;
+  const double kinetic = row.kinetic_energy - row.noise_energy;
+  row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
+  numbers_[kLargestLoad] = std::max<double>(numbers_[kLargestLoad], row.load_quasi_static);
+  CheckHold(row.time, plan_.depth > 0 ? row.load : row.depth);
+  if (!IsLoaded(row)) return;
+  const auto raise = [this](Kept which, double share) { numbers_[which] = std::max(numbers_[which], share); };
+  raise(kFastest, speed_);
+  raise(kLoadShare, std::abs(row.load / row.load_quasi_static - 1));
+  raise(kKineticShare, kinetic / (plan_.rise > 0 ? row.indenter_work : row.strain_energy + row.plastic_work));
+  raise(kNoiseShare, row.noise_energy / row.indenter_work);
+}
+
+std::vector<double> QuasiStaticWatch::State() const
+{
+  std::vector<double> state;
+  if (!plan_.on) return state;
+  state = numbers_;
+  for (const Sample &sample : window_) state.insert(state.end(), {sample.time, sample.depth, sample.spent});
+  return state;
+}
+
+void QuasiStaticWatch::SetState(const std::vector<double> &state)
+{
+  if (!plan_.on) return;
+  numbers_.assign(state.begin(), state.begin() + kNumbers);
+  window_.clear();
+  for (std::size_t k = kNumbers; k < state.size(); k += kSample) window_.push_back({state[k], state[k + 1], state[k + 2]});
+}
+
+bool QuasiStaticWatch::IsState(const std::vector<double> &state) const
+{
+  return plan_.on ? state.size() >= kNumbers && (state.size() - kNumbers) % kSample == 0 : state.empty();
+}
+
+} // namespace mlgimp

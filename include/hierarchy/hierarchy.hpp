@@ -74,7 +74,7 @@ public:
   PetscErrorCode Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events, bool fill);
 
   /// One step of level 0, with all steps of the finer levels within it.
-  PetscErrorCode Advance(double time, double dt);
+  PetscErrorCode Advance(TimeStep step);
 
   PetscErrorCode CheckSpeeds(SpeedCheck *speeds);
   /// What border b of levels b and b + 1 keeps from one step to the next, [interface nodes][LevelInterface::kState], on the
@@ -132,8 +132,12 @@ public:
   void SetPatchDrift(double cells) { patch_drift_ = cells; }
 
 private:
-  PetscErrorCode AdvanceLevel(int l, double time, double dt, int substep);
-  PetscErrorCode AdvanceLevelWithCopies(int l, double time, double dt);
+  PetscErrorCode WatchPatches();
+  PetscErrorCode AdvanceLevel(int l, TimeStep step, int substep);
+  PetscErrorCode RecordTip(int l, TimeStep step);
+  PetscErrorCode RefineStretched(int l, double time);
+  PetscErrorCode AdvanceWithCopies(TimeStep step);
+  PetscErrorCode AdvanceLevelWithCopies(int l, TimeStep step);
   PetscErrorCode MeasureMomentum(Vec3 *left);
   PetscErrorCode CorrectMomentum();
   PetscErrorCode SeedSurface(const std::vector<Seeding> &seedings);

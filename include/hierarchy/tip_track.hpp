@@ -22,10 +22,10 @@ public:
 
   /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
   Vec3 At(double time) const;
-  /// The tip and the load in a step of level l from `time` on; start: the tip when the step began.
-  TipStep Step(int l, Vec3 start, double time, double dt) const;
+  /// The tip and the load in a step of level l; start: the tip when the step began.
+  TipStep Step(int l, Vec3 start, TimeStep step) const;
   /// Takes up what level l did in that step. Collective on all ranks.
-  PetscErrorCode Follow(MPI_Comm comm, int l, const Level &level, double time, double dt);
+  PetscErrorCode Follow(MPI_Comm comm, int l, const Level &level, TimeStep step);
 
   /// How far the tip can come within some steps, m.
   double Reach(double time, double dt, int steps) const;

@@ -13,14 +13,37 @@ struct LogEvents {
 
 PetscErrorCode RegisterLogEvents(LogEvents *events);
 
+/// Counts what is done until its end as a log event.
+class LogScope
+{
+public:
+  explicit LogScope(PetscLogEvent event) : event_(event)
+  {
+    PetscCallAbort(PETSC_COMM_SELF, PetscLogEventBegin(event_, 0, 0, 0, 0));
+  }
+  ~LogScope() { PetscCallAbort(PETSC_COMM_SELF, PetscLogEventEnd(event_, 0, 0, 0, 0)); }
+  LogScope(const LogScope &) = delete;
+  LogScope &operator=(const LogScope &) = delete;
+
+private:
+  PetscLogEvent event_;
+};
+
+/// Counts what is done until its end in a log stage.
+class StageScope
+{
+public:
+  explicit StageScope(PetscLogStage stage) { PetscCallAbort(PETSC_COMM_SELF, PetscLogStagePush(stage)); }
+  ~StageScope() { PetscCallAbort(PETSC_COMM_SELF, PetscLogStagePop()); }
+  StageScope(const StageScope &) = delete;
+  StageScope &operator=(const StageScope &) = delete;
+};
+
 /// Calls `work` as a log event.
 template <class Work> PetscErrorCode Timed(PetscLogEvent event, Work work)
 {
-  PetscFunctionBeginUser;
-  PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
-  PetscCall(work());
-  PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  const LogScope log(event);
+  return work();
 }
 
 /// Floating-point operations of a sweep for a point, and of the grid's update for a node: counted in the source in the plane, and

@@ -1,6 +1,7 @@
 // One grid level: its grid, its points, and one explicit step of both.
 #pragma once
 
+#include "base/time_step.hpp"
 #include "contact/border_nodes.hpp"
 #include "contact/contact.hpp"
 #include "contact/strain_under.hpp"
@@ -68,15 +69,15 @@ public:
 
   PetscErrorCode Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout);
 
-  // One explicit step from `time` to `time + dt` is these, in this order. Between them the nodes of neighbouring levels
+  // One explicit step is these calls, in this order. Between them the nodes of neighbouring levels
   // are coupled (see hierarchy/coupling/level_interface.hpp). Nothing happens on ranks that hold no part of the grid.
 
   /// Mass, momentum and forces of the points on owned nodes.
-  PetscErrorCode GatherForces(double time, double dt);
+  PetscErrorCode GatherForces(TimeStep step);
   /// New velocities of owned nodes from the level's own points.
   PetscErrorCode UpdateNodes(double dt);
   /// Holds the velocities at the domain's sides; contact; sends them to ghost nodes.
-  PetscErrorCode FinishNodes(double time, double dt, const TipStep &tip);
+  PetscErrorCode FinishNodes(TimeStep step, const TipStep &tip);
   /// Velocities, positions, strain and stress of the points.
   PetscErrorCode AdvancePoints(double dt);
   /// Counts the step; migrates and sorts where due.
@@ -182,6 +183,7 @@ public:
   void WantPatches() { patches_due_ = true; }
   void TakePatchesDue() { patches_due_ = false; }
   const Model &Physics() const { return model_; }
+  const LogEvents &Events() const { return events_; }
   const NodalSettings &Nodal() const { return nodal_; }
   const LevelFailure &Failure() const { return failure_; }
   /// All that the level adds up on this rank but what SumPoints does.
@@ -198,7 +200,7 @@ private:
   PetscErrorCode CreateGrid(const GridLayout &layout);
   void SetCoupledPlaces(CoupledPlaces places);
   SurfaceInputs SurfaceNow();
-  PetscErrorCode ApplyContact(double time, double dt, const TipStep &tip);
+  PetscErrorCode ApplyContact(TimeStep step, const TipStep &tip);
   void PrepareSharedNodes();
   void FindFollowing(Vec3 tip);
   void RecordContact(const ContactReport &report, double area);

@@ -83,14 +83,20 @@ struct IndenterLoad {
   double largest_speed = 0; ///< of the tip, up or down, m/s
 };
 
+/// What contact must carry in a step under load control.
+struct LoadInStep {
+  double force;       ///< N
+  double most_travel; ///< of the tip, up or down, m
+  /// How far the tip comes down where nothing is near, m.
+  double FreeTravel() const { return force > 0 ? most_travel : 0; }
+};
+
 /// The tip in a step. Under load control it keeps its height, and contact finds how far it comes down.
 struct TipStep {
-  Vec3 start{}, end{};    ///< m
-  double load = NAN;      ///< that contact must carry, N; NAN where the way is given
-  double most_travel = 0; ///< up or down, where contact finds it, m
-  bool IsFree() const { return !std::isnan(load); }
-  /// How far it comes down where nothing is near.
-  double FreeTravel() const { return load > 0 ? most_travel : 0; }
+  Vec3 start{}, end{}; ///< m
+  std::optional<LoadInStep> by_load{};
+  /// How far it comes down where nothing is near, m.
+  double FreeTravel() const { return by_load ? by_load->FreeTravel() : 0; }
 };
 
 /// A moving rigid indenter.

@@ -216,7 +216,7 @@ private:
     problem_.Build(step.dt, nodes_, std::move(points));
     if (problem_.Size() == 0) {
       pressures_.clear();
-      if (step.tip.IsFree()) outcome->travel = step.tip.FreeTravel();
+      outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q;

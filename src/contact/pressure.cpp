@@ -261,7 +261,7 @@ private:
     outcome->solved = 1, outcome->empty = problem_.Size() == 0;
     means_.clear(), strains_.clear(), last_.clear();
     if (problem_.Size() == 0) {
-      if (step.tip.IsFree()) outcome->travel = step.tip.FreeTravel();
+      outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q = problem_.Start();

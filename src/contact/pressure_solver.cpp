@@ -258,11 +258,11 @@ PetscErrorCode PressureSolver::Solve(const PressureProblem &problem, const TipSt
   PetscCall(Prepare(problem.Size()));
   problem.Diagonal(roots_.data());
   for (double &root : roots_) root = std::sqrt(root);
-  const double load = tip.IsFree() ? tip.load + more_load : 0;
-  if (!tip.IsFree()) {
+  const double load = tip.by_load ? tip.by_load->force + more_load : 0;
+  if (!tip.by_load) {
     PetscCall(SolveAtRest(q, 0, report));
   } else if (load > 0) {
-    PetscCall(SolveByLoad(load, tip.most_travel, q, report));
+    PetscCall(SolveByLoad(load, tip.by_load->most_travel, q, report));
   } else { // lifted where the surface comes up
     std::fill(q->begin(), q->end(), 0.0);
     for (int k = 0; k < size_; ++k)

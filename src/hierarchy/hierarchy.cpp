@@ -203,85 +203,115 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Advance(double time, double dt)
+PetscErrorCode Hierarchy::Advance(TimeStep step)
 {
-  constexpr double kMaxDrift = 0.5; // cells
-  bool due = false;
   PetscFunctionBeginUser;
-  for (const auto &level : levels_) due = due || level->PatchesDue();
-  if (model_->indenter && (due || patch_drift_ > kMaxDrift)) PetscCall(AssignPatches(patch_drift_ > kMaxDrift));
-  double drift = 0;
-  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(settings_.ratio, l) * levels_[l]->Clock().drift_per_step);
-  patch_drift_ += drift;
-  if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1) {
-    PetscCall(AdvanceLevel(0, time, dt, 0));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (!copies_.ready) {
-    for (int b = 0; b + 1 < Levels(); ++b) PetscCall(ghosts_[b]->Exchange(dt / std::pow(settings_.ratio, b)));
-    PetscCall(MeasureMomentum(&copies_.momentum_left));
-    copies_.ready = true;
-  }
-  PetscCall(AdvanceLevelWithCopies(0, time, dt));
-  if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
+  PetscCall(WatchPatches());
+  if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1)
+    PetscCall(AdvanceLevel(0, step, 0));
+  else
+    PetscCall(AdvanceWithCopies(step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::AdvanceLevel(int l, double time, double dt, int substep)
+/// Gives patches of the surface to the levels and ranks where they are now, if they may have moved too far.
+PetscErrorCode Hierarchy::WatchPatches()
+{
+  constexpr double kMaxDrift = 0.5; // cells
+  bool due = false;
+  double drift = 0;
+  PetscFunctionBeginUser;
+  for (const auto &level : levels_) due = due || level->PatchesDue();
+  if (model_->indenter && (due || patch_drift_ > kMaxDrift)) PetscCall(AssignPatches(patch_drift_ > kMaxDrift));
+  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(settings_.ratio, l) * levels_[l]->Clock().drift_per_step);
+  patch_drift_ += drift;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::AdvanceLevel(int l, TimeStep step, int substep)
+{
+  const StageScope stage(stages_[l]);
+  const int ratio = settings_.ratio;
+  const Vec3 tip = tip_.At(step.time);
+  Level &level = *levels_[l];
+  LevelInterface *const coarser = l > 0 ? borders_[l - 1].get() : nullptr, *const finer =
+                                                                               IsActive(l + 1) ? borders_[l].get() : nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(level.GatherForces(step));
+  PetscCall(level.UpdateNodes(step.dt));
+  if (coarser) PetscCall(coarser->Advance(substep, step.dt));
+  if (finer) {
+    PetscCall(finer->CoarseToFine());
+    for (int k = 0; k < ratio; ++k) PetscCall(AdvanceLevel(l + 1, step.Part(k, ratio), k));
+    PetscCall(finer->FineToCoarse());
+  }
+  PetscCall(level.FinishNodes(step, tip_.Step(l, tip, step)));
+  if (finer) PetscCall(finer->TakeContact());
+  PetscCall(RecordTip(l, step));
+  PetscCall(level.AdvancePoints(step.dt));
+  if (finer) PetscCall(transfers_[l]->Transfer(step.dt, finer));
+  PetscCall(RefineStretched(l, step.End()));
+  PetscCall(level.EndStep());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Takes up what contact did to the tip in a step of level l, and how wide it was.
+PetscErrorCode Hierarchy::RecordTip(int l, TimeStep step)
+{
+  const TipReport &contact = levels_[l]->Tip();
+  PetscFunctionBeginUser;
+  PetscCall(tip_.Follow(comm_, l, *levels_[l], step));
+  follow_.half_width = std::max(follow_.half_width, contact.half_width);
+  follow_.reach = std::max(follow_.reach, contact.reach);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Every kSplitInterval steps of level l: splits points of metal that are drawn out, and halves patches of the surface.
+PetscErrorCode Hierarchy::RefineStretched(int l, double time)
 {
   Level &level = *levels_[l];
-  const bool has_finer = IsActive(l + 1);
-  const double fine_dt = dt / settings_.ratio;
-  const Vec3 tip = tip_.At(time);
   PetscFunctionBeginUser;
-  PetscCall(PetscLogStagePush(stages_[l]));
-  PetscCall(level.GatherForces(time, dt));
-  PetscCall(level.UpdateNodes(dt));
-  if (l > 0) PetscCall(Timed(events_.coupling, [&] { return borders_[l - 1]->Advance(substep, dt); }));
-  if (has_finer) {
-    PetscCall(Timed(events_.coupling, [&] { return borders_[l]->CoarseToFine(); }));
-    for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevel(l + 1, time + k * fine_dt, fine_dt, k));
-    PetscCall(Timed(events_.coupling, [&] { return borders_[l]->FineToCoarse(); }));
-  }
-  PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip, time, dt)));
-  if (has_finer) PetscCall(Timed(events_.coupling, [&] { return borders_[l]->TakeContact(); }));
-  PetscCall(tip_.Follow(comm_, l, level, time, dt));
-  follow_.half_width = std::max(follow_.half_width, level.Tip().half_width);
-  follow_.reach = std::max(follow_.reach, level.Tip().reach);
-  PetscCall(level.AdvancePoints(dt));
-  if (has_finer) PetscCall(Timed(events_.transfer, [&] { return transfers_[l]->Transfer(dt, borders_[l].get()); }));
-  if (model_->SplitsStretched() && (level.Steps() + 1) % kSplitInterval == 0) {
+  if ((level.Steps() + 1) % kSplitInterval != 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model_->SplitsStretched()) {
     StraightenBoxes(*model_, level.PointStore().Arrays());
-    if (level.ContactActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time + dt));
+    if (level.ContactActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time));
     PetscCall(Timed(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
     for (auto &transfer : transfers_) transfer->InvalidateClearance();
     level.InvalidateClearance();
   }
-  if (model_->indenter && (level.Steps() + 1) % kSplitInterval == 0) level.SplitSurface(tip_.At(time + dt));
-  PetscCall(level.EndStep());
-  PetscCall(PetscLogStagePop());
+  if (model_->indenter) level.SplitSurface(tip_.At(time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, double time, double dt)
+/// The same for levels that are coupled by copies of points.
+PetscErrorCode Hierarchy::AdvanceWithCopies(TimeStep step)
 {
-  Level &level = *levels_[l];
-  const bool has_finer = l + 1 < Levels();
-  const double fine_dt = dt / settings_.ratio;
   PetscFunctionBeginUser;
-  PetscCall(PetscLogStagePush(stages_[l]));
-  PetscCall(level.GatherForces(time, dt));
-  PetscCall(level.UpdateNodes(dt));
-  PetscCall(level.FinishNodes(time, dt, tip_.Step(l, tip_.At(time), time, dt)));
-  PetscCall(level.AdvancePoints(dt));
-  PetscCall(level.EndStep());
-  if (has_finer) {
-    for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, time + k * fine_dt, fine_dt));
-    if (!settings_.repairs.owner_flags) PetscCall(Timed(events_.transfer, [&] { return ghosts_[l]->DecideByPlace(); }));
-    PetscCall(Timed(events_.transfer, [&] { return transfers_[l]->Transfer(dt, nullptr); }));
-    PetscCall(Timed(events_.coupling, [&] { return ghosts_[l]->Exchange(dt); }));
+  if (!copies_.ready) {
+    for (int b = 0; b + 1 < Levels(); ++b) PetscCall(ghosts_[b]->Exchange(step.dt / std::pow(settings_.ratio, b)));
+    PetscCall(MeasureMomentum(&copies_.momentum_left));
+    copies_.ready = true;
   }
-  PetscCall(PetscLogStagePop());
+  PetscCall(AdvanceLevelWithCopies(0, step));
+  if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, TimeStep step)
+{
+  const StageScope stage(stages_[l]);
+  Level &level = *levels_[l];
+  PetscFunctionBeginUser;
+  PetscCall(level.GatherForces(step));
+  PetscCall(level.UpdateNodes(step.dt));
+  PetscCall(level.FinishNodes(step, tip_.Step(l, tip_.At(step.time), step)));
+  PetscCall(level.AdvancePoints(step.dt));
+  PetscCall(level.EndStep());
+  if (l + 1 == Levels()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, step.Part(k, settings_.ratio)));
+  if (!settings_.repairs.owner_flags) PetscCall(ghosts_[l]->DecideByPlace());
+  PetscCall(transfers_[l]->Transfer(step.dt, nullptr));
+  PetscCall(ghosts_[l]->Exchange(step.dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

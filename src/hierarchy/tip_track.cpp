@@ -27,16 +27,16 @@ Vec3 TipTrack::At(double time) const
   return indenter_->tip - indenter_->Up(travel_ + speed_ * (time - time_)) + indenter_->Sideways(time);
 }
 
-TipStep TipTrack::Step(int l, Vec3 start, double time, double dt) const
+TipStep TipTrack::Step(int l, Vec3 start, TimeStep step) const
 {
-  if (!IsByLoad() || l != tip_level_) return {start, At(time + dt)};
+  if (!IsByLoad() || l != tip_level_) return {start, At(step.End()), {}};
   const double others = std::accumulate(load_on_other_levels_.begin(), load_on_other_levels_.end(), 0.0);
-  const double load = std::max(0.0, indenter_->by_load->force.Mean(time, time + dt) - others);
-  const Vec3 sideways = indenter_->Sideways(time + dt) - indenter_->Sideways(time);
-  return {start, start + sideways, load, indenter_->by_load->largest_speed * dt};
+  const double load = std::max(0.0, indenter_->by_load->force.Mean(step.time, step.End()) - others);
+  const Vec3 sideways = indenter_->Sideways(step.End()) - indenter_->Sideways(step.time);
+  return {start, start + sideways, LoadInStep{load, indenter_->by_load->largest_speed * step.dt}};
 }
 
-PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double time, double dt)
+PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, TimeStep step)
 {
   TipReport tip = level.Tip();
   PetscFunctionBeginUser;
@@ -49,8 +49,8 @@ PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, double
   }
   if (level.ContactRanks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.ContactRoot(), comm));
   travel_ += tip.travel;
-  speed_ = tip.travel / dt;
-  time_ = time + dt;
+  speed_ = tip.travel / step.dt;
+  time_ = step.End();
   overrun_ = tip.limited && tip.travel > 0 ? overrun_ + tip.travel : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

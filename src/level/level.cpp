@@ -117,19 +117,19 @@ PetscErrorCode Level::FindLightNodes()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::GatherForces(double time, double dt)
+PetscErrorCode Level::GatherForces(TimeStep step)
 {
   PetscFunctionBeginUser;
   budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
-  nodal_.gravity = model_.gravity_share.Value(time) * model_.nodal.gravity;
+  nodal_.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  time_ = time;
-  if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(dt));
-  PetscCall(PointsToGrid(time));
-  budgets_.hoop_impulse += dt * budgets_.hoop_force;
+  time_ = step.time;
+  if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(step.dt));
+  PetscCall(PointsToGrid(step.time));
+  budgets_.hoop_impulse += step.dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ShareSums());
-  AddLoadImpulse(*grid_, applied_, nodal_.mass_cutoff, dt, budgets_);
+  AddLoadImpulse(*grid_, applied_, nodal_.mass_cutoff, step.dt, budgets_);
   PetscCall(FindLightNodes());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
   if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
@@ -147,7 +147,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
+PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 {
   const int dim = model_.geometry.Dim();
   PetscFunctionBeginUser;
@@ -157,16 +157,16 @@ PetscErrorCode Level::FinishNodes(double time, double dt, const TipStep &tip)
   tip_end_ = tip.end;
   if (!touched) RecordContact({}, 0);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  RecordCoupling(*grid_, nodal_, dt, coupled_nodes_);
+  RecordCoupling(*grid_, nodal_, step.dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
   contact_nodes_.clear(), surface_motion_.Begin(), touched_ = false;
   if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
   if (ContactActive()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
   reaches_coarser_level_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
-  if (touched) PetscCall(ApplyContact(time, dt, tip));
+  if (touched) PetscCall(ApplyContact(step, tip));
   if (ContactActive() && border_ && reaches_coarser_level_) PetscCall(border_->Spread(&contact_nodes_));
   if (is_coupled_ || ContactActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
-  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, dt, budgets_);
+  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, step.dt, budgets_);
   PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), NodeLayout::Velocity(dim)); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

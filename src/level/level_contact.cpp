@@ -139,18 +139,18 @@ PetscErrorCode Level::FindSurfacePressures(Vec3 tip, std::vector<double> *pressu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
+PetscErrorCode Level::ApplyContact(TimeStep step, const TipStep &tip)
 {
   const Indenter &indenter = *model_.indenter;
   ContactReport report;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.contact, 0, 0, 0, 0));
   const NodeMotion nodes(*grid_, geometry_.sides, light_, nodal_.mass_cutoff, group_, border_, shared_);
-  PetscCall(contact_->Apply(SurfaceNow(), nodes, {time, dt, tip}, &report));
+  PetscCall(contact_->Apply(SurfaceNow(), nodes, {step.time, step.dt, tip}, &report));
   reaches_coarser_level_ = reaches_coarser_level_ || report.may_reach_coarser_level;
   contact_nodes_.insert(contact_nodes_.end(), report.contact_nodes.begin(), report.contact_nodes.end());
-  tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / dt, report.half_width, report.reach};
-  if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, time};
+  tip_ = {report.travel, report.limited, -report.impulse[indenter.up] / step.dt, report.half_width, report.reach};
+  if (!report.solved && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, step.time};
   contact_clearance_ = report.clearance;
   surface_motion_.SetPressed(report.columns);
   touched_ = true;
@@ -161,7 +161,7 @@ PetscErrorCode Level::ApplyContact(double time, double dt, const TipStep &tip)
   budgets_.penetration_cells = std::max<double>(budgets_.penetration_cells, report.penetration / grid_->Geometry().spacing);
   budgets_.contact_impulse += report.impulse;
   budgets_.support_impulse += report.side_impulse;
-  budgets_.indenter_work += Dot(report.impulse, tip.end - tip.start + indenter.Up(-report.travel)) / dt;
+  budgets_.indenter_work += Dot(report.impulse, tip.end - tip.start + indenter.Up(-report.travel)) / step.dt;
   budgets_.friction_impulse += report.friction_impulse;
   budgets_.friction_work += report.friction_work;
   budgets_.contact_steps += report.set_updates > 0;

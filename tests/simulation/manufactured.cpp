@@ -78,7 +78,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   }
   *errors = {};
   for (int step = 0; step < steps; ++step) {
-    PetscCall(hierarchy.Advance(step * dt, dt));
+    PetscCall(hierarchy.Advance({step * dt, dt}));
     if (hierarchy.At(0).Failure().kind != LevelFailure::kNone) {
       *errors = {NAN, NAN};
       break;

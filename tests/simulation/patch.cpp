@@ -81,7 +81,7 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
     std::copy(patch.F, patch.F + 4, a.F + 4 * p);
     std::copy(patch.stress, patch.stress + 4, a.stress + 4 * p);
   }
-  PetscCall(hierarchy.Advance(0, 1e-15));
+  PetscCall(hierarchy.Advance({0, 1e-15}));
   const Grid &nodes = hierarchy.At(0).Mesh();
   *forces = {};
   ForEach(nodes.Owned(), [&](Index node) {

@@ -62,7 +62,7 @@ PetscErrorCode PatchForces(int points_per_cell, Vec3 stretch, double offset, For
     a.stress[4 * p] = a.stress[4 * p + 2] = kAcross;
     a.stress[4 * p + 1] = kAlong;
   }));
-  PetscCall(run.hierarchy.Advance(0, 1e-15));
+  PetscCall(run.hierarchy.Advance({0, 1e-15}));
   const Grid &nodes = run.hierarchy.At(0).Mesh();
   *forces = {};
   ForEach(nodes.Owned(), [&](Index node) {
@@ -110,9 +110,9 @@ PetscErrorCode Stretch(StressUpdate update)
   const double dt = 1;
   double stretch = 1;
   while (stretch < kStretch) {
-    PetscCall(level.GatherForces(0, dt));
+    PetscCall(level.GatherForces({0, dt}));
     PetscCall(level.UpdateNodes(dt));
-    PetscCall(level.FinishNodes(0, dt, {}));
+    PetscCall(level.FinishNodes({0, dt}, {}));
     const Grid &nodes = level.Mesh();
     ForEach(nodes.Owned(), [&](Index node) {
       double *v = nodes.VelocityArray() + 4 * nodes.Place(node);

@@ -107,7 +107,7 @@ struct LevelsRun {
   PetscErrorCode Advance()
   {
     PetscFunctionBeginUser;
-    PetscCall(hierarchy.Advance(time, dt));
+    PetscCall(hierarchy.Advance({time, dt}));
     time += dt;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

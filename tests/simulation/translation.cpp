@@ -72,7 +72,7 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
   const int steps = static_cast<int>(20 * kH / (kVelocity[0] * dt));
   *errors = {};
   for (int step = 0; step < steps; ++step) {
-    PetscCall(hierarchy.Advance(step * dt, dt));
+    PetscCall(hierarchy.Advance({step * dt, dt}));
     const PointArrays a = hierarchy.At(0).PointStore().Arrays();
     for (int k = 0; k < 4 * a.count; ++k)
       errors->stress = Largest({errors->stress, std::abs(a.stress[k]) / kMaterial.youngs_modulus});

@@ -122,12 +122,7 @@ void ExpectConditions(const SmallProblem &problem, const std::vector<double> &q,
   }
 }
 
-TipStep FreeTip(double load, double most_travel)
-{
-  TipStep tip{};
-  tip.most_travel = most_travel, tip.load = load;
-  return tip;
-}
+TipStep FreeTip(double load, double most_travel) { return {{}, {}, LoadInStep{load, most_travel}}; }
 
 } // namespace
 

@@ -121,6 +121,7 @@ PetscErrorCode LevelInterface::Spread(std::vector<NodeChange> *pushed)
 
 PetscErrorCode LevelInterface::TakeContact()
 {
+  const LogScope log(fine_->Events().coupling);
   std::vector<Vec3> before; // the impulses in whose place new ones have come
   PetscFunctionBeginUser;
   for (const SharedNode &node : outgoing_) before.push_back(node.impulse);

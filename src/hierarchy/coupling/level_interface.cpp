@@ -48,6 +48,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
 
 PetscErrorCode LevelInterface::CoarseToFine()
 {
+  const LogScope log(fine_->Events().coupling);
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
   const auto keep_forces = [&] {
@@ -67,6 +68,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
 
 PetscErrorCode LevelInterface::Advance(int substep, double dt)
 {
+  const LogScope log(fine_->Events().coupling);
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -215,6 +217,7 @@ PetscErrorCode LevelInterface::SendFinerMasses()
 
 PetscErrorCode LevelInterface::FineToCoarse()
 {
+  const LogScope log(fine_->Events().coupling);
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
   for (int k = 0; k < owned_; ++k) by_hats_[k] = sums_[k].owned_mass;

@@ -142,6 +142,7 @@ PetscErrorCode CopyBorder::Create(MPI_Comm world, Level &coarse, Level &fine, in
 
 PetscErrorCode CopyBorder::Exchange(double dt)
 {
+  const LogScope log(fine_->Events().coupling);
   const double fine_dt = dt / ratio_, shift = repairs_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   PetscFunctionBeginUser;
   PetscCall(to_fine_.Renew(dt, shift, repairs_.strain_smoothing));
@@ -163,6 +164,7 @@ static PetscErrorCode KeepByPlace(Level &level, int origin, const Box &box, bool
 
 PetscErrorCode CopyBorder::DecideByPlace()
 {
+  const LogScope log(fine_->Events().transfer);
   const Box box = WidenedBox(fine_->Geometry(), 0);
   PetscFunctionBeginUser;
   PetscCall(KeepByPlace(*coarse_, 1, box, false));

@@ -65,6 +65,7 @@ PetscErrorCode PointTransfer::FindClearance(double clearance[2])
 
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
+  const LogScope log(fine_.Events().transfer);
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   double clearance[2];
   PetscFunctionBeginUser;

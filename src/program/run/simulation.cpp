@@ -216,7 +216,7 @@ void Simulation::Step()
 {
   const double begin = MPI_Wtime();
   hierarchy_.MeasureNoise(IsRowDue(state_.step + 1, state_.time + state_.time_step));
-  ExitOnError(hierarchy_.Advance(state_.time, state_.time_step));
+  ExitOnError(hierarchy_.Advance({state_.time, state_.time_step}));
   level_seconds_ += MPI_Wtime() - begin;
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     point_steps_ += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);

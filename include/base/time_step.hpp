@@ -1,0 +1,15 @@
+// A step in time.
+#pragma once
+
+namespace mlgimp
+{
+
+/// A step from `time` to `time + dt`, s.
+struct TimeStep {
+  double time, dt;
+  double End() const { return time + dt; }
+  /// Step k of the equal steps that it consists of on a finer level.
+  TimeStep Part(int k, int of) const { return {time + k * (dt / of), dt / of}; }
+};
+
+} // namespace mlgimp

@@ -2,40 +2,15 @@
 #pragma once
 
 #include "base/time_step.hpp"
-#include "contact/border_nodes.hpp"
-#include "contact/contact.hpp"
-#include "contact/strain_under.hpp"
 #include "grid/light_nodes.hpp"
-#include "level/events.hpp"
-#include "level/model.hpp"
+#include "level/following_nodes.hpp"
+#include "level/level_contact.hpp"
 #include "points/points.hpp"
-#include "surface/surface.hpp"
-#include "surface/surface_motion.hpp"
 
 #include <memory>
 
 namespace mlgimp
 {
-
-/// Where a level lies.
-struct LevelGeometry {
-  GridGeometry grid;
-  BoundaryConditions sides;
-  std::array<bool, kSides> border{}; ///< sides that lie within the next coarser level, not on the domain's side
-  /// Nearest nodes that points of this level may have: beyond a border points may stray until they move.
-  IndexBox PointNodes() const
-  {
-    IndexBox nodes{{}, {1, 1, 1}};
-    for (int axis = 0; axis < grid.dim; ++axis) {
-      nodes.lower[axis] = border[2 * axis] ? 1 - grid.padding : 0;
-      nodes.upper[axis] = grid.cells[axis] + (border[2 * axis + 1] ? grid.padding : 1);
-    }
-    return nodes;
-  }
-};
-
-/// Places the domain's sides on a level's grid; the level is free at its borders.
-void PlaceSides(const Model &model, LevelGeometry *level);
 
 /// Why a level cannot go on; the first reason that this rank met.
 struct LevelFailure {
@@ -49,16 +24,6 @@ struct LevelClock {
   long steps = 0;
   double drift = 0;          ///< how far points may have moved since they were last sent to their owners, cells
   double drift_per_step = 1; ///< cells
-  bool contact_active = true;
-  IndexBox contact_zone = kAllNodes; ///< nodes that contact may reach while it is awake
-};
-
-/// What contact did to the indenter's tip in a step, and how wide it was; the same on all ranks of its group.
-struct TipReport {
-  double travel = 0;                ///< of a free tip, downward, m
-  bool limited = false;             ///< it would have had to travel farther to carry its load
-  double load = 0;                  ///< this rank's part, N
-  double half_width = 0, reach = 0; ///< see ContactReport, m
 };
 
 class Level
@@ -90,11 +55,11 @@ public:
     coupled_nodes_ = std::move(nodes), is_coupled_ = true;
     SetCoupledPlaces(std::move(places));
   }
-  /// What contact must know of them: the border to the next coarser level, and by place the nodes that also move the next finer
-  /// level's, and what its points give these; none where there is no such level.
-  void SetBorders(BorderNodes *coarser, SharedNode *finer, const double *finer_masses)
+  /// What contact must know of them; finer_masses: by place, what the next finer level's points give nodes, or null.
+  void SetBorders(const ContactBorders &borders, const double *finer_masses)
   {
-    border_ = coarser, shared_ = finer, finer_masses_ = finer_masses;
+    border_ = borders.coarser, finer_masses_ = finer_masses;
+    contact_.SetBorders(borders);
   }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
   /// on the level's ranks.
@@ -125,10 +90,6 @@ public:
   /// Called when points of unknown speed have come: they migrate, and contact searches them, in every step until speeds are
   /// measured again. Collective on all ranks.
   PetscErrorCode Activate();
-  /// Must be called by all ranks when points or ranks have come: the next step searches the surface for contact.
-  void InvalidateClearance() { contact_clearance_ = 0; }
-  /// Whether there may be contact in the steps until the next check; the same on all ranks.
-  bool ContactActive() const { return contact_ && clock_.contact_active; }
   /// Replaces the grid by one with another layout and moves points and copies to their new owners. Collective on all ranks.
   PetscErrorCode Repartition(const GridLayout &layout);
   /// Orders the points by their nearest node.
@@ -138,24 +99,16 @@ public:
 
   /// Widens a box by the places of this rank's surface points that are nearer than `range` to the indenter with its tip there.
   void FindNearIndenter(Vec3 tip, double range, Box *near);
-  /// While the indenter is out of reach, contact is left out of the steps; else it concerns the ranks with nodes in a zone, which
-  /// holds all that the points near the indenter may touch. Collective on all ranks.
-  PetscErrorCode WatchContact(bool within_reach, const IndexBox &zone);
-  /// Number of ranks that contact concerns, and the first of them, among all.
-  int ContactRanks() const { return static_cast<int>(group_.Blocks().size()); }
-  PetscMPIInt ContactRoot() const { return group_.Blocks().empty() ? 0 : grid_->Layout().ranks[group_.Blocks()[0]]; }
+  /// See LevelContact::Watch. Collective on all ranks.
+  PetscErrorCode WatchContact(bool within_reach, const IndexBox &zone)
+  {
+    return contact_.Watch(world_, *grid_, within_reach, zone);
+  }
+  LevelContact &Contact() { return contact_; }
+  const LevelContact &Contact() const { return contact_; }
+  ContactSite Site() { return {model_, geometry_, *grid_, points_, bodies_, light_, nodal_.mass_cutoff}; }
   /// Whether the next steps measure the noise of their points' velocities, for Totals.
   void MeasureNoise(bool measures) { measures_noise_ = measures; }
-  /// What contact did to the tip in the last step.
-  const TipReport &Tip() const { return tip_; }
-  /// Contact pressures that the next step starts from, the same on every rank that contact concerns.
-  ContactPressures Pressures() const { return contact_ ? contact_->Pressures() : ContactPressures(); }
-  void SetPressures(const ContactPressures &pressures);
-  /// Pressure of contact in the last step on this rank's points, with the tip as it is now; see Contact::PressuresOnPoints.
-  PetscErrorCode FindContactPressures(Vec3 tip, std::vector<double> *pressures);
-  /// The same on its patches of the surface; see Contact::PressuresOnPatches.
-  PetscErrorCode FindSurfacePressures(Vec3 tip, std::vector<double> *pressures);
-
   /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
   /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.
   PetscErrorCode View(const std::string &prefix, double time);
@@ -174,10 +127,8 @@ public:
   void SetBodyGroups(std::vector<int> groups) { node_bodies_.SetGroups(std::move(groups)); }
   const LightNodes &Light() const { return light_; }
   const LevelGeometry &Geometry() const { return geometry_; }
-  Surface &BodySurface() { return surface_; }
   /// Halves what has become too long of it, or too near to the indenter with its tip there.
-  void SplitSurface(Vec3 tip) { surface_.Split(model_.geometry, *model_.indenter, tip, geometry_.grid.spacing); }
-  const Surface &BodySurface() const { return surface_; }
+  void SplitSurface(Vec3 tip) { contact_.Patches().Split(model_.geometry, *model_.indenter, tip, geometry_.grid.spacing); }
   /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
   bool PatchesDue() const { return patches_due_; }
   void WantPatches() { patches_due_ = true; }
@@ -190,8 +141,7 @@ public:
   Budgets &Totals() { return budgets_; }
   long Steps() const { return clock_.steps; }
   const LevelClock &Clock() const { return clock_; }
-  /// Collective on all ranks.
-  PetscErrorCode SetClock(const LevelClock &clock);
+  void SetClock(const LevelClock &clock) { clock_ = clock; }
   void SetXpic(const XpicSchedule &schedule) { xpic_ = schedule; }
   void SetSortInterval(int interval) { sort_interval_ = interval; }
 
@@ -199,19 +149,10 @@ private:
   /// A new grid by the layout, in the place of the one before.
   PetscErrorCode CreateGrid(const GridLayout &layout);
   void SetCoupledPlaces(CoupledPlaces places);
-  SurfaceInputs SurfaceNow();
-  PetscErrorCode ApplyContact(TimeStep step, const TipStep &tip);
-  void PrepareSharedNodes();
-  void FindFollowing(Vec3 tip);
-  void RecordContact(const ContactReport &report, double area);
-  PetscErrorCode Regroup();
-  PetscErrorCode SharePressures();
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode FindLightNodes();
   PetscErrorCode ExchangeRates(double dt, double xpic);
-  PetscErrorCode PrepareSurface();
-  PetscErrorCode MoveSurface(bool rates, double dt);
   PetscErrorCode AddWorkOfLoads(bool rates, double dt);
   /// Kinetic energy of the points less that of the nodes, at the start of a step, J.
   double NoiseEnergy();
@@ -231,36 +172,22 @@ private:
   std::unique_ptr<Grid> grid_;
   Points points_, copies_[2];
   std::unique_ptr<Kernels> kernels_;
-  std::unique_ptr<Contact> contact_;
-  ContactGroup group_; ///< empty without contact
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
-  Surface surface_;
-  SurfaceMotion surface_motion_;
-  StrainUnder strain_under_;
-  bool touched_ = false;  ///< contact has been solved in the step
   double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
   bool patches_due_ = true;
   NodeBodies node_bodies_;
   LightNodes light_;
-  std::vector<double> blended_off_; ///< that blended nodes are at least off the indenter with its tip there, m
-  Vec3 blended_tip_{};
-  std::vector<std::ptrdiff_t> following_; ///< places of blended nodes at which strain follows the motion in the step
+  FollowingNodes following_;
   BorderNodes *border_ = nullptr;
-  SharedNode *shared_ = nullptr;
   const double *finer_masses_ = nullptr;
-  std::vector<NodeChange> contact_nodes_; ///< by contact in the step
-  std::vector<NodeChange> held_nodes_;    ///< by sides in the step
-  bool reaches_coarser_level_ = true;     ///< contact in the step may have contact_nodes nodes of the coarser level
+  std::vector<NodeChange> held_nodes_; ///< by sides in the step
   bool is_coupled_ = false, measures_noise_ = false;
   std::vector<FaceForce> applied_; ///< by loads in the step
   Budgets budgets_;
+  LevelContact contact_{events_, budgets_};
   LevelFailure failure_;
   double time_ = 0;
-  TipReport tip_;
-  double contact_clearance_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
-  Vec3 contact_tip_{};           ///< with which it was found, m
-  Vec3 tip_end_{};               ///< at the end of the step, m
   LevelClock clock_;
   int sort_interval_ = 50;
 };

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "grid/grid.hpp"
-#include "level/kernels.hpp"
+#include "level/sweeps/kernels.hpp"
 #include "physics/indenter.hpp"
 #include "points/face.hpp"
 #include "points/points.hpp"

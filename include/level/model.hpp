@@ -3,8 +3,8 @@
 
 #include "contact/settings.hpp"
 #include "grid/nodes.hpp"
-#include "level/kernels.hpp"
 #include "level/loads.hpp"
+#include "level/sweeps/kernels.hpp"
 #include "physics/geometry.hpp"
 #include "physics/indenter.hpp"
 #include "physics/material.hpp"

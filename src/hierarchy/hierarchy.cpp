@@ -172,7 +172,7 @@ void Hierarchy::CoupleNodes(int l)
   std::vector<CoupledNode> nodes;
   CoupledPlaces places;
   if (!CoupledByNodes()) return;
-  levels_[l]->SetBorders(l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr,
+  levels_[l]->SetBorders({l > 0 ? borders_[l - 1].get() : nullptr, IsActive(l + 1) ? borders_[l]->Shared() : nullptr},
                          IsActive(l + 1) ? borders_[l]->FinerMasses() : nullptr);
   if (l > 0) nodes = borders_[l - 1]->FineNodes(), places = borders_[l - 1]->FinePlaces();
   if (IsActive(l + 1)) {
@@ -258,7 +258,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, TimeStep step, int substep)
 /// Takes up what contact did to the tip in a step of level l, and how wide it was.
 PetscErrorCode Hierarchy::RecordTip(int l, TimeStep step)
 {
-  const TipReport &contact = levels_[l]->Tip();
+  const TipReport &contact = levels_[l]->Contact().Tip();
   PetscFunctionBeginUser;
   PetscCall(tip_.Follow(comm_, l, *levels_[l], step));
   follow_.half_width = std::max(follow_.half_width, contact.half_width);
@@ -274,10 +274,10 @@ PetscErrorCode Hierarchy::RefineStretched(int l, double time)
   if ((level.Steps() + 1) % kSplitInterval != 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_->SplitsStretched()) {
     StraightenBoxes(*model_, level.PointStore().Arrays());
-    if (level.ContactActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time));
+    if (level.Contact().IsActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time));
     PetscCall(Timed(events_.transfer, [&] { return SplitStretched(comm_, level, *numbers_); }));
     for (auto &transfer : transfers_) transfer->InvalidateClearance();
-    level.InvalidateClearance();
+    level.Contact().InvalidateClearance();
   }
   if (model_->indenter) level.SplitSurface(tip_.At(time));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,7 +25,7 @@ PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
   const auto split = [&] {
     for (auto &level : levels_) level->SplitSurface(tip_.At(0));
   };
-  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->BodySurface());
+  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->Contact().Patches());
   split();
   for (int l = 0; l < Levels(); ++l) { // each time what is short enough of a level comes to the next one
     PetscCall(AssignPatches(true));
@@ -54,7 +54,7 @@ PetscErrorCode Hierarchy::AssignPatches(bool to_levels)
   std::vector<PlacedPatch> moved;
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
-    std::vector<SurfacePatch> &patches = levels_[l]->BodySurface().Patches(), stay;
+    std::vector<SurfacePatch> &patches = levels_[l]->Contact().Patches().Patches(), stay;
     for (const SurfacePatch &patch : patches) {
       const Vec3 x = patch.Center(dim);
       const int level = to_levels ? LevelAt(x, l) : l;
@@ -69,15 +69,15 @@ PetscErrorCode Hierarchy::AssignPatches(bool to_levels)
     levels_[l]->TakePatchesDue();
   }
   PetscCall(ExchangeRecords(comm_, &moved, [](const PlacedPatch &one) { return one.rank; }));
-  for (const PlacedPatch &one : moved) levels_[one.level]->BodySurface().Add(one.patch);
-  for (auto &level : levels_) level->BodySurface().NumberCorners(dim);
+  for (const PlacedPatch &one : moved) levels_[one.level]->Contact().Patches().Add(one.patch);
+  for (auto &level : levels_) level->Contact().Patches().NumberCorners(dim);
   if (to_levels) patch_drift_ = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Hierarchy::GatherPatches(int l, std::vector<double> *numbers) const
 {
-  std::vector<SurfacePatch> patches = levels_[l]->BodySurface().Patches();
+  std::vector<SurfacePatch> patches = levels_[l]->Contact().Patches().Patches();
   PetscFunctionBeginUser;
   PetscCall(ExchangeRecords(comm_, &patches, [](const SurfacePatch &) { return 0; }));
   std::sort(patches.begin(), patches.end());
@@ -92,7 +92,7 @@ PetscErrorCode Hierarchy::GatherPatches(int l, std::vector<double> *numbers) con
 
 PetscErrorCode Hierarchy::RestorePatches(int l, const std::vector<double> &numbers)
 {
-  std::vector<SurfacePatch> &patches = levels_[l]->BodySurface().Patches();
+  std::vector<SurfacePatch> &patches = levels_[l]->Contact().Patches().Patches();
   PetscFunctionBeginUser;
   patches.clear();
   for (std::size_t k = 0; RankIn(comm_) == 0 && k + kOfPatch <= numbers.size(); k += kOfPatch) {

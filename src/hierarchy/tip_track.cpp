@@ -38,16 +38,17 @@ TipStep TipTrack::Step(int l, Vec3 start, TimeStep step) const
 
 PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, TimeStep step)
 {
-  TipReport tip = level.Tip();
+  TipReport tip = level.Contact().Tip();
   PetscFunctionBeginUser;
   if (!IsByLoad()) PetscFunctionReturn(PETSC_SUCCESS);
   if (l != tip_level_) {
     load_on_other_levels_[l] = tip.load;
-    if (level.Clock().contact_active)
+    if (level.Contact().IsActive())
       PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &load_on_other_levels_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (level.ContactRanks() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.ContactRoot(), comm));
+  if (level.Contact().Ranks() < RanksOf(comm))
+    PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.Contact().Root(level.Mesh()), comm));
   travel_ += tip.travel;
   speed_ = tip.travel / step.dt;
   time_ = step.End();

@@ -32,8 +32,8 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
     PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
                             model_.HistoryComponents()));
   kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
-  if (model_.indenter && model_.contact.method != "none") PetscCall(CreateContact(model_.contact, group_, &contact_));
-  if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
+  PetscCall(contact_.Create(model_));
+  PetscCall(contact_.Regroup(*grid_));
   bodies_ = model_.Table();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,17 +54,12 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 void Level::SetCoupledPlaces(CoupledPlaces places)
 {
   coupled_places_ = std::move(places);
-  blended_off_.clear();
+  following_.Clear();
   if (!grid_->Participates()) return;
   std::vector<double> shares(grid_->GhostedNodes(), 1.0);
   if (border_) ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = border_->BlendOf(node).beta; });
   for (const std::ptrdiff_t place : coupled_places_.interface) shares[place] = LightNodes::kWithFiner;
   light_.Create(*grid_, geometry_.sides, nodal_, model_.geometry.HasHoop(), std::move(shares));
-}
-
-void Level::SetPressures(const ContactPressures &pressures)
-{
-  if (contact_) contact_->SetPressures(pressures);
 }
 
 void Level::RecordFailure(const PointFailure &failure, double time)
@@ -149,25 +144,18 @@ PetscErrorCode Level::UpdateNodes(double dt)
 
 PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 {
-  const int dim = model_.geometry.Dim();
   PetscFunctionBeginUser;
-  contact_clearance_ -= clock_.drift_per_step * geometry_.grid.spacing;
-  const bool touched = clock_.contact_active && group_.Participates() && contact_clearance_ <= Norm(tip.end - contact_tip_);
-  tip_ = {tip.FreeTravel()};
-  tip_end_ = tip.end;
-  if (!touched) RecordContact({}, 0);
+  contact_.Begin(tip, clock_.drift_per_step * geometry_.grid.spacing);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   RecordCoupling(*grid_, nodal_, step.dt, coupled_nodes_);
   ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
-  contact_nodes_.clear(), surface_motion_.Begin(), touched_ = false;
-  if (contact_) FindFollowing(tip.start), PrepareSharedNodes();
-  if (ContactActive()) surface_.Approach(*model_.indenter, tip_end_, kPointRange * geometry_.grid.spacing);
-  reaches_coarser_level_ = group_.Blocks().size() < grid_->Layout().ranks.size(); // where some ranks do not know
-  if (touched) PetscCall(ApplyContact(step, tip));
-  if (ContactActive() && border_ && reaches_coarser_level_) PetscCall(border_->Spread(&contact_nodes_));
-  if (is_coupled_ || ContactActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
+  if (contact_.Exists()) following_.Find(*grid_, coupled_places_, light_, *model_.indenter, tip.start);
+  PetscCall(contact_.Solve(Site(), step, tip, &coupled_nodes_));
+  if (contact_.HasFailed() && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, step.time};
+  if (is_coupled_ || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, step.dt, budgets_);
-  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), NodeLayout::Velocity(dim)); }));
+  const int components = NodeLayout::Velocity(model_.geometry.Dim());
+  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), components); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -202,14 +190,14 @@ PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
 
 PetscErrorCode Level::ExchangeRates(double dt, double xpic)
 {
-  const SecondVelocityPlan plan = {coupled_places_.held, following_, xpic, is_coupled_ || model_.VolumeAverages() > 0};
+  const SecondVelocityPlan plan = {coupled_places_.held, following_.Places(), xpic, is_coupled_ || model_.VolumeAverages() > 0};
   const int components = NodeLayout::Rates(model_.geometry.Dim());
   PetscFunctionBeginUser;
-  const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_nodes_, light_);
+  const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
   PetscCall(Timed(events_.halo, [&] { return light_.Restrict(*grid_, grid_->RatesArray(), components); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  budgets_.contact_work += WorkOnPoints(*grid_, contact_nodes_, true, ahead);
+  budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), true, ahead);
   PetscCall(AddWorkOfLoads(true, dt));
   if (plan.exchange) AddExchange(*grid_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
   DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
@@ -232,7 +220,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PrepareSurface());
+  if (model_.indenter) PetscCall(contact_.PrepareSurface(Site(), drift_path_ * geometry_.grid.spacing));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
@@ -240,9 +228,9 @@ PetscErrorCode Level::AdvancePoints(double dt)
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) {
-    budgets_.contact_work += WorkOnPoints(*grid_, contact_nodes_, false, {});
+    budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), false, {});
     PetscCall(AddWorkOfLoads(false, dt));
-    PetscCall(MoveSurface(false, dt));
+    if (model_.indenter) PetscCall(contact_.MoveSurface(Site(), false, dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ExchangeRates(dt, xpic));
@@ -251,7 +239,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
     kernels_->ApplyRates(view, second, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(MoveSurface(true, dt));
+  if (model_.indenter) PetscCall(contact_.MoveSurface(Site(), true, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -74,10 +74,10 @@ PetscErrorCode Level::MigrateCopies()
 PetscErrorCode Level::Repartition(const GridLayout &layout)
 {
   PetscFunctionBeginUser;
-  PetscCall(SharePressures());
+  PetscCall(contact_.SharePressures(world_, *grid_));
   PetscCall(CreateGrid(layout));
-  if (contact_) PetscCall(group_.Create(*grid_, clock_.contact_zone));
-  coupled_nodes_.clear(), following_.clear();
+  PetscCall(contact_.Regroup(*grid_));
+  coupled_nodes_.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
   for (Points *store : {&points_, &copies_[0], &copies_[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
@@ -90,7 +90,7 @@ PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layo
   PetscFunctionBeginUser;
   geometry_ = geometry;
   PetscCall(Repartition(layout));
-  SetPressures({}); // of columns that are others now
+  contact_.SetPressures({}); // of columns that are others now
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,6 +114,20 @@ PetscErrorCode Level::Sort()
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
   points_.Reorder(SortedByNode(*grid_, points_.Arrays()));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Level::Deactivate()
+{
+  contact_.Rest();
+  budgets_.noise_energy = 0;
+}
+
+PetscErrorCode Level::Activate()
+{
+  PetscFunctionBeginUser;
+  clock_.drift_per_step = LevelClock().drift_per_step;
+  PetscCall(WatchContact(true, kAllNodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 // What a level reports about its points: sums, extremes, velocities and forces of some.
 #include "level/level.hpp"
-#include "level/point_blocks.hpp"
+#include "level/sweeps/point_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -111,7 +111,7 @@ Budgets Level::SumPoints(const std::vector<int> &list)
 
 void Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 {
-  if (!contact_) return;
+  if (!contact_.Exists()) return;
   const PointArrays points = points_.Arrays();
   const std::vector<int> &surface = points_.SurfacePoints();
   for (int p : surface) {

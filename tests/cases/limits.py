@@ -314,7 +314,7 @@ TURNING = {
 
 
 @pytest.mark.parametrize("change, words", [
-    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.1}, "J that no work explains"), ({"left_velocity": "0,0.01"}, "")])
+    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.1}, "J are missing"), ({"left_velocity": "0,0.01"}, "")])
 def test_bodies_that_turn_on_few_cells(change, words):
     """Their motion becomes noise, or XPIC takes it for that; not where they fly as they are."""
     said = warnings({**TURNING, **change, "end_time": 300 if words else 50})

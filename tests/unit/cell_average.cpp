@@ -1,5 +1,5 @@
 // Against locking: points of a cell share their growth of volume, and the work that the stress has of it is in the budgets.
-#include "level/cell_average.hpp"
+#include "level/sweeps/cell_average.hpp"
 
 #include "simulation/setup.hpp"
 #include "unit/random.hpp"

@@ -71,9 +71,10 @@ void LevelInterface::ForEachDonor(Index coarse, const DonorWork &work) const
 bool LevelInterface::FineContactMeets() const
 {
   bool meets = false;
-  IndexBox pushed = fine_->Clock().contact_zone; // which holds also the coarser nodes that these move with
+  IndexBox pushed = fine_->Contact().Zone(); // which holds also the coarser nodes that these move with
   for (int axis = 0; axis < dim_; ++axis) pushed.lower[axis] += ratio_, pushed.upper[axis] -= ratio_;
-  if (fine_->ContactActive()) ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
+  if (fine_->Contact().IsActive())
+    ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
   return meets;
 }
 
@@ -81,7 +82,7 @@ bool LevelInterface::FineContactMeets() const
 bool LevelInterface::MayMeetContact() const
 {
   bool meets = FineContactMeets();
-  if (!meets && coarse_->ContactActive()) ForEachInterface(coarse_->Clock().contact_zone, [&](Index) { meets = true; });
+  if (!meets && coarse_->Contact().IsActive()) ForEachInterface(coarse_->Contact().Zone(), [&](Index) { meets = true; });
   return meets;
 }
 
@@ -126,7 +127,7 @@ PetscErrorCode LevelInterface::TakeContact()
   PetscFunctionBeginUser;
   for (const SharedNode &node : outgoing_) before.push_back(node.impulse);
   for (int k = 0; k < owned_; ++k) contact_[k] = impulse_carried_over_[k] = {};
-  if (!coarse_->ContactActive() || IsFarFromContact()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!coarse_->Contact().IsActive() || IsFarFromContact()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
   PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
   for (int k = 0; k < owned_; ++k) {

@@ -62,7 +62,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
   PetscCall(ShareDonors());
   std::fill(mean_.begin(), mean_.end(), 0.0);
   for (SharedNode &node : outgoing_) node = {};
-  if (!coarse_->ContactActive()) std::fill(contact_.begin(), contact_.end(), Vec3{});
+  if (!coarse_->Contact().IsActive()) std::fill(contact_.begin(), contact_.end(), Vec3{});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -75,7 +75,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   PetscCall(FindClearance(clearance));
   // Points that reach one of the two levels across another border are more than a cell away from this one.
   clearance_ = border ? std::min({clearance[0], clearance[1], fine_.Geometry().grid.spacing}) : 0;
-  if (clearance_ <= 0) coarse_.InvalidateClearance(), fine_.InvalidateClearance();
+  if (clearance_ <= 0) coarse_.Contact().InvalidateClearance(), fine_.Contact().InvalidateClearance();
   const std::vector<int> leaving = PointsIn(fine_.PointStore().Arrays(), BoxAt(rule_.leave), false);
   if (clearance[0] <= 0) PetscCall(Enter(PointsIn(coarse_.PointStore().Arrays(), BoxAt(rule_.enter), true), dt, shift, border));
   if (clearance[1] <= 0) {

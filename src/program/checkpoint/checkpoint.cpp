@@ -82,15 +82,15 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   const PetscMPIInt rank = RankIn(hierarchy.Comm());
   const bool first = rank == 0;
   WritePoints(file, hierarchy.Comm(), group, level.PointStore());
-  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(clock.contact_active)};
-  for (const Index &corner : {clock.contact_zone.lower, clock.contact_zone.upper})
+  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(level.Contact().WithinReach())};
+  for (const Index &corner : {level.Contact().Zone().lower, level.Contact().Zone().upper})
     pace.insert(pace.end(), corner.begin(), corner.end());
   file.Attribute(group, "pace", pace);
   for (int axis = 0; axis < 3; ++axis)
     file.List(group + kWidthNames[axis], first ? Numbers(layout.widths[axis]) : std::vector<double>());
   file.List(group + "/ranks", first ? Numbers(layout.ranks) : std::vector<double>());
-  if (rank == level.ContactRoot())
-    for (const auto &[key, pressure] : level.Pressures()) {
+  if (rank == level.Contact().Root(level.Mesh()))
+    for (const auto &[key, pressure] : level.Contact().Pressures()) {
       keys.push_back(static_cast<double>(key));
       pressures.push_back(pressure);
     }

@@ -279,11 +279,13 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   for (int origin = 0; origin < 2 && hierarchy_.Copies().ready; ++origin)
     ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
-  level.SetPressures(pressures);
+  level.Contact().SetPressures(pressures);
   IndexBox zone;
   for (int axis = 0; axis < 3; ++axis)
     zone.lower[axis] = static_cast<int>(clock[4 + axis]), zone.upper[axis] = static_cast<int>(clock[7 + axis]);
-  ExitOnError(level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2], clock[3] != 0, zone}));
+  level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2]});
+  ExitOnError(level.WatchContact(true, zone));
+  if (clock[3] == 0) ExitOnError(level.WatchContact(false, zone));
   if (same_ranks_) return;
   ExitOnError(level.Migrate(true));
   ExitOnError(level.MigrateCopies());

@@ -123,16 +123,17 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   file.Attribute("/", budgets.contact_area.name, {budgets.contact_area.value[0]}); // there may be no row of the history now
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     const std::string group = "/level_" + std::to_string(l);
-    const PointArrays points = hierarchy.At(l).PointStore().Arrays();
+    Level &level = hierarchy.At(l);
+    const PointArrays points = level.PointStore().Arrays();
     const Slab slab = MakeSlab(hierarchy.Comm(), points.count);
     file.Group(group);
     for (int k = 0; k < kPointFields; ++k) {
-      const PointFieldInfo &field = hierarchy.At(l).PointStore().Table()[k];
+      const PointFieldInfo &field = level.PointStore().Table()[k];
       if (!field.in_frames || field.components == 0) continue;
-      void *const data = hierarchy.At(l).PointStore().Field(static_cast<PointField>(k));
+      void *const data = level.PointStore().Field(static_cast<PointField>(k));
       file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
-    ExitOnError(hierarchy.At(l).FindContactPressures(hierarchy.Tip().At(time), &pressures));
+    ExitOnError(level.Contact().PressuresOnPoints(level.Site(), hierarchy.Tip().At(time), &pressures));
     AddDerived(file, group, points, model_, pressures, slab);
     AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
@@ -172,10 +173,11 @@ void FrameWriter::AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, 
   std::vector<double> positions, pressures;
   std::vector<int> bodies, levels;
   for (int l = 0; l < hierarchy.Levels(); ++l) {
+    Level &level = hierarchy.At(l);
     std::vector<double> on_level;
-    ExitOnError(hierarchy.At(l).FindSurfacePressures(hierarchy.Tip().At(time), &on_level));
+    ExitOnError(level.Contact().PressuresOnPatches(level.Site(), hierarchy.Tip().At(time), &on_level));
     pressures.insert(pressures.end(), on_level.begin(), on_level.end());
-    for (const SurfacePatch &patch : hierarchy.At(l).BodySurface().Patches()) {
+    for (const SurfacePatch &patch : level.Contact().Patches().Patches()) {
       for (int c = 0; c < corners; ++c) positions.insert(positions.end(), patch.corner[c].begin(), patch.corner[c].begin() + dim);
       bodies.push_back(patch.body), levels.push_back(l);
     }

@@ -1,7 +1,7 @@
 // What the sweeps do with a block of points by itself: volumes, strain and stress, motion.
 #pragma once
 
-#include "level/kernels.hpp"
+#include "level/sweeps/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>

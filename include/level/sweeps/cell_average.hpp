@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/log.hpp"
-#include "level/point_blocks.hpp"
+#include "level/sweeps/point_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>

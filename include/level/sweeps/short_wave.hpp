@@ -1,7 +1,7 @@
 // The short-wave viscosity of a block of points: its strength and its stress.
 #pragma once
 
-#include "level/point_blocks.hpp"
+#include "level/sweeps/point_blocks.hpp"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
 // The sweeps, written once for all geometries and shape functions.
-#include "level/kernels.hpp"
+#include "level/sweeps/kernels.hpp"
 
 #include "base/pack.hpp"
-#include "level/cell_average.hpp"
-#include "level/node_shares.hpp"
-#include "level/point_blocks.hpp"
-#include "level/short_wave.hpp"
+#include "level/sweeps/cell_average.hpp"
+#include "level/sweeps/node_shares.hpp"
+#include "level/sweeps/point_blocks.hpp"
+#include "level/sweeps/short_wave.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What the points of a block add to the sums of their nodes: mass, momentum and forces.
 #pragma once
 
-#include "level/point_blocks.hpp"
+#include "level/sweeps/point_blocks.hpp"
 #include "physics/group_sums.hpp"
 
 #include <cstddef>

@@ -4,7 +4,7 @@
 #include "hierarchy/coupling/level_interface.hpp"
 #include "hierarchy/following.hpp"
 #include "hierarchy/tip_track.hpp"
-#include "hierarchy/transfer/point_copies.hpp"
+#include "hierarchy/transfer/copy_coupling.hpp"
 #include "hierarchy/transfer/point_transfer.hpp"
 #include "level/level.hpp"
 #include "level/seeding.hpp"
@@ -47,12 +47,6 @@ struct LevelMove {
   Box box;
   double split = 0, merged = 0;                          ///< points on their way to the level, and from it
   double mass_error = 0, momentum_error = 0, energy = 0; ///< absolute changes of mass and momentum, kg and N s; J
-};
-
-/// What the coupling by points carries from step to step beside the copies.
-struct CopyState {
-  bool ready = false;   ///< there are copies
-  Vec3 momentum_left{}; ///< momentum less the impulses since the start, that the coupling should keep
 };
 
 /// Where the boxes of levels are, and how far the contact has come since the last check.
@@ -112,8 +106,11 @@ public:
   Level &At(int l) { return *levels_[l]; }
   MPI_Comm Comm() const { return comm_; }
   TipTrack &Tip() { return tip_; }
-  const CopyState &Copies() const { return copies_; }
-  void SetCopies(const CopyState &copies) { copies_ = copies; }
+  CopyState Copies() const { return copies_ ? copies_->State() : CopyState(); }
+  void SetCopies(const CopyState &copies)
+  {
+    if (copies_) copies_->SetState(copies);
+  }
   const std::vector<PetscLogStage> &Stages() const { return stages_; }
   /// Shows each level K to the viewers that the options -level_K_dm_view, _points_view and _nodes_view name. Collective.
   PetscErrorCode View(double time);
@@ -136,10 +133,7 @@ private:
   PetscErrorCode AdvanceLevel(int l, TimeStep step, int substep);
   PetscErrorCode RecordTip(int l, TimeStep step);
   PetscErrorCode RefineStretched(int l, double time);
-  PetscErrorCode AdvanceWithCopies(TimeStep step);
   PetscErrorCode AdvanceLevelWithCopies(int l, TimeStep step);
-  PetscErrorCode MeasureMomentum(Vec3 *left);
-  PetscErrorCode CorrectMomentum();
   PetscErrorCode SeedSurface(const std::vector<Seeding> &seedings);
   PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
@@ -175,8 +169,7 @@ private:
   std::vector<std::unique_ptr<LevelInterface>> borders_; ///< [b]: of levels b and b + 1
   std::vector<std::unique_ptr<PointTransfer>> transfers_;
   std::optional<PointNumbers> numbers_;
-  std::vector<std::unique_ptr<CopyBorder>> ghosts_; ///< where the coupling is by points
-  CopyState copies_;
+  std::optional<CopyCoupling> copies_; ///< where the coupling is by points
   TipTrack tip_;
   FollowState follow_;
   double patch_drift_ = 0; ///< cells of their level that patches may have moved since the last check

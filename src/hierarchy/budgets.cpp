@@ -96,34 +96,4 @@ std::string Hierarchy::DescribeFailure() const
   return first < 0 ? "" : Describe(levels_[first]->Failure(), first, model_->geometry.Dim());
 }
 
-/// Momentum of all points less the impulses since the start.
-PetscErrorCode Hierarchy::MeasureMomentum(Vec3 *left)
-{
-  *left = {};
-  PetscFunctionBeginUser;
-  for (auto &level : levels_) {
-    const Budgets &budgets = level->Totals();
-    const PointArrays a = level->PointStore().Arrays();
-    for (int p = 0; p < a.count; ++p) *left = *left + a.mass[p] * a.Velocity(p);
-    *left = *left - budgets.support_impulse - budgets.xpic_side_impulse - budgets.gravity_impulse - budgets.load_impulse -
-            budgets.damping_impulse - budgets.contact_impulse;
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left->data(), 3, MPI_DOUBLE, MPI_SUM, comm_));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Gives the momentum that copies have lost or won in this step to the points that have copies.
-PetscErrorCode Hierarchy::CorrectMomentum()
-{
-  Vec3 left;
-  double mass = 0;
-  PetscFunctionBeginUser;
-  PetscCall(MeasureMomentum(&left));
-  for (auto &ghosts : ghosts_) mass += ghosts->RingMass();
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, comm_));
-  if (mass == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (auto &ghosts : ghosts_) ghosts->CorrectMomentum((1 / mass) * (copies_.momentum_left - left));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 } // namespace mlgimp

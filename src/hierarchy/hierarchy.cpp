@@ -70,12 +70,12 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
 PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
 {
   const bool copies = settings_.coupling == LevelCoupling::kPoints;
-  const CopyRepairs &repairs = settings_.repairs;
   const PointTransferRule by_nodes = {kEnter, kLeave, 0, false, settings_.merge_siblings, settings_.most_loss};
-  const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, repairs.velocity_shift, false, 0};
+  const PointTransferRule by_points = {0, 0, settings_.ghost_cells + 2, settings_.repairs.velocity_shift, false, 0};
   const int dim = settings_.levels[0].grid.dim;
   numbers_.emplace(seeds, static_cast<int>(std::lround(std::pow(settings_.ratio, dim))));
   PetscFunctionBeginUser;
+  if (copies) copies_.emplace(comm_, settings_.ratio, settings_.repairs);
   for (int b = 0; b + 1 < Levels(); ++b) {
     Level &coarse = *levels_[b], &fine = *levels_[b + 1];
     borders_.push_back(std::make_unique<LevelInterface>());
@@ -83,8 +83,7 @@ PetscErrorCode Hierarchy::CreateInterfaces(std::int64_t seeds)
         std::make_unique<PointTransfer>(comm_, coarse, fine, settings_.ratio, *numbers_, copies ? by_points : by_nodes));
     PetscCall(RenewInterface(b, false));
     if (!copies) continue;
-    ghosts_.push_back(std::make_unique<CopyBorder>());
-    PetscCall(ghosts_[b]->Create(comm_, coarse, fine, settings_.ratio, repairs, {settings_.ghost_cells}));
+    PetscCall(copies_->Add(coarse, fine, settings_.ghost_cells));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -210,7 +209,7 @@ PetscErrorCode Hierarchy::Advance(TimeStep step)
   if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1)
     PetscCall(AdvanceLevel(0, step, 0));
   else
-    PetscCall(AdvanceWithCopies(step));
+    PetscCall(AdvanceLevelWithCopies(0, step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -284,34 +283,24 @@ PetscErrorCode Hierarchy::RefineStretched(int l, double time)
 }
 
 /// The same for levels that are coupled by copies of points.
-PetscErrorCode Hierarchy::AdvanceWithCopies(TimeStep step)
-{
-  PetscFunctionBeginUser;
-  if (!copies_.ready) {
-    for (int b = 0; b + 1 < Levels(); ++b) PetscCall(ghosts_[b]->Exchange(step.dt / std::pow(settings_.ratio, b)));
-    PetscCall(MeasureMomentum(&copies_.momentum_left));
-    copies_.ready = true;
-  }
-  PetscCall(AdvanceLevelWithCopies(0, step));
-  if (settings_.repairs.momentum_correction) PetscCall(CorrectMomentum());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, TimeStep step)
 {
   const StageScope stage(stages_[l]);
   Level &level = *levels_[l];
   PetscFunctionBeginUser;
+  if (l == 0) PetscCall(copies_->Begin(step.dt));
   PetscCall(level.GatherForces(step));
   PetscCall(level.UpdateNodes(step.dt));
   PetscCall(level.FinishNodes(step, tip_.Step(l, tip_.At(step.time), step)));
   PetscCall(level.AdvancePoints(step.dt));
   PetscCall(level.EndStep());
-  if (l + 1 == Levels()) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, step.Part(k, settings_.ratio)));
-  if (!settings_.repairs.owner_flags) PetscCall(ghosts_[l]->DecideByPlace());
-  PetscCall(transfers_[l]->Transfer(step.dt, nullptr));
-  PetscCall(ghosts_[l]->Exchange(step.dt));
+  if (l + 1 < Levels()) {
+    for (int k = 0; k < settings_.ratio; ++k) PetscCall(AdvanceLevelWithCopies(l + 1, step.Part(k, settings_.ratio)));
+    PetscCall(copies_->DecideByPlace(l));
+    PetscCall(transfers_[l]->Transfer(step.dt, nullptr));
+    PetscCall(copies_->Exchange(l, step.dt));
+  }
+  if (l == 0) PetscCall(copies_->Finish());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

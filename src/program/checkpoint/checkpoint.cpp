@@ -116,7 +116,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
 {
   H5Writer file;
   std::vector<double> totals;
-  const CopyState &copies = hierarchy.Copies();
+  const CopyState copies = hierarchy.Copies();
   for (const Budgets *part : hierarchy.Parts()) part->AppendKept(&totals);
   file.Open(hierarchy.Comm(), CheckpointPath(directory, state.step), true);
   file.Attribute("/", "format_version", {double(kFormatVersion)});

@@ -3,6 +3,7 @@
 
 #include "hierarchy/coupling/level_interface.hpp"
 #include "hierarchy/following.hpp"
+#include "hierarchy/surface_owners.hpp"
 #include "hierarchy/tip_track.hpp"
 #include "hierarchy/transfer/copy_coupling.hpp"
 #include "hierarchy/transfer/point_transfer.hpp"
@@ -120,21 +121,13 @@ public:
   /// Points of each level, in all and on the rank that has most. Collective.
   PetscErrorCode CountPoints(std::vector<double> *total, std::vector<double> *largest);
 
-  /// The patches of a level in the order of their numbers, [patches][kOfPatch], on the first rank, and how they come back on any
-  /// number of ranks. Collective.
-  PetscErrorCode GatherPatches(int l, std::vector<double> *numbers) const;
-  PetscErrorCode RestorePatches(int l, const std::vector<double> &numbers);
-  static constexpr int kOfPatch = 17;
-  double PatchDrift() const { return patch_drift_; }
-  void SetPatchDrift(double cells) { patch_drift_ = cells; }
+  SurfaceOwners &SurfaceOf() { return surface_; }
 
 private:
-  PetscErrorCode WatchPatches();
   PetscErrorCode AdvanceLevel(int l, TimeStep step, int substep);
   PetscErrorCode RecordTip(int l, TimeStep step);
   PetscErrorCode RefineStretched(int l, double time);
   PetscErrorCode AdvanceLevelWithCopies(int l, TimeStep step);
-  PetscErrorCode SeedSurface(const std::vector<Seeding> &seedings);
   PetscErrorCode CreateInterfaces(std::int64_t seeds);
   PetscErrorCode CreateLevel(int l, const Seeding &seeding);
   PetscErrorCode MapRanks();
@@ -148,8 +141,6 @@ private:
   IndexBox ZoneOf(int l, const Box &near, double drift) const;
   bool NeedsBalance(int l, double total, double largest) const;
   PetscErrorCode Rebalance(int l);
-  int LevelAt(Vec3 x, int now) const;
-  PetscErrorCode AssignPatches(bool to_levels);
   PetscErrorCode FindContact(double time, double next_check, ContactPlace *place);
   PetscErrorCode MoveLevels(const BoxPlan &next);
   PetscErrorCode SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active);
@@ -172,7 +163,7 @@ private:
   std::optional<CopyCoupling> copies_; ///< where the coupling is by points
   TipTrack tip_;
   FollowState follow_;
-  double patch_drift_ = 0; ///< cells of their level that patches may have moved since the last check
+  SurfaceOwners surface_;
 };
 
 } // namespace mlgimp

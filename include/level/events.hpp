@@ -12,6 +12,8 @@ struct LogEvents {
 };
 
 PetscErrorCode RegisterLogEvents(LogEvents *events);
+/// The log stage of level l, which hierarchies created one after the other share.
+PetscErrorCode RegisterLevelStage(int l, PetscLogStage *stage);
 
 /// Counts what is done until its end as a log event.
 class LogScope

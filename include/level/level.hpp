@@ -129,10 +129,6 @@ public:
   const LevelGeometry &Geometry() const { return geometry_; }
   /// Halves what has become too long of it, or too near to the indenter with its tip there.
   void SplitSurface(Vec3 tip) { contact_.Patches().Split(model_.geometry, *model_.indenter, tip, geometry_.grid.spacing); }
-  /// Whether patches of the surface may lie with other ranks or levels by now; alike on all ranks.
-  bool PatchesDue() const { return patches_due_; }
-  void WantPatches() { patches_due_ = true; }
-  void TakePatchesDue() { patches_due_ = false; }
   const Model &Physics() const { return model_; }
   const LogEvents &Events() const { return events_; }
   const NodalSettings &Nodal() const { return nodal_; }
@@ -175,7 +171,6 @@ private:
   std::vector<CoupledNode> coupled_nodes_;
   CoupledPlaces coupled_places_;
   double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
-  bool patches_due_ = true;
   NodeBodies node_bodies_;
   LightNodes light_;
   FollowingNodes following_;

@@ -15,16 +15,6 @@ namespace mlgimp
 
 static constexpr int kSplitInterval = 16; ///< steps of a level between two checks for points that are drawn out
 
-/// The log stage of a level, which hierarchies created one after the other share.
-static PetscErrorCode LevelStage(int l, PetscLogStage *stage)
-{
-  const std::string name = "level " + std::to_string(l);
-  PetscFunctionBeginUser;
-  PetscCall(PetscLogStageGetId(name.c_str(), stage));
-  if (*stage < 0) PetscCall(PetscLogStageRegister(name.c_str(), stage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const HierarchySettings &settings, const LogEvents &events,
                                  bool fill)
 {
@@ -48,9 +38,12 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (int l = 0; l < Levels(); ++l) {
     seedings.emplace_back(model, places, l, settings.levels[l].sides, first_id);
     first_id = seedings.back().EndId();
-    PetscCall(LevelStage(l, &stages_.emplace_back()));
+    PetscCall(RegisterLevelStage(l, &stages_.emplace_back()));
     PetscCall(CreateLevel(l, seedings.back()));
   }
+  std::vector<Level *> levels;
+  for (auto &level : levels_) levels.push_back(level.get());
+  surface_.Create(comm, levels, settings.ratio);
   std::vector<int> groups(model.bodies.size());
   std::iota(groups.begin(), groups.end(), 0);
   for (const Seeding &seeding : seedings) PetscCall(seeding.JoinTouching(comm, &groups));
@@ -63,7 +56,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (auto &transfer : transfers_) PetscCall(transfer->Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(Rebalance(l)); // for the points that have just crossed
   for (auto &level : levels_) PetscCall(level->Sort());                       // seeds come row by row
-  if (model_->indenter) PetscCall(SeedSurface(seedings));
+  if (model_->indenter) PetscCall(surface_.Seed(seedings, tip_.At(0)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,7 +181,7 @@ PetscErrorCode Hierarchy::Reconnect(bool keeps_state)
   PetscFunctionBeginUser;
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(RenewInterface(b, keeps_state));
   for (int l = 0; l < Levels(); ++l) CoupleNodes(l);
-  for (auto &level : levels_) level->WantPatches();
+  surface_.OwnersHaveChanged();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,25 +198,11 @@ PetscErrorCode Hierarchy::RestoreInterfaceState(int b, const std::vector<double>
 PetscErrorCode Hierarchy::Advance(TimeStep step)
 {
   PetscFunctionBeginUser;
-  PetscCall(WatchPatches());
+  if (model_->indenter) PetscCall(surface_.Watch(follow_.plan.active));
   if (settings_.coupling == LevelCoupling::kNodes || Levels() == 1)
     PetscCall(AdvanceLevel(0, step, 0));
   else
     PetscCall(AdvanceLevelWithCopies(0, step));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Gives patches of the surface to the levels and ranks where they are now, if they may have moved too far.
-PetscErrorCode Hierarchy::WatchPatches()
-{
-  constexpr double kMaxDrift = 0.5; // cells
-  bool due = false;
-  double drift = 0;
-  PetscFunctionBeginUser;
-  for (const auto &level : levels_) due = due || level->PatchesDue();
-  if (model_->indenter && (due || patch_drift_ > kMaxDrift)) PetscCall(AssignPatches(patch_drift_ > kMaxDrift));
-  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(settings_.ratio, l) * levels_[l]->Clock().drift_per_step);
-  patch_drift_ += drift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -197,7 +197,7 @@ PetscErrorCode Hierarchy::Follow(double step, double time, double next_check, st
   }
   for (const auto &transfer : transfers_) before.push_back(transfer->Totals());
   PetscCall(Timed(events_.balance, [&] { return MoveLevels(next); }));
-  patch_drift_ = HUGE_VAL;
+  surface_.BoxesHaveMoved();
   for (int l = 1; l < Levels(); ++l) {
     LevelMove move{step, time, l, IsActive(l), next.boxes[l]};
     PetscCall(MoveOf(comm_, before[l - 1], transfers_[l - 1]->Totals(), &move));

@@ -1,6 +1,8 @@
 // The log events of a step's phases, by the names that -log_view has.
 #include "level/events.hpp"
 
+#include <string>
+
 namespace mlgimp
 {
 
@@ -21,6 +23,15 @@ PetscErrorCode RegisterLogEvents(LogEvents *events)
   PetscCall(PetscLogEventRegister("Sort", id, &events->sort));
   PetscCall(PetscLogEventRegister("Balance", id, &events->balance));
   PetscCall(PetscLogEventRegister("Output", id, &events->output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode RegisterLevelStage(int l, PetscLogStage *stage)
+{
+  const std::string name = "level " + std::to_string(l);
+  PetscFunctionBeginUser;
+  PetscCall(PetscLogStageGetId(name.c_str(), stage));
+  if (*stage < 0) PetscCall(PetscLogStageRegister(name.c_str(), stage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -38,7 +38,6 @@ PetscErrorCode Level::Migrate(bool everywhere)
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
-  patches_due_ = patches_due_ || everywhere;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   const PointArrays points = points_.Arrays();
   clock_.drift = 0;

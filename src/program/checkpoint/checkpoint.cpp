@@ -95,7 +95,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
       pressures.push_back(pressure);
     }
   std::vector<double> patches;
-  ExitOnError(hierarchy.GatherPatches(l, &patches));
+  ExitOnError(hierarchy.SurfaceOf().Gather(l, &patches));
   file.List(group + "/patches", first ? patches : std::vector<double>());
   file.List(group + "/pressure_keys", keys);
   file.List(group + "/pressures", pressures);
@@ -130,7 +130,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
     file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
   file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
   file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
-  file.Attribute("/", "patch_drift", {hierarchy.PatchDrift()});
+  file.Attribute("/", "patch_drift", {hierarchy.SurfaceOf().Drift()});
   ExitOnError(hierarchy.ShareReach());
   file.List("/following",
             RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());

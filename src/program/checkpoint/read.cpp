@@ -124,7 +124,7 @@ void CheckpointReader::ReadHead(RunState *state)
     if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
     Note(NotFinite(copies, "copies"));
   }
-  if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SetPatchDrift(drift[0]);
+  if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SurfaceOf().SetDrift(drift[0]);
   if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
@@ -296,9 +296,9 @@ void CheckpointReader::ReadPatches(const std::string &group, int l)
 {
   std::vector<double> patches;
   if (FoundList(group + "/patches", &patches)) Note(NotFinite(patches, group + "/patches"));
-  Found(patches.size() % Hierarchy::kOfPatch == 0, group + "/patches");
+  Found(patches.size() % SurfaceOwners::kOfPatch == 0, group + "/patches");
   AgreeOnError("checkpoint_patches");
-  ExitOnError(hierarchy_.RestorePatches(l, patches));
+  ExitOnError(hierarchy_.SurfaceOf().Restore(l, patches));
 }
 
 void CheckpointReader::ReadBorder(int b)

@@ -1,9 +1,11 @@
 // Patches of the surface to the levels and ranks in whose part of the domain they are.
-#include "hierarchy/hierarchy.hpp"
+#include "hierarchy/surface_owners.hpp"
 
 #include "base/exchange.hpp"
+#include "hierarchy/transfer/point_transfer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mlgimp
 {
@@ -19,26 +21,26 @@ struct PlacedPatch {
 
 } // namespace
 
-PetscErrorCode Hierarchy::SeedSurface(const std::vector<Seeding> &seedings)
+PetscErrorCode SurfaceOwners::Seed(const std::vector<Seeding> &seedings, Vec3 tip)
 {
   PetscFunctionBeginUser;
   const auto split = [&] {
-    for (auto &level : levels_) level->SplitSurface(tip_.At(0));
+    for (auto &level : levels_) level->SplitSurface(tip);
   };
   for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->Contact().Patches());
   split();
   for (int l = 0; l < Levels(); ++l) { // each time what is short enough of a level comes to the next one
-    PetscCall(AssignPatches(true));
+    PetscCall(Assign(true, Levels()));
     split();
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// The level that the points there belong to, where those of level `now` come from.
-int Hierarchy::LevelAt(Vec3 x, int now) const
+int SurfaceOwners::LevelAt(Vec3 x, int now, int active) const
 {
   int l = 0;
-  for (int finer = 1; finer < Levels() && IsActive(finer); ++finer) {
+  for (int finer = 1; finer < active; ++finer) {
     const LevelGeometry &level = levels_[finer]->Geometry();
     if (!WidenedBox(level, (finer > now ? kEnter : kLeave) * level.grid.spacing).Contains(x)) break;
     l = finer;
@@ -47,17 +49,17 @@ int Hierarchy::LevelAt(Vec3 x, int now) const
 }
 
 /// Sends patches to the owners of the nodes nearest to them, and where asked for to other levels.
-PetscErrorCode Hierarchy::AssignPatches(bool to_levels)
+PetscErrorCode SurfaceOwners::Assign(bool to_levels, int active)
 {
   const PetscMPIInt own = RankIn(comm_);
-  const int dim = settings_.levels[0].grid.dim;
+  const int dim = levels_[0]->Geometry().grid.dim;
   std::vector<PlacedPatch> moved;
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
     std::vector<SurfacePatch> &patches = levels_[l]->Contact().Patches().Patches(), stay;
     for (const SurfacePatch &patch : patches) {
       const Vec3 x = patch.Center(dim);
-      const int level = to_levels ? LevelAt(x, l) : l;
+      const int level = to_levels ? LevelAt(x, l, active) : l;
       const Grid &grid = levels_[level]->Mesh();
       const PetscMPIInt rank = grid.OwnerOfNode(grid.Nearest(x));
       if (level == l && rank == own)
@@ -66,16 +68,27 @@ PetscErrorCode Hierarchy::AssignPatches(bool to_levels)
         moved.push_back({patch, level, rank});
     }
     patches = std::move(stay);
-    levels_[l]->TakePatchesDue();
   }
   PetscCall(ExchangeRecords(comm_, &moved, [](const PlacedPatch &one) { return one.rank; }));
   for (const PlacedPatch &one : moved) levels_[one.level]->Contact().Patches().Add(one.patch);
   for (auto &level : levels_) level->Contact().Patches().NumberCorners(dim);
-  if (to_levels) patch_drift_ = 0;
+  due_ = false;
+  if (to_levels) drift_ = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::GatherPatches(int l, std::vector<double> *numbers) const
+PetscErrorCode SurfaceOwners::Watch(int active)
+{
+  constexpr double kMaxDrift = 0.5; // cells
+  double drift = 0;
+  PetscFunctionBeginUser;
+  if (due_ || drift_ > kMaxDrift) PetscCall(Assign(drift_ > kMaxDrift, active));
+  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(ratio_, l) * levels_[l]->Clock().drift_per_step);
+  drift_ += drift;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SurfaceOwners::Gather(int l, std::vector<double> *numbers) const
 {
   std::vector<SurfacePatch> patches = levels_[l]->Contact().Patches().Patches();
   PetscFunctionBeginUser;
@@ -90,7 +103,7 @@ PetscErrorCode Hierarchy::GatherPatches(int l, std::vector<double> *numbers) con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::RestorePatches(int l, const std::vector<double> &numbers)
+PetscErrorCode SurfaceOwners::Restore(int l, const std::vector<double> &numbers)
 {
   std::vector<SurfacePatch> &patches = levels_[l]->Contact().Patches().Patches();
   PetscFunctionBeginUser;
@@ -104,7 +117,7 @@ PetscErrorCode Hierarchy::RestorePatches(int l, const std::vector<double> &numbe
     for (Vec3 &corner : patch.corner) std::copy_n(n, 3, corner.begin()), n += 3;
     patch.ring = n[0], patch.flow = n[1];
   }
-  PetscCall(AssignPatches(false));
+  PetscCall(Assign(false, Levels()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

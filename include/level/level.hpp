@@ -26,6 +26,45 @@ struct LevelClock {
   double drift_per_step = 1; ///< cells
 };
 
+/// How a level advances.
+struct LevelSettings {
+  NodalSettings nodal;
+  XpicSchedule xpic;
+  int sort_interval = 50;      ///< steps
+  bool measures_noise = false; ///< of the points' velocities, for Level::Totals
+};
+
+/// Points of a level on this rank.
+struct PointStores {
+  Points own;
+  Points copies[2]; ///< of points that the next coarser (0) or finer level (1) owns
+};
+
+/// The loops over points, and what they know of the bodies.
+struct LevelSweeps {
+  std::unique_ptr<Kernels> kernels;
+  BodyTable bodies;
+};
+
+/// Nodes whose velocities neighbouring levels have a part in.
+struct CoupledLevel {
+  bool on = false;                ///< their exchange of energy is added up
+  std::vector<CoupledNode> nodes; ///< owned ones
+  CoupledPlaces places;           ///< all that this rank has
+  FollowingNodes following;       ///< blended ones beside the indenter
+  const BorderNodes *coarser = nullptr;
+  const double *finer_masses = nullptr; ///< by place, what the next finer level's points give nodes, kg
+};
+
+/// What lasts for a step, and the first failure.
+struct LevelStep {
+  double time = 0;                    ///< at its start, s
+  std::vector<FaceForce> applied;     ///< by loads
+  std::vector<NodeChange> held_nodes; ///< by sides
+  LevelFailure failure;
+  double drift_path = 0; ///< sum of the clock's drift since the run began or went on, cells
+};
+
 class Level
 {
 public:
@@ -52,13 +91,13 @@ public:
   /// exchange of energy is added up.
   void SetCoupledNodes(std::vector<CoupledNode> nodes, CoupledPlaces places)
   {
-    coupled_nodes_ = std::move(nodes), is_coupled_ = true;
+    coupled_.nodes = std::move(nodes), coupled_.on = true;
     SetCoupledPlaces(std::move(places));
   }
   /// What contact must know of them; finer_masses: by place, what the next finer level's points give nodes, or null.
   void SetBorders(const ContactBorders &borders, const double *finer_masses)
   {
-    border_ = borders.coarser, finer_masses_ = finer_masses;
+    coupled_.coarser = borders.coarser, coupled_.finer_masses = finer_masses;
     contact_.SetBorders(borders);
   }
   /// Force of some points times a sign on the nodes, in `sums` of owned nodes, without loads and body forces. Collective
@@ -106,9 +145,9 @@ public:
   }
   LevelContact &Contact() { return contact_; }
   const LevelContact &Contact() const { return contact_; }
-  ContactSite Site() { return {model_, geometry_, *grid_, points_, bodies_, light_, nodal_.mass_cutoff}; }
+  ContactSite Site() { return {model_, geometry_, *grid_, stores_.own, sweeps_.bodies, light_, settings_.nodal.mass_cutoff}; }
   /// Whether the next steps measure the noise of their points' velocities, for Totals.
-  void MeasureNoise(bool measures) { measures_noise_ = measures; }
+  void MeasureNoise(bool measures) { settings_.measures_noise = measures; }
   /// Shows the level to PETSc's viewers: the grid, the points, and what these put on the nodes at `time`, where options named
   /// PREFIXdm_view, PREFIXpoints_view and PREFIXnodes_view ask for it. Collective on all ranks.
   PetscErrorCode View(const std::string &prefix, double time);
@@ -118,10 +157,10 @@ public:
   /// Largest of c + |v| and of |v| over this rank's points, m/s.
   void LargestSpeeds(double *wave, double *point);
 
-  Points &PointStore() { return points_; }
+  Points &PointStore() { return stores_.own; }
   /// Copies of points that the next coarser (0) or finer level (1) owns. They move and act with the level's own points,
   /// but do not count in any budget.
-  Points &CopyStore(int origin) { return copies_[origin]; }
+  Points &CopyStore(int origin) { return stores_.copies[origin]; }
   const Grid &Mesh() const { return *grid_; }
   Grid &Mesh() { return *grid_; }
   void SetBodyGroups(std::vector<int> groups) { node_bodies_.SetGroups(std::move(groups)); }
@@ -131,15 +170,15 @@ public:
   void SplitSurface(Vec3 tip) { contact_.Patches().Split(model_.geometry, *model_.indenter, tip, geometry_.grid.spacing); }
   const Model &Physics() const { return model_; }
   const LogEvents &Events() const { return events_; }
-  const NodalSettings &Nodal() const { return nodal_; }
-  const LevelFailure &Failure() const { return failure_; }
+  const NodalSettings &Nodal() const { return settings_.nodal; }
+  const LevelFailure &Failure() const { return step_.failure; }
   /// All that the level adds up on this rank but what SumPoints does.
   Budgets &Totals() { return budgets_; }
   long Steps() const { return clock_.steps; }
   const LevelClock &Clock() const { return clock_; }
   void SetClock(const LevelClock &clock) { clock_ = clock; }
-  void SetXpic(const XpicSchedule &schedule) { xpic_ = schedule; }
-  void SetSortInterval(int interval) { sort_interval_ = interval; }
+  void SetXpic(const XpicSchedule &schedule) { settings_.xpic = schedule; }
+  void SetSortInterval(int interval) { settings_.sort_interval = interval; }
 
 private:
   /// A new grid by the layout, in the place of the one before.
@@ -158,33 +197,20 @@ private:
   void RecordFailure(const PointFailure &failure, double time);
 
   const Model &model_;
-  const Flops flops_{model_.geometry.Dim()};
   LogEvents events_;
   MPI_Comm world_ = MPI_COMM_NULL;
   LevelGeometry geometry_{};
-  NodalSettings nodal_;
-  XpicSchedule xpic_;
-  BodyTable bodies_;
+  LevelSettings settings_;
   std::unique_ptr<Grid> grid_;
-  Points points_, copies_[2];
-  std::unique_ptr<Kernels> kernels_;
-  std::vector<CoupledNode> coupled_nodes_;
-  CoupledPlaces coupled_places_;
-  double drift_path_ = 0; ///< sum of the clock's drift since the run began or went on, cells
+  PointStores stores_;
+  LevelSweeps sweeps_;
+  CoupledLevel coupled_;
   NodeBodies node_bodies_;
   LightNodes light_;
-  FollowingNodes following_;
-  BorderNodes *border_ = nullptr;
-  const double *finer_masses_ = nullptr;
-  std::vector<NodeChange> held_nodes_; ///< by sides in the step
-  bool is_coupled_ = false, measures_noise_ = false;
-  std::vector<FaceForce> applied_; ///< by loads in the step
   Budgets budgets_;
   LevelContact contact_{events_, budgets_};
-  LevelFailure failure_;
-  double time_ = 0;
+  LevelStep step_;
   LevelClock clock_;
-  int sort_interval_ = 50;
 };
 
 } // namespace mlgimp

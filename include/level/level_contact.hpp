@@ -53,14 +53,14 @@ public:
   PetscErrorCode Create(const Model &model);
   bool Exists() const { return method_ != nullptr; }
   /// Whether there may be contact in the steps until the next check; the same on all ranks.
-  bool IsActive() const { return method_ && active_; }
+  bool IsActive() const { return method_ && reach_.active; }
 
   // The ranks that contact concerns: those with nodes in a zone, which holds all that points near the indenter may touch.
 
   /// While the indenter is out of reach, contact is left out of the steps. Collective on all ranks, `world`.
   PetscErrorCode Watch(MPI_Comm world, const Grid &grid, bool within_reach, const IndexBox &zone);
-  bool WithinReach() const { return active_; }
-  const IndexBox &Zone() const { return zone_; }
+  bool WithinReach() const { return reach_.active; }
+  const IndexBox &Zone() const { return reach_.nodes; }
   /// The grid has another layout. Collective on all ranks.
   PetscErrorCode Regroup(const Grid &grid);
   /// Brings the pressures from the first rank of the group to all, whichever will be in the next. Collective on all ranks.
@@ -96,7 +96,7 @@ public:
   Surface &Patches() { return surface_; }
   const Surface &Patches() const { return surface_; }
   /// Must be called by all ranks when points or ranks have come: the next step searches the surface for contact.
-  void InvalidateClearance() { clearance_ = 0; }
+  void InvalidateClearance() { clearance_.left = 0; }
   /// Pressure of contact in the last step on this rank's points, with the tip as it is now; see Contact::PressuresOnPoints.
   PetscErrorCode PressuresOnPoints(const ContactSite &site, Vec3 tip, std::vector<double> *pressures);
   /// The same on its patches of the surface; see Contact::PressuresOnPatches.
@@ -116,13 +116,18 @@ private:
   Surface surface_;
   SurfaceMotion surface_motion_;
   StrainUnder strain_under_;
-  bool active_ = true, touches_ = false, failed_ = false; ///< until the next check; in the step; for good
-  bool reaches_coarser_level_ = true;                     ///< contact in the step may have changed nodes of the coarser level
-  IndexBox zone_ = kAllNodes;
+  struct Reach {
+    bool active = true; ///< until the next check
+    IndexBox nodes = kAllNodes;
+  } reach_;
+  bool touches_ = false, failed_ = false; ///< in the step; for good
+  bool reaches_coarser_level_ = true;     ///< contact in the step may have changed nodes of the coarser level
   std::vector<NodeChange> changes_;
   TipReport tip_;
-  double clearance_ = 0; ///< what is left of that in ContactReport, m; the same on all ranks of the group
-  Vec3 tip_end_{};       ///< with which it was found, m
+  struct Clearance {
+    double left = 0; ///< of that in ContactReport, m; the same on all ranks of the group
+    Vec3 tip{};      ///< with which it was found, m
+  } clearance_;
 };
 
 } // namespace mlgimp

@@ -22,19 +22,19 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   geometry_ = geometry;
   world_ = world;
   for (const auto &material : model_.materials) density = std::min(density, material->Density());
-  nodal_ = model_.nodal;
-  nodal_.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
+  settings_.nodal = model_.nodal;
+  settings_.nodal.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
   const double h = geometry.grid.spacing;
-  nodal_.full_mass = density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
-  nodal_.mass_cutoff = kEmptyNode * nodal_.full_mass;
+  settings_.nodal.full_mass = density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
+  settings_.nodal.mass_cutoff = kEmptyNode * settings_.nodal.full_mass;
   PetscCall(CreateGrid(layout));
-  for (Points *store : {&points_, &copies_[0], &copies_[1]})
+  for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]})
     PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
                             model_.HistoryComponents()));
-  kernels_ = CreateKernels(model_.geometry.kind, model_.shape_function);
+  sweeps_.kernels = CreateKernels(model_.geometry.kind, model_.shape_function);
   PetscCall(contact_.Create(model_));
   PetscCall(contact_.Regroup(*grid_));
-  bodies_ = model_.Table();
+  sweeps_.bodies = model_.Table();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,24 +53,25 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 
 void Level::SetCoupledPlaces(CoupledPlaces places)
 {
-  coupled_places_ = std::move(places);
-  following_.Clear();
+  coupled_.places = std::move(places);
+  coupled_.following.Clear();
   if (!grid_->Participates()) return;
   std::vector<double> shares(grid_->GhostedNodes(), 1.0);
-  if (border_) ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = border_->BlendOf(node).beta; });
-  for (const std::ptrdiff_t place : coupled_places_.interface) shares[place] = LightNodes::kWithFiner;
-  light_.Create(*grid_, geometry_.sides, nodal_, model_.geometry.HasHoop(), std::move(shares));
+  if (coupled_.coarser)
+    ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = coupled_.coarser->BlendOf(node).beta; });
+  for (const std::ptrdiff_t place : coupled_.places.interface) shares[place] = LightNodes::kWithFiner;
+  light_.Create(*grid_, geometry_.sides, settings_.nodal, model_.geometry.HasHoop(), std::move(shares));
 }
 
 void Level::RecordFailure(const PointFailure &failure, double time)
 {
-  if (failure.kind != PointFailure::kNone && failure_.kind == LevelFailure::kNone)
-    failure_ = {LevelFailure::kPoint, failure, time};
+  if (failure.kind != PointFailure::kNone && step_.failure.kind == LevelFailure::kNone)
+    step_.failure = {LevelFailure::kPoint, failure, time};
 }
 
 template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sweep)
 {
-  Points *const stores[3] = {&points_, &copies_[0], &copies_[1]};
+  Points *const stores[3] = {&stores_.own, &stores_.copies[0], &stores_.copies[1]};
   PetscFunctionBeginUser;
   for (int k = 0; k < 3; ++k) {
     const bool owned = k == 0;
@@ -78,8 +79,8 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
     Budgets discarded;
     if (!owned && stores[k]->Count() == 0) continue;
     const PointArrays points = stores[k]->Arrays();
-    sweep(SweepView{*grid_, points, bodies_, owned}, owned ? budgets_ : discarded, failure);
-    if (owned) RecordFailure(failure, time_);
+    sweep(SweepView{*grid_, points, sweeps_.bodies, owned}, owned ? budgets_ : discarded, failure);
+    if (owned) RecordFailure(failure, step_.time);
     PetscCall(PetscLogFlops(flops * points.count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -87,16 +88,18 @@ template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sw
 
 PetscErrorCode Level::PointsToGrid(double time)
 {
+  const Flops flops(model_.geometry.Dim());
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
   grid_->ClearSums();
-  applied_.clear();
-  PetscCall(ForEachStore(flops_.points_to_grid, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
-    kernels_->PointsToGrid(view, model_.acceleration, time, budgets);
+  step_.applied.clear();
+  PetscCall(ForEachStore(flops.points_to_grid, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
+    sweeps_.kernels->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
   PointFailure failure;
-  AddLoads(*grid_, points_, true, model_.loads, model_.geometry, time, applied_, failure);
-  for (Points &copies : copies_) AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, applied_, failure);
+  AddLoads(*grid_, stores_.own, true, model_.loads, model_.geometry, time, step_.applied, failure);
+  for (Points &copies : stores_.copies)
+    AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, step_.applied, failure);
   RecordFailure(failure, time);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -106,8 +109,8 @@ PetscErrorCode Level::PointsToGrid(double time)
 PetscErrorCode Level::FindLightNodes()
 {
   PetscFunctionBeginUser;
-  PetscCall(node_bodies_.Find(*grid_, {points_.Arrays(), copies_[0].Arrays(), copies_[1].Arrays()}));
-  light_.Find(*grid_, node_bodies_, finer_masses_);
+  PetscCall(node_bodies_.Find(*grid_, {stores_.own.Arrays(), stores_.copies[0].Arrays(), stores_.copies[1].Arrays()}));
+  light_.Find(*grid_, node_bodies_, coupled_.finer_masses);
   PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,28 +119,29 @@ PetscErrorCode Level::GatherForces(TimeStep step)
 {
   PetscFunctionBeginUser;
   budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
-  nodal_.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
+  settings_.nodal.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  time_ = step.time;
+  step_.time = step.time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(step.dt));
   PetscCall(PointsToGrid(step.time));
   budgets_.hoop_impulse += step.dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ShareSums());
-  AddLoadImpulse(*grid_, applied_, nodal_.mass_cutoff, step.dt, budgets_);
+  AddLoadImpulse(*grid_, step_.applied, settings_.nodal.mass_cutoff, step.dt, budgets_);
   PetscCall(FindLightNodes());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  if (measures_noise_) budgets_.noise_energy = NoiseEnergy();
+  if (settings_.measures_noise) budgets_.noise_energy = NoiseEnergy();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::UpdateNodes(double dt)
 {
+  const Flops flops(model_.geometry.Dim());
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateVelocities(*grid_, nodal_, dt);
-  PetscCall(PetscLogFlops(flops_.node * static_cast<double>(grid_->Owned().Count())));
+  UpdateVelocities(*grid_, settings_.nodal, dt);
+  PetscCall(PetscLogFlops(flops.node * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -147,13 +151,13 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
   PetscFunctionBeginUser;
   contact_.Begin(tip, clock_.drift_per_step * geometry_.grid.spacing);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  RecordCoupling(*grid_, nodal_, step.dt, coupled_nodes_);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, budgets_);
-  if (contact_.Exists()) following_.Find(*grid_, coupled_places_, light_, *model_.indenter, tip.start);
-  PetscCall(contact_.Solve(Site(), step, tip, &coupled_nodes_));
-  if (contact_.HasFailed() && failure_.kind == LevelFailure::kNone) failure_ = {LevelFailure::kContact, {}, step.time};
-  if (is_coupled_ || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
-  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, step.dt, budgets_);
+  RecordCoupling(*grid_, settings_.nodal, step.dt, coupled_.nodes);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, settings_.nodal, &step_.held_nodes, budgets_);
+  if (contact_.Exists()) coupled_.following.Find(*grid_, coupled_.places, light_, *model_.indenter, tip.start);
+  PetscCall(contact_.Solve(Site(), step, tip, &coupled_.nodes));
+  if (contact_.HasFailed() && step_.failure.kind == LevelFailure::kNone) step_.failure = {LevelFailure::kContact, {}, step.time};
+  if (coupled_.on || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
+  if (settings_.nodal.HasBodyForces()) AddBodyWork(*grid_, settings_.nodal, step.dt, budgets_);
   const int components = NodeLayout::Velocity(model_.geometry.Dim());
   PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), components); }));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -161,18 +165,18 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 
 PetscErrorCode Level::StrainBeforeForces(double dt)
 {
+  const Flops flops(model_.geometry.Dim());
   const RatesPlan plan = {dt, true, {}, 0, false};
   PetscFunctionBeginUser;
-  PetscCall(PointsToGrid(time_));
+  PetscCall(PointsToGrid(step_.time));
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
-  VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
+  VelocitiesFromSums(*grid_, geometry_.sides, settings_.nodal);
   PetscCall(light_.Prolong(*grid_, grid_->RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(
-      ForEachStore(flops_.gather_rates + flops_.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-        kernels_->ApplyRates(view, plan, budgets, failure);
-      }));
+  PetscCall(ForEachStore(flops.gather_rates + flops.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+    sweeps_.kernels->ApplyRates(view, plan, budgets, failure);
+  }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -182,15 +186,17 @@ PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
 {
   PetscFunctionBeginUser;
   if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<double> motion = MeanMotion(*grid_, rates, nodal_.mass_cutoff);
+  std::vector<double> motion = MeanMotion(*grid_, rates, settings_.nodal.mass_cutoff);
   PetscCall(light_.Prolong(*grid_, motion.data(), model_.geometry.Dim()));
-  AddLoadWork(*grid_, applied_, motion, dt, budgets_);
+  AddLoadWork(*grid_, step_.applied, motion, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::ExchangeRates(double dt, double xpic)
 {
-  const SecondVelocityPlan plan = {coupled_places_.held, following_.Places(), xpic, is_coupled_ || model_.VolumeAverages() > 0};
+  const Flops flops(model_.geometry.Dim());
+  const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic,
+                                   coupled_.on || model_.VolumeAverages() > 0};
   const int components = NodeLayout::Rates(model_.geometry.Dim());
   PetscFunctionBeginUser;
   const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
@@ -199,32 +205,33 @@ PetscErrorCode Level::ExchangeRates(double dt, double xpic)
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), true, ahead);
   PetscCall(AddWorkOfLoads(true, dt));
-  if (plan.exchange) AddExchange(*grid_, dt, coupled_nodes_, held_nodes_, ahead, budgets_);
-  DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
+  if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, ahead, budgets_);
+  DivideRates(*grid_, geometry_.sides, settings_.nodal, dt, plan, budgets_);
   PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->RatesArray(), components); }));
-  FinishRates(*grid_, nodal_, plan);
-  PetscCall(PetscLogFlops(flops_.rates * static_cast<double>(grid_->Owned().Count())));
+  FinishRates(*grid_, settings_.nodal, plan);
+  PetscCall(PetscLogFlops(flops.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::AdvancePoints(double dt)
 {
+  const Flops flops(model_.geometry.Dim());
   // The weights must not change within a step, so F advances in its last sweep.
-  const bool rates = model_.UsesRates() || is_coupled_, strain = model_.stress_update != StressUpdate::kUsf;
-  const double xpic = xpic_.InStep(clock_.steps);
-  const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
+  const bool rates = model_.UsesRates() || coupled_.on, strain = model_.stress_update != StressUpdate::kUsf;
+  const double xpic = settings_.xpic.InStep(clock_.steps);
+  const double damped = settings_.nodal.xpic_fraction > 0 ? 0 : settings_.nodal.damping * dt; // XPIC takes that motion by itself
   const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
   const RatesPlan second = {dt, strain, model_.short_wave, xpic, true};
-  const double first_flops = flops_.grid_to_points + rates * flops_.scatter_rates + first.strain * flops_.stress;
-  const double second_flops = flops_.gather_rates + second.strain * flops_.stress + second.short_wave.On() * flops_.short_wave;
+  const double first_flops = flops.grid_to_points + rates * flops.scatter_rates + first.strain * flops.stress;
+  const double second_flops = flops.gather_rates + second.strain * flops.stress + second.short_wave.On() * flops.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model_.indenter) PetscCall(contact_.PrepareSurface(Site(), drift_path_ * geometry_.grid.spacing));
+  if (model_.indenter) PetscCall(contact_.PrepareSurface(Site(), step_.drift_path * geometry_.grid.spacing));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    kernels_->GridToPoints(view, first, budgets, failure);
+    sweeps_.kernels->GridToPoints(view, first, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (!rates) {
@@ -236,7 +243,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   PetscCall(ExchangeRates(dt, xpic));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(second_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    kernels_->ApplyRates(view, second, budgets, failure);
+    sweeps_.kernels->ApplyRates(view, second, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
   if (model_.indenter) PetscCall(contact_.MoveSurface(Site(), true, dt));
@@ -248,12 +255,12 @@ PetscErrorCode Level::EndStep()
   PetscFunctionBeginUser;
   constexpr double kMaxDrift = 0.9; // cells; the halo has room for one
   ++clock_.steps;
-  clock_.drift += clock_.drift_per_step, drift_path_ += clock_.drift_per_step;
+  clock_.drift += clock_.drift_per_step, step_.drift_path += clock_.drift_per_step;
   const bool due = clock_.drift + clock_.drift_per_step > kMaxDrift;
   if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all ranks have the same value
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (due) PetscCall(Migrate());
-  if (clock_.steps % sort_interval_ == 0) PetscCall(Sort());
+  if (clock_.steps % settings_.sort_interval == 0) PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -274,17 +281,18 @@ PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<
   grid_->ClearSums();
   PetscCall(ForEachStore(0, [&](const SweepView &view, Budgets &, PointFailure &) {
     Budgets discarded;
-    kernels_->ScatterTensors(view);
-    kernels_->PointsToGrid(view, {}, 0, discarded);
+    sweeps_.kernels->ScatterTensors(view);
+    sweeps_.kernels->PointsToGrid(view, {}, 0, discarded);
   }));
   PetscCall(grid_->ShareRates(true, true));
   PetscCall(grid_->ShareSums());
   for (std::size_t node = 0; node < nodes; ++node) {
-    const double mass = std::max(grid_->Sums()[node].mass, nodal_.mass_cutoff);
+    const double mass = std::max(grid_->Sums()[node].mass, settings_.nodal.mass_cutoff);
     for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
   }
-  const PointArrays arrays = points_.Arrays();
-  for (std::size_t k = 0; k < points.size(); ++k) kernels_->TensorsAt({*grid_, arrays, bodies_}, points[k], &(*tensors)[8 * k]);
+  const PointArrays arrays = stores_.own.Arrays();
+  for (std::size_t k = 0; k < points.size(); ++k)
+    sweeps_.kernels->TensorsAt({*grid_, arrays, sweeps_.bodies}, points[k], &(*tensors)[8 * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

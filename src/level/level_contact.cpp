@@ -39,20 +39,20 @@ PetscErrorCode LevelContact::Watch(MPI_Comm world, const Grid &grid, bool within
 {
   PetscFunctionBeginUser;
   InvalidateClearance();
-  active_ = within_reach;
-  if (within_reach) zone_ = zone;
+  reach_.active = within_reach;
+  if (within_reach) reach_.nodes = zone;
   if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
-  group_.SetZone(zone_);
-  if (grid.BlocksIn(zone_) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
+  group_.SetZone(reach_.nodes);
+  if (grid.BlocksIn(reach_.nodes) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SharePressures(world, grid));
-  PetscCall(group_.Create(grid, zone_));
+  PetscCall(group_.Create(grid, reach_.nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LevelContact::Regroup(const Grid &grid)
 {
   PetscFunctionBeginUser;
-  if (method_) PetscCall(group_.Create(grid, zone_));
+  if (method_) PetscCall(group_.Create(grid, reach_.nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -79,8 +79,8 @@ void LevelContact::SetPressures(const ContactPressures &pressures)
 
 void LevelContact::Begin(const TipStep &tip, double drift)
 {
-  clearance_ -= drift;
-  touches_ = active_ && group_.Participates() && clearance_ <= Norm(tip.end - tip_end_);
+  clearance_.left -= drift;
+  touches_ = reach_.active && group_.Participates() && clearance_.left <= Norm(tip.end - clearance_.tip);
   tip_ = {tip.FreeTravel()};
   changes_.clear(), surface_motion_.Begin();
   if (!touches_) Record({}, 0);
@@ -110,7 +110,7 @@ PetscErrorCode LevelContact::Solve(const ContactSite &site, TimeStep step, const
   PetscFunctionBeginUser;
   if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
   TakeShared(site, coupled);
-  if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!reach_.active) PetscFunctionReturn(PETSC_SUCCESS);
   surface_.Approach(*site.model.indenter, tip.end, kPointRange * site.geometry.grid.spacing);
   reaches_coarser_level_ = group_.Blocks().size() < site.grid.Layout().ranks.size(); // where some ranks do not know
   if (touches_) PetscCall(Apply(site, step, tip));
@@ -128,7 +128,7 @@ PetscErrorCode LevelContact::Apply(const ContactSite &site, TimeStep step, const
   reaches_coarser_level_ = reaches_coarser_level_ || report.may_reach_coarser_level;
   changes_.insert(changes_.end(), report.contact_nodes.begin(), report.contact_nodes.end());
   failed_ = failed_ || !report.solved;
-  clearance_ = report.clearance, tip_end_ = tip.end;
+  clearance_.left = report.clearance, clearance_.tip = tip.end;
   surface_motion_.SetPressed(report.columns);
   Record(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
   AddUp(report, *site.model.indenter, step, tip, site.geometry.grid.spacing);
@@ -159,7 +159,7 @@ PetscErrorCode LevelContact::PrepareSurface(const ContactSite &site, double path
   else
     surface_motion_.PrepareFar(surface_);
   strain_under_.Clear();
-  if (touches_ && site.model.HasMetal()) strain_under_.Begin(site.Of(surface_), tip_end_);
+  if (touches_ && site.model.HasMetal()) strain_under_.Begin(site.Of(surface_), clearance_.tip);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -11,21 +11,21 @@ PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
   const Vec3 x = points.Position(p);
   const Index node = grid_->Nearest(x);
   const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->OwnerOfNode(node) : -1;
-  if (owner < 0) RecordFailure({PointFailure::kLeftGrid, points.id[p], x}, time_);
+  if (owner < 0) RecordFailure({PointFailure::kLeftGrid, points.id[p], x}, step_.time);
   return owner;
 }
 
 void Level::PutBack(const std::vector<int> &points)
 {
   const IndexBox allowed = geometry_.PointNodes();
-  const PointArrays a = points_.Arrays();
+  const PointArrays a = stores_.own.Arrays();
   for (int p : points)
     for (int axis = 0; axis < a.dim; ++axis) {
       double &x = a.position[PointArrays::At(p, a.dim) + axis];
       const double first = grid_->Coordinate(axis, allowed.lower[axis]), last = grid_->Coordinate(axis, allowed.upper[axis] - 1);
       const double room = 0.5 * geometry_.grid.spacing;
       if (x >= first - room && x < last + room) continue; // a NaN does not
-      RecordFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, time_);
+      RecordFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, step_.time);
       x = grid_->Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
     }
 }
@@ -39,7 +39,7 @@ PetscErrorCode Level::Migrate(bool everywhere)
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
   const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  const PointArrays points = points_.Arrays();
+  const PointArrays points = stores_.own.Arrays();
   clock_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
     const Index nearest = grid_->Nearest(points.Position(p));
@@ -47,13 +47,13 @@ PetscErrorCode Level::Migrate(bool everywhere)
     for (int axis = 0; axis < points.dim; ++axis) {
       node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
       if (node[axis] == nearest[axis]) continue;
-      RecordFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, time_);
+      RecordFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, step_.time);
       points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
     }
     const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);
     if (owner != rank) migrants.Add(p, owner);
   }
-  PetscCall(MovePoints(comm, points_, points_, migrants));
+  PetscCall(MovePoints(comm, stores_.own, stores_.own, migrants));
   PetscCall(PetscLogEventEnd(events_.migrate, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -61,7 +61,7 @@ PetscErrorCode Level::Migrate(bool everywhere)
 PetscErrorCode Level::MigrateCopies()
 {
   PetscFunctionBeginUser;
-  for (Points &copies : copies_) {
+  for (Points &copies : stores_.copies) {
     Migrants migrants;
     const PointArrays points = copies.Arrays();
     for (int p = 0; p < points.count; ++p) migrants.Add(p, OwnerOf(points, p));
@@ -76,10 +76,10 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   PetscCall(contact_.SharePressures(world_, *grid_));
   PetscCall(CreateGrid(layout));
   PetscCall(contact_.Regroup(*grid_));
-  coupled_nodes_.clear();
+  coupled_.nodes.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
-  for (Points *store : {&points_, &copies_[0], &copies_[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
+  for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
   PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -111,7 +111,7 @@ PetscErrorCode Level::Sort()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  points_.Reorder(SortedByNode(*grid_, points_.Arrays()));
+  stores_.own.Reorder(SortedByNode(*grid_, stores_.own.Arrays()));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -12,9 +12,10 @@ std::vector<VelocitySample> Level::SampleVelocity(const std::vector<int> &points
 {
   std::vector<VelocitySample> samples(points.size());
   if (!grid_->Participates()) return samples;
-  const PointArrays arrays = points_.Arrays();
-  const SweepView view = {*grid_, arrays, bodies_};
-  for (std::size_t k = 0; k < points.size(); ++k) samples[k] = kernels_->VelocityAt(view, points[k], nodal_.mass_cutoff);
+  const PointArrays arrays = stores_.own.Arrays();
+  const SweepView view = {*grid_, arrays, sweeps_.bodies};
+  for (std::size_t k = 0; k < points.size(); ++k)
+    samples[k] = sweeps_.kernels->VelocityAt(view, points[k], settings_.nodal.mass_cutoff);
   return samples;
 }
 
@@ -24,10 +25,10 @@ PetscErrorCode Level::FindVelocities()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   grid_->ClearSums();
-  kernels_->PointsToGrid({*grid_, points_.Arrays(), bodies_}, {}, time_, discarded);
+  sweeps_.kernels->PointsToGrid({*grid_, stores_.own.Arrays(), sweeps_.bodies}, {}, step_.time, discarded);
   PetscCall(grid_->ShareSums());
-  UpdateVelocities(*grid_, nodal_, 0);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &held_nodes_, discarded);
+  UpdateVelocities(*grid_, settings_.nodal, 0);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, settings_.nodal, &step_.held_nodes, discarded);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -36,13 +37,13 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   Budgets discarded;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  const PointArrays all = points_.Arrays();
+  const PointArrays all = stores_.own.Arrays();
   grid_->ClearSums();
   for (int p : points) {
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
     one.mass = &mass;
-    kernels_->PointsToGrid({*grid_, one, bodies_}, {}, time_, discarded);
+    sweeps_.kernels->PointsToGrid({*grid_, one, sweeps_.bodies}, {}, step_.time, discarded);
   }
   PetscCall(grid_->ShareSums());
   PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
@@ -59,13 +60,13 @@ static const double *HoopStretch(const PointArrays &points, double *hoop)
 
 double Level::NoiseEnergy()
 {
-  const PointArrays points = points_.Arrays();
+  const PointArrays points = stores_.own.Arrays();
   double energy = 0;
   for (int p = 0; p < points.count; ++p) {
     const Vec3 v = points.Velocity(p);
     energy += 0.5 * points.mass[p] * Dot(v, v);
   }
-  return energy - KineticEnergy(*grid_, nodal_);
+  return energy - KineticEnergy(*grid_, settings_.nodal);
 }
 
 /// Adds at most kBlock points of one material.
@@ -98,22 +99,22 @@ static void AddPoints(const PointArrays &points, const Material &material, Budge
 
 void Level::SumPoints(Budgets *sums)
 {
-  ForEachBlock({*grid_, points_.Arrays(), bodies_}, [&](const Block &b) { AddPoints(b, b.material, sums); });
+  ForEachBlock({*grid_, stores_.own.Arrays(), sweeps_.bodies}, [&](const Block &b) { AddPoints(b, b.material, sums); });
 }
 
 Budgets Level::SumPoints(const std::vector<int> &list)
 {
   Budgets sums;
-  const PointArrays points = points_.Arrays();
-  for (int p : list) AddPoints(Slice(points, p, p + 1), bodies_.Of(points, p), &sums);
+  const PointArrays points = stores_.own.Arrays();
+  for (int p : list) AddPoints(Slice(points, p, p + 1), sweeps_.bodies.Of(points, p), &sums);
   return sums;
 }
 
 void Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 {
   if (!contact_.Exists()) return;
-  const PointArrays points = points_.Arrays();
-  const std::vector<int> &surface = points_.SurfacePoints();
+  const PointArrays points = stores_.own.Arrays();
+  const std::vector<int> &surface = stores_.own.SurfacePoints();
   for (int p : surface) {
     const Vec3 x = points.Position(p);
     if (!(model_.indenter->Gap(x, tip).distance < range)) continue;
@@ -127,7 +128,7 @@ void Level::FindNearIndenter(Vec3 tip, double range, Box *near)
 void Level::LargestSpeeds(double *wave, double *point)
 {
   *wave = *point = 0;
-  ForEachBlock({*grid_, points_.Arrays(), bodies_}, [&](const Block &b) {
+  ForEachBlock({*grid_, stores_.own.Arrays(), sweeps_.bodies}, [&](const Block &b) {
     double speed2[kBlock], hoop[kBlock], speeds[kBlock];
     double fastest_point = 0, fastest_wave = 0, sum = 0; // a maximum hides what is no number; a sum does not
     b.material.WaveSpeedSquared(b.count, b.F, HoopStretch(b, hoop), speed2);
@@ -139,7 +140,7 @@ void Level::LargestSpeeds(double *wave, double *point)
       sum += speeds[p];
     }
     for (int p = 0; std::isnan(sum) && p < b.count; ++p)
-      if (std::isnan(speeds[p])) RecordFailure({PointFailure::kNotFinite, b.id[p], b.Position(p)}, time_);
+      if (std::isnan(speeds[p])) RecordFailure({PointFailure::kNotFinite, b.id[p], b.Position(p)}, step_.time);
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
   });

@@ -10,14 +10,14 @@ PetscErrorCode Level::View(const std::string &prefix, double time)
   const Budgets before = budgets_;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(points_.View(prefix));
+  PetscCall(stores_.own.View(prefix));
   PetscCall(PetscOptionsHasName(nullptr, prefix.c_str(), "-nodes_view", &nodes));
   if (nodes) {
     PetscCall(PointsToGrid(time));
     PetscCall(grid_->ShareSums());
     budgets_ = before;
   }
-  PetscCall(grid_->View(prefix, nodal_.mass_cutoff));
+  PetscCall(grid_->View(prefix, settings_.nodal.mass_cutoff));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

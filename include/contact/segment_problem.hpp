@@ -68,13 +68,13 @@ public:
     int segment;
     double by;
   };
-  const std::vector<Flow> &Flows() const { return flows_; }
+  const std::vector<Flow> &Flows() const { return solution_.flows; }
   /// What presses a segment along the axis, N.
   struct Load {
     int segment;
     double force;
   };
-  const std::vector<Load> &Loads() const { return loads_; }
+  const std::vector<Load> &Loads() const { return solution_.loads; }
   const std::vector<Segment> &Segments() const { return segments_; }
 
   // For friction.
@@ -106,14 +106,17 @@ public:
     bool crosses_border = false; ///< a loaded column is at the border to the coarser level, or beyond
     int points = 0;              ///< that have a segment under pressure
   };
-  const Footprint &Shape() const { return shape_; }
+  const Footprint &Shape() const { return solution_.shape; }
   const std::vector<SurfaceColumn> &Columns() const { return columns_; }
   /// Columns of which some surface presses, after Take.
   std::vector<PressedColumn> Pressed() const;
   const ContactNodes &Nodes() const { return *nodes_; }
-  const std::vector<Vec3> &Impulses() const { return impulses_; }
+  const std::vector<Vec3> &Impulses() const { return solution_.impulses; }
 
 private:
+  int Dim() const { return grid_.dim; }
+  /// Columns around a segment.
+  int OnColumns() const { return 1 << (grid_.dim - 1); }
   /// A segment that may touch.
   struct Candidate {
     int segment;
@@ -155,13 +158,12 @@ private:
   double BeyondColumns(const Candidate &one, double q, double root, const std::vector<double> &means) const
   {
     double mean = 0;
-    for (int c = 0; c < on_columns_; ++c) mean += one.hat[c] * means[one.column[c]];
+    for (int c = 0; c < OnColumns(); ++c) mean += one.hat[c] * means[one.column[c]];
     return root * (root * q - one.root_area * mean);
   }
 
-  int dim_ = 2, on_columns_ = 2;
   bool flows_step_ = false; ///< some surface flows in the step
-  double dt_ = 0, h_ = 0;
+  double dt_ = 0;           ///< of the step, s
   GridGeometry grid_{};
   const ContactNodes *nodes_ = nullptr;
   std::vector<SurfaceColumn> columns_;
@@ -172,12 +174,17 @@ private:
   std::unordered_map<Index, std::array<int, 8>, IndexHash> cell_nodes_;
   std::vector<double> gaps_without_friction_, start_;
   std::vector<std::array<double, 2>> tractions_before_;
-  mutable std::vector<Vec3> moved_;
-  mutable std::vector<double> means_, flow_means_;
-  std::vector<Flow> flows_;
-  std::vector<Load> loads_;
-  std::vector<Vec3> impulses_;
-  Footprint shape_;
+  struct Scratch {
+    std::vector<Vec3> moved;               ///< [nodes]
+    std::vector<double> means, flow_means; ///< [columns]
+  };
+  mutable Scratch scratch_; ///< of Multiply
+  struct Solution {
+    std::vector<Flow> flows;
+    std::vector<Load> loads;
+    std::vector<Vec3> impulses; ///< [nodes], N s
+    Footprint shape;
+  } solution_;
 };
 
 } // namespace mlgimp

@@ -23,7 +23,7 @@ constexpr double kRate = 8.4, kBack = 0.5;
 /// Whether a column presses nodes that have no motion of their own, at the border to the coarser level or beyond.
 bool SegmentProblem::CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const
 {
-  column[dim_ - 1] = Locate(grid_, tip).cell[dim_ - 1];
+  column[Dim() - 1] = Locate(grid_, tip).cell[Dim() - 1];
   return border && border->BlendOf(column).beta == 0;
 }
 
@@ -37,7 +37,7 @@ void SegmentProblem::SumColumns()
       SurfaceColumn &column = columns_[found->second];
       column.surface += hat * segment.area;
       column.pressable += hat * segment.pressed;
-      column.projected -= hat * segment.pressed * segment.normal[dim_ - 1];
+      column.projected -= hat * segment.pressed * segment.normal[Dim() - 1];
     });
   }
 }
@@ -46,7 +46,7 @@ void SegmentProblem::SumColumns()
 const std::array<int, 8> &SegmentProblem::NodesOfCell(Index cell)
 {
   const auto [found, is_new] = cell_nodes_.try_emplace(cell);
-  for (int c = 0; is_new && c < 1 << dim_; ++c) {
+  for (int c = 0; is_new && c < 1 << Dim(); ++c) {
     const int number = nodes_->NumberOf(Corner(cell, c));
     found->second[c] = number >= 0 && nodes_->At(number).moves ? number : -1;
   }
@@ -59,14 +59,14 @@ bool SegmentProblem::FindWeights(const Segment &segment, Candidate *one)
   constexpr double kNothing = 1e-9; // of a hat: a corner on a line of nodes but for rounding pushes none beyond
   std::array<NodeWeight, 32> found; // in the order of nodes
   int count = 0;
-  for (int c = 0; c < 1 << (dim_ - 1); ++c) {
+  for (int c = 0; c < OnColumns(); ++c) {
     const CellPlace place = Locate(grid_, segment.corner[c]);
     const std::array<int, 8> &numbers = NodesOfCell(place.cell);
-    const std::array<double, 8> hats = Hats(place.part, dim_);
+    const std::array<double, 8> hats = Hats(place.part, Dim());
     const auto counts = [&](int n) { return numbers[n] >= 0 && hats[n] > kNothing; };
     double sum = 0;
-    for (int n = 0; n < 1 << dim_; ++n) sum += counts(n) ? hats[n] : 0;
-    for (int n = 0; n < 1 << dim_; ++n) {
+    for (int n = 0; n < 1 << Dim(); ++n) sum += counts(n) ? hats[n] : 0;
+    for (int n = 0; n < 1 << Dim(); ++n) {
       if (!counts(n)) continue;
       int at = count;
       while (at > 0 && found[at - 1].node >= numbers[n]) --at;
@@ -89,7 +89,7 @@ void SegmentProblem::AddCandidates(const ColumnNumbers &before)
   gaps_.clear(), closing_.clear(), start_.clear();
   for (std::size_t k = 0; k < segments_.size(); ++k) {
     const Segment &segment = segments_[k];
-    if (segment.pressed == 0 || segment.gap > kCandidateGap * h_) continue;
+    if (segment.pressed == 0 || segment.gap > kCandidateGap * grid_.spacing) continue;
     Candidate one{};
     one.segment = static_cast<int>(k);
     one.root_area = std::sqrt(segment.pressed);
@@ -105,7 +105,7 @@ void SegmentProblem::AddCandidates(const ColumnNumbers &before)
       if (const auto found = before.find(key); found != before.end()) mean += hat * found->second;
     });
     gaps_.push_back(one.root_area * (segment.gap + segment.offset + dt_ * Dot(segment.normal, velocity)));
-    closing_.push_back(-one.root_area * segment.normal[dim_ - 1]);
+    closing_.push_back(-one.root_area * segment.normal[Dim() - 1]);
     start_.push_back(one.root_area * mean);
     candidates_.push_back(one);
   }
@@ -118,12 +118,12 @@ void SegmentProblem::SetCompliance(GeometryKind geometry)
   for (Candidate &one : candidates_) {
     const Segment &segment = segments_[one.segment];
     one.beside = 1;
-    for (int n = 0; n < on_columns_; ++n) {
+    for (int n = 0; n < OnColumns(); ++n) {
       const SurfaceColumn &column = columns_[one.column[n]];
       one.beside -= one.hat[n] * column.pressable / column.surface;
     }
-    one.root_c = std::sqrt(h_ * elastic / segment.modulus);
-    one.back = std::isfinite(segment.flow) ? kBack * h_ / segment.flow : 0;
+    one.root_c = std::sqrt(grid_.spacing * elastic / segment.modulus);
+    one.back = std::isfinite(segment.flow) ? kBack * grid_.spacing / segment.flow : 0;
   }
 }
 
@@ -132,20 +132,19 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
                            const std::vector<PatchState> &last)
 {
   grid_ = grid;
-  dim_ = grid.dim, on_columns_ = 1 << (dim_ - 1);
-  dt_ = dt, h_ = grid.spacing;
+  dt_ = dt;
   nodes_ = &nodes;
   cell_nodes_.clear();
   segments_ = std::move(segments);
-  shape_ = {};
-  loads_.clear(), flows_.clear();
+  solution_.shape = {};
+  solution_.loads.clear(), solution_.flows.clear();
   SumColumns();
   AddCandidates(before);
   SetCompliance(geometry);
   SetFlow(strains);
   StartFrom(last);
   gaps_without_friction_ = gaps_;
-  moved_.resize(nodes_->Size());
+  scratch_.moved.resize(nodes_->Size());
 }
 
 void SegmentProblem::StartFrom(const std::vector<PatchState> &last)
@@ -184,11 +183,11 @@ void SegmentProblem::SetFlow(const ColumnNumbers &strains)
     Candidate &one = candidates_[k];
     const Segment &segment = segments_[one.segment];
     double strain = 0;
-    for (int n = 0; n < on_columns_; ++n)
+    for (int n = 0; n < OnColumns(); ++n)
       if (const auto found = strains.find(columns_[one.column[n]].key); found != strains.end())
         strain += one.hat[n] * found->second;
     if (one.back == 0 || strain == 0) continue;
-    one.relaxes = -std::expm1(-kRate * h_ / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
+    one.relaxes = -std::expm1(-kRate * grid_.spacing / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
     one.root_flow = std::sqrt(one.relaxes * one.back);
     gaps_[k] -= one.root_area * one.relaxes * segment.offset;
     flows_step_ = true;
@@ -202,7 +201,7 @@ void SegmentProblem::SumMeans(const double *q, double Candidate::*root, std::vec
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
     const double weighted = one.*root * one.root_area * q[k];
-    for (int c = 0; c < on_columns_; ++c) (*means)[one.column[c]] += one.hat[c] * weighted;
+    for (int c = 0; c < OnColumns(); ++c) (*means)[one.column[c]] += one.hat[c] * weighted;
   }
   for (std::size_t j = 0; j < columns_.size(); ++j) (*means)[j] /= columns_[j].surface;
 }
@@ -247,16 +246,16 @@ void SegmentProblem::SetFriction(const std::vector<Vec3> &nodes)
 
 void SegmentProblem::Multiply(const double *q, double *y) const
 {
-  std::fill(moved_.begin(), moved_.end(), Vec3{});
+  std::fill(scratch_.moved.begin(), scratch_.moved.end(), Vec3{});
   for (std::size_t k = 0; k < candidates_.size(); ++k)
-    if (q[k] != 0) AddTo(candidates_[k], candidates_[k].root_area * q[k] * candidates_[k].normal, &moved_);
-  nodes_->Move(dt_, &moved_);
-  SumMeans(q, &Candidate::root_c, &means_);
-  if (flows_step_) SumMeans(q, &Candidate::root_flow, &flow_means_);
+    if (q[k] != 0) AddTo(candidates_[k], candidates_[k].root_area * q[k] * candidates_[k].normal, &scratch_.moved);
+  nodes_->Move(dt_, &scratch_.moved);
+  SumMeans(q, &Candidate::root_c, &scratch_.means);
+  if (flows_step_) SumMeans(q, &Candidate::root_flow, &scratch_.flow_means);
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
-    y[k] = one.root_area * Dot(one.normal, SumOver(one, moved_)) + BeyondColumns(one, q[k], one.root_c, means_);
-    if (flows_step_) y[k] += BeyondColumns(one, q[k], one.root_flow, flow_means_);
+    y[k] = one.root_area * Dot(one.normal, SumOver(one, scratch_.moved)) + BeyondColumns(one, q[k], one.root_c, scratch_.means);
+    if (flows_step_) y[k] += BeyondColumns(one, q[k], one.root_flow, scratch_.flow_means);
   }
 }
 
@@ -268,9 +267,9 @@ void SegmentProblem::Diagonal(double *diagonal) const
     const double area = one.root_area * one.root_area, c = one.root_c * one.root_c + one.root_flow * one.root_flow;
     double moves = 0, shown = 0;
     for (int n = one.first; n < one.end; ++n)
-      for (int a = 0; a < dim_; ++a)
+      for (int a = 0; a < Dim(); ++a)
         moves += weights_[n].weight * weights_[n].weight * one.normal[a] * one.normal[a] * mobility[weights_[n].node][a];
-    for (int n = 0; n < on_columns_; ++n) shown += one.hat[n] * one.hat[n] / columns_[one.column[n]].surface;
+    for (int n = 0; n < OnColumns(); ++n) shown += one.hat[n] * one.hat[n] / columns_[one.column[n]].surface;
     diagonal[k] = area * moves + c * (1 - area * shown);
   }
 }
@@ -282,45 +281,45 @@ void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector
   std::vector<double> aq(q.size());
   std::int64_t last = -1;
   std::vector<double> c_weighted(columns_.size(), 0.0);
-  impulses_.assign(nodes_->Size(), {});
+  solution_.impulses.assign(nodes_->Size(), {});
   Multiply(q.data(), aq.data());
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
     const double force = one.root_area * q[k];
     if (force <= 0) continue;
     const Segment &segment = segments_[one.segment];
-    AddTo(one, (force * dt_) * one.normal, &impulses_);
-    loads_.push_back({one.segment, -force * segment.normal[dim_ - 1]});
-    for (int c = 0; c < on_columns_; ++c) {
+    AddTo(one, (force * dt_) * one.normal, &solution_.impulses);
+    solution_.loads.push_back({one.segment, -force * segment.normal[Dim() - 1]});
+    for (int c = 0; c < OnColumns(); ++c) {
       SurfaceColumn &column = columns_[one.column[c]];
       column.mean += one.hat[c] * force;
       column.touching += one.hat[c] * segment.pressed;
-      column.load -= one.hat[c] * force * segment.normal[dim_ - 1];
+      column.load -= one.hat[c] * force * segment.normal[Dim() - 1];
     }
-    if (segment.patch != last) ++shape_.points;
+    if (segment.patch != last) ++solution_.shape.points;
     last = segment.patch;
   }
-  nodes_->Restrict(&impulses_);
+  nodes_->Restrict(&solution_.impulses);
   for (SurfaceColumn &column : columns_) {
     column.mean /= column.surface;
     if (column.load <= 0) continue;
-    shape_.crosses_border = shape_.crosses_border || CrossesBorderAt(border, tip, column.at);
-    if (column.projected > 0) shape_.peak = std::max(shape_.peak, column.load / column.projected);
-    for (int a = 0; a < dim_ - 1; ++a)
-      shape_.reach = std::max(shape_.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));
+    solution_.shape.crosses_border = solution_.shape.crosses_border || CrossesBorderAt(border, tip, column.at);
+    if (column.projected > 0) solution_.shape.peak = std::max(solution_.shape.peak, column.load / column.projected);
+    for (int a = 0; a < Dim() - 1; ++a)
+      solution_.shape.reach = std::max(solution_.shape.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));
   }
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
     const double area = one.root_area * one.root_area, c = one.root_c * one.root_c, p = q[k] / one.root_area,
                  offset = segments_[one.segment].offset;
     if (one.relaxes > 0) {
-      flows_.push_back(
-          {one.segment, BeyondColumns(one, q[k], one.root_flow, flow_means_) / one.root_area - one.relaxes * offset});
-      shape_.flow_work += area * p * flows_.back().by;
+      solution_.flows.push_back(
+          {one.segment, BeyondColumns(one, q[k], one.root_flow, scratch_.flow_means) / one.root_area - one.relaxes * offset});
+      solution_.shape.flow_work += area * p * solution_.flows.back().by;
     }
-    if (one.back > 0) shape_.stored += 0.5 * area * offset * offset / one.back;
+    if (one.back > 0) solution_.shape.stored += 0.5 * area * offset * offset / one.back;
     double mean = 0, touching = 0;
-    for (int n = 0; n < on_columns_; ++n) {
+    for (int n = 0; n < OnColumns(); ++n) {
       const SurfaceColumn &column = columns_[one.column[n]];
       mean += one.hat[n] * column.mean, touching += one.hat[n] * column.touching / column.pressable;
     }
@@ -329,8 +328,8 @@ void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector
     const double slack = (aq[k] + gaps_[k] - travel * closing_[k]) / one.root_area, gap_end = slack - c * (p - mean);
     const double at_edge = std::clamp(2 * (1 - gap_end / (c * mean)) - 2 * kEdge + 0.5, 0.0, 1.0),
                  share = touching < 1 - 1e-6 ? at_edge : 1;
-    shape_.area -= share * area * segments_[one.segment].ring * one.normal[dim_ - 1];
-    shape_.stored += 0.5 * c * area * p * (p - mean);
+    solution_.shape.area -= share * area * segments_[one.segment].ring * one.normal[Dim() - 1];
+    solution_.shape.stored += 0.5 * c * area * p * (p - mean);
   }
 }
 

@@ -36,7 +36,7 @@ public:
   /// more: by place, mass that nodes have beside, kg, infinite of those of which it is not known: they are not light, and nothing
   /// hangs on them. None where it is null. bodies: nodes of different ones do not hang on each other.
   void Find(const Grid &grid, const NodeBodies &bodies, const double *more = nullptr);
-  bool IsLight(std::ptrdiff_t place) const { return number_[place] >= 0; }
+  bool IsLight(std::ptrdiff_t place) const { return tables_.light[place] >= 0; }
 
   /// From points' sums to those of the motion: in place on nodes [ghosted nodes][size], also on ghosts. Collective on the grid's
   /// ranks.
@@ -48,7 +48,7 @@ public:
   template <class Work> void ForEachDonor(std::ptrdiff_t place, Work work) const
   {
     if (!IsLight(place)) return work(place, 1.0);
-    const Light &light = lights_[number_[place]];
+    const Light &light = lights_[tables_.light[place]];
     work(place, light.own);
     for (int d = light.first; d < light.end; ++d) work(donors_[d].place, donors_[d].weight);
   }
@@ -96,16 +96,25 @@ private:
   void FitLinear(std::vector<Near> *nodes, int dim) const;
   int Target(const Grid &grid, std::ptrdiff_t place, Index node);
 
-  double full_mass_ = 0, cutoff_ = 0;
-  bool hoop_ = false;
+  /// What makes a node light.
+  struct Rule {
+    double full_mass = 0, cutoff = 0; ///< of a full node; what is less is empty, kg
+    bool hoop = false;                ///< nodes near an axis have less
+    BoundaryConditions sides;
+  } rule_;
+  /// By place in the ghosted arrays.
+  struct Tables {
+    std::vector<double> limit, shares;   ///< mass below which nodes are light, kg; see Create
+    std::vector<unsigned char> at_sides; ///< a bit for each side that the node is at or beyond
+    std::vector<int> light, target;      ///< its number among lights_ and among targets_, or -1
+  } tables_;
+  /// The linear fits so far, which many nodes have in common.
+  struct Fits {
+    std::vector<Around> around;
+    std::vector<Near> near;
+    std::unordered_map<FullPattern, std::vector<Near>, PatternHash> known;
+  } fits_;
   const double *more_ = nullptr; ///< see Find
-  BoundaryConditions sides_;
-  std::vector<double> limit_, shares_;  ///< by place: mass below which nodes are light, kg; see Create
-  std::vector<unsigned char> at_sides_; ///< by place: a bit for each side that the node is at or beyond
-  std::vector<int> number_, target_of_; ///< by place: among lights_ and among targets_, or -1
-  std::vector<Around> around_;
-  std::vector<Near> near_;
-  std::unordered_map<FullPattern, std::vector<Near>, PatternHash> fits_;
   std::vector<Light> lights_;
   std::vector<Donor> donors_;
   std::vector<std::ptrdiff_t> targets_; ///< nodes that get something in Restrict

@@ -53,11 +53,11 @@ void LightNodes::KeepJoined(std::vector<Near> *nodes) const
 {
   std::vector<Index> beside;
   for (const Near &one : *nodes)
-    if (Distance(around_[one.number].offset, {}) == 1) beside.push_back(around_[one.number].offset);
+    if (Distance(fits_.around[one.number].offset, {}) == 1) beside.push_back(fits_.around[one.number].offset);
   if (beside.empty()) return;
   const auto apart = [&](const Near &one) {
     return std::none_of(beside.begin(), beside.end(),
-                        [&](Index other) { return Distance(around_[one.number].offset, other) <= 1; });
+                        [&](Index other) { return Distance(fits_.around[one.number].offset, other) <= 1; });
   };
   nodes->erase(std::remove_if(nodes->begin(), nodes->end(), apart), nodes->end());
 }
@@ -72,11 +72,11 @@ void LightNodes::FitLinear(std::vector<Near> *nodes, int dim) const
   double sum = 0, mean[3] = {}, C[3][3] = {}, y[3] = {};
   for (const Near &one : *nodes) {
     sum += one.even;
-    for (int a = 0; a < dim; ++a) mean[a] += one.even * around_[one.number].offset[a];
+    for (int a = 0; a < dim; ++a) mean[a] += one.even * fits_.around[one.number].offset[a];
   }
   for (int a = 0; a < dim; ++a) mean[a] /= sum;
   for (const Near &one : *nodes) {
-    const Index x = around_[one.number].offset;
+    const Index x = fits_.around[one.number].offset;
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b) C[a][b] += one.even / sum * (x[a] - mean[a]) * (x[b] - mean[b]);
   }
@@ -93,7 +93,7 @@ void LightNodes::FitLinear(std::vector<Near> *nodes, int dim) const
   for (Near &one : *nodes) {
     one.even /= sum;
     one.slope = 0;
-    for (int a = 0; a < dim; ++a) one.slope -= one.even * y[a] * (around_[one.number].offset[a] - mean[a]);
+    for (int a = 0; a < dim; ++a) one.slope -= one.even * y[a] * (fits_.around[one.number].offset[a] - mean[a]);
   }
 }
 
@@ -102,41 +102,42 @@ double LightNodes::FullMass(const Grid &grid, Index node) const
 {
   constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
   const double radius = grid.Coordinate(0, node[0]) / grid.Geometry().spacing;
-  const bool at_axis = hoop_ && radius < 0.5;
-  double share = hoop_ ? std::max(radius, kAtAxis) : 1;
+  const bool at_axis = rule_.hoop && radius < 0.5;
+  double share = rule_.hoop ? std::max(radius, kAtAxis) : 1;
   for (const Side side : SidesOf{grid.Geometry().dim})
-    if (sides_.kind[side] != BoundaryKind::kFree && sides_.Reaches(side, node) && !(at_axis && AxisOf(side) == 0)) share *= 0.5;
-  return share * full_mass_;
+    if (rule_.sides.kind[side] != BoundaryKind::kFree && rule_.sides.Reaches(side, node) && !(at_axis && AxisOf(side) == 0))
+      share *= 0.5;
+  return share * rule_.full_mass;
 }
 
 void LightNodes::Create(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, bool hoop,
                         std::vector<double> shares)
 {
-  shares_ = std::move(shares);
-  full_mass_ = settings.full_mass, cutoff_ = settings.mass_cutoff, hoop_ = hoop, sides_ = sides;
-  limit_.resize(grid.GhostedNodes()), at_sides_.assign(grid.GhostedNodes(), 0);
-  number_.assign(grid.GhostedNodes(), -1), target_of_ = number_;
+  tables_.shares = std::move(shares);
+  rule_.full_mass = settings.full_mass, rule_.cutoff = settings.mass_cutoff, rule_.hoop = hoop, rule_.sides = sides;
+  tables_.limit.resize(grid.GhostedNodes()), tables_.at_sides.assign(grid.GhostedNodes(), 0);
+  tables_.light.assign(grid.GhostedNodes(), -1), tables_.target = tables_.light;
   lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
-  around_.clear(), fits_.clear();
+  fits_.around.clear(), fits_.known.clear();
   IndexBox box = {{}, {1, 1, 1}};
   for (int axis = 0; axis < grid.Geometry().dim; ++axis) box.lower[axis] = -kReach, box.upper[axis] = kReach + 1;
   const Index first = grid.Ghosted().lower;
   ForEach(box, [&](Index d) {
     constexpr double kWidth = 0.8; // cells, of a Gaussian
     const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    if (square > 0) around_.push_back({d, grid.Place(first + d) - grid.Place(first), std::exp(-square / (kWidth * kWidth))});
+    if (square > 0) fits_.around.push_back({d, grid.Place(first + d) - grid.Place(first), std::exp(-square / (kWidth * kWidth))});
   });
   ForEach(grid.Ghosted(), [&](Index node) {
     const std::ptrdiff_t place = grid.Place(node);
-    limit_[place] = kLight * FullMass(grid, node);
+    tables_.limit[place] = kLight * FullMass(grid, node);
     for (const Side side : SidesOf{grid.Geometry().dim})
-      if (sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, node)) at_sides_[place] |= 1U << side;
+      if (sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, node)) tables_.at_sides[place] |= 1U << side;
   });
 }
 
 int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
 {
-  int &number = target_of_[place];
+  int &number = tables_.target[place];
   if (number >= 0) return number;
   number = static_cast<int>(targets_.size());
   targets_.push_back(place);
@@ -151,48 +152,48 @@ void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index no
   constexpr double kSame = 1e-9, kMayTake = 1.0 / 32; // of shares; of a node's mass, see below
   constexpr std::size_t kMaxFits = 10000;
   const int dim = grid.Geometry().dim;
-  const double share = shares_[light->place];
+  const double share = tables_.shares[light->place];
   FullPattern full{};
   bool all_full = true, inner = true;
-  near_.clear();
+  fits_.near.clear();
   for (int axis = 0; axis < dim; ++axis)
     inner = inner && node[axis] - kReach >= grid.Ghosted().lower[axis] && node[axis] + kReach < grid.Ghosted().upper[axis];
-  for (int k = 0; k < static_cast<int>(around_.size()); ++k) {
-    const Around &at = around_[k];
+  for (int k = 0; k < static_cast<int>(fits_.around.size()); ++k) {
+    const Around &at = fits_.around[k];
     if (!inner && !grid.Ghosted().Contains(node + at.offset)) continue;
     const std::ptrdiff_t place = light->place + at.step;
     const double mass = MassAt(grid, place);
-    if (mass <= limit_[place] || std::isinf(mass) || at_sides_[place] != at_sides_[light->place]) continue;
-    if (share < 1 && std::abs(shares_[place] - share) > kSame) continue;
+    if (mass <= tables_.limit[place] || std::isinf(mass) || tables_.at_sides[place] != tables_.at_sides[light->place]) continue;
+    if (share < 1 && std::abs(tables_.shares[place] - share) > kSame) continue;
     if (!bodies.MayShare(place, light->place)) continue;
-    const double fuller = SmoothStep(mass / limit_[place] - 1);
+    const double fuller = SmoothStep(mass / tables_.limit[place] - 1);
     all_full = all_full && fuller == 1;
     full[k / 64] |= std::uint64_t(1) << k % 64;
-    near_.push_back({k, fuller * at.nearness, 0});
+    fits_.near.push_back({k, fuller * at.nearness, 0});
   }
   light->first = light->end = static_cast<int>(donors_.size());
-  if (near_.empty()) { // of points that have left their body
+  if (fits_.near.empty()) { // of points that have left their body
     light->own = 1;
     return;
   }
-  const auto fit = [&] { KeepJoined(&near_), FitLinear(&near_, dim); };
+  const auto fit = [&] { KeepJoined(&fits_.near), FitLinear(&fits_.near, dim); };
   if (all_full) {
-    if (fits_.size() > kMaxFits) fits_.clear();
-    std::vector<Near> &kept = fits_[full];
-    if (kept.empty()) fit(), kept = near_;
-    near_ = kept;
+    if (fits_.known.size() > kMaxFits) fits_.known.clear();
+    std::vector<Near> &kept = fits_.known[full];
+    if (kept.empty()) fit(), kept = fits_.near;
+    fits_.near = kept;
   } else {
     fit();
   }
   // A negative weight takes mass: as much of the slope as leaves nodes theirs, though many light ones hang on them.
   const double given = (1 - light->own) * MassAt(grid, light->place);
   double part = 1;
-  for (const Near &one : near_) {
-    const double may = kMayTake * MassAt(grid, light->place + around_[one.number].step);
+  for (const Near &one : fits_.near) {
+    const double may = kMayTake * MassAt(grid, light->place + fits_.around[one.number].step);
     if (given * -(one.even + one.slope) > may) part = std::min(part, (may / given + one.even) / -one.slope);
   }
-  for (const Near &one : near_) {
-    const Around &at = around_[one.number];
+  for (const Near &one : fits_.near) {
+    const Around &at = fits_.around[one.number];
     const std::ptrdiff_t place = light->place + at.step;
     donors_.push_back({place, (1 - light->own) * (one.even + part * one.slope), Target(grid, place, node + at.offset)});
   }
@@ -205,8 +206,8 @@ static constexpr double kMinOwnShare = 1e-12;
 void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *more)
 {
   more_ = more;
-  for (const Light &light : lights_) number_[light.place] = -1;
-  for (const std::ptrdiff_t place : targets_) target_of_[place] = -1;
+  for (const Light &light : lights_) tables_.light[light.place] = -1;
+  for (const std::ptrdiff_t place : targets_) tables_.target[place] = -1;
   lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
   IndexBox rows = grid.Owned();
   const int width = rows.Size(0);
@@ -215,7 +216,7 @@ void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *
     const std::ptrdiff_t start = grid.Place(first);
     for (int k = 0; k < width; ++k) {
       const double mass = MassAt(grid, start + k);
-      if (mass > cutoff_ && mass < limit_[start + k]) AddLight(grid, bodies, first + Index{k, 0, 0}, mass);
+      if (mass > rule_.cutoff && mass < tables_.limit[start + k]) AddLight(grid, bodies, first + Index{k, 0, 0}, mass);
     }
   });
 }
@@ -223,10 +224,10 @@ void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *
 void LightNodes::AddLight(const Grid &grid, const NodeBodies &bodies, Index node, double mass)
 {
   const std::ptrdiff_t place = grid.Place(node);
-  if (shares_[place] == 0) return;
-  const int number = number_[place] = static_cast<int>(lights_.size());
-  const double own = SmoothStep(mass / limit_[place]);
-  lights_.push_back({place, own * mass > kMinOwnShare * limit_[place] ? own : 0, 0, 0});
+  if (tables_.shares[place] == 0) return;
+  const int number = tables_.light[place] = static_cast<int>(lights_.size());
+  const double own = SmoothStep(mass / tables_.limit[place]);
+  lights_.push_back({place, own * mass > kMinOwnShare * tables_.limit[place] ? own : 0, 0, 0});
   FindDonors(grid, bodies, node, &lights_.back());
   Target(grid, place, node);
   grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
@@ -240,7 +241,7 @@ PetscErrorCode LightNodes::Restrict(Grid &grid, double *values, std::ptrdiff_t s
   given_.assign(targets_.size() * size, 0.0);
   for (const Light &light : lights_) {
     const double *const from = values + size * light.place;
-    double *const left = &given_[size * target_of_[light.place]];
+    double *const left = &given_[size * tables_.target[light.place]];
     for (int c = 0; c < size; ++c) left[c] += (light.own - 1) * from[c];
     for (int d = light.first; d < light.end; ++d) {
       double *const to = &given_[size * donors_[d].target];

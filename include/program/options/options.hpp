@@ -3,6 +3,7 @@
 
 #include "base/petsc.hpp"
 #include "base/tensor.hpp"
+#include "base/text.hpp"
 #include "program/system/errors.hpp"
 
 #include <string>
@@ -104,11 +105,6 @@ private:
   std::vector<std::string> known_, identity_, warnings_;
 };
 
-/// Numbers as they are written in messages and files, exact.
-std::string FormatNumber(double x);
-std::string FormatVector(Vec3 x, int dim);
-/// A computed number for people to read: four digits.
-std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
 

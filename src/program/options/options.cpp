@@ -10,28 +10,6 @@
 namespace mlgimp
 {
 
-std::string FormatNumber(double x)
-{
-  char buffer[32];
-  for (int digits : {6, 12, 17}) { // the shortest that reads back as x
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, x);
-    if (std::strtod(buffer, nullptr) == x) break;
-  }
-  return buffer;
-}
-
-std::string FormatRounded(double x)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
-
-std::string FormatVector(Vec3 x, int dim)
-{
-  return FormatNumber(x[0]) + "," + FormatNumber(x[1]) + (dim == 3 ? "," + FormatNumber(x[2]) : "");
-}
-
 std::string Join(const std::vector<std::string> &words, const std::string &separator)
 {
   std::string text;

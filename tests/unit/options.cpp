@@ -295,9 +295,6 @@ TEST(Options, Files)
 
 TEST(Options, Texts)
 {
-  EXPECT_EQ(FormatNumber(0.1), "0.1");
-  EXPECT_EQ(FormatNumber(1.0 / 3), "0.33333333333333331");
-  EXPECT_EQ(FormatRounded(1.0 / 3), "0.3333");
   EXPECT_EQ(OneLine("a\nb\x1b"
                     "c"),
             "a?b?c");

@@ -23,7 +23,7 @@ struct Watched {
   double deepest;        ///< depth so far, m
 };
 
-inline std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
+inline std::string When(const Budgets &budgets) { return Format(" by time {} s", budgets.time); }
 
 std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &watched);

@@ -14,18 +14,18 @@ namespace mlgimp
 
 inline constexpr int kFormatVersion = 23;
 
-inline std::string LevelName(int l) { return "/level_" + std::to_string(l); }
+inline std::string LevelName(int l) { return Format("/level_{}", l); }
 
 /// Numbers of a level's clock.
 inline constexpr int kOfClock = 10;
 
 /// Group of the copies of points that the next coarser (0) or finer level (1) owns.
-inline std::string CopiesName(int l, int origin) { return LevelName(l) + "/copies_" + std::to_string(origin); }
+inline std::string CopiesName(int l, int origin) { return Format("{}/copies_{}", LevelName(l), origin); }
 
 /// Numbers of nodes of a level's blocks along each axis.
 inline constexpr const char *kWidthNames[3] = {"/columns", "/rows", "/layers"};
 
-inline std::string BorderName(int b) { return "/border_state_" + std::to_string(b); }
+inline std::string BorderName(int b) { return Format("/border_state_{}", b); }
 
 /// The members of a state that are numbers, in the order of the file.
 template <class State> auto NumbersOf(State &s)

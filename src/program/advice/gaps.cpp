@@ -66,10 +66,10 @@ void WarnOfCurve(OptionReader &reader, const std::string &option, const std::str
 {
   constexpr double kMaxGap = 2; // cells; in space their faces
   if (cells <= kMaxGap) return;
-  reader.WarnLater(option + ": less than half a cell of " + FormatRounded(cell) + " m lies between " + between + " along some " +
-                   FormatRounded(cells) +
-                   " cells beside where they touch: they move as if they touched there too, which is too "
-                   "stiff; take smaller cells, a body that is cut flat, or an -indenter for one of the two");
+  reader.WarnLater(
+      "{}: less than half a cell of {} m lies between {} along some {} cells beside where they touch: they move as if they "
+      "touched there too, which is too stiff; take smaller cells, a body that is cut flat, or an -indenter for one of the two",
+      option, cell, between, cells);
 }
 
 /// A gap of which nodes see nothing; returns the axis across it where the two touch, else -1.
@@ -96,8 +96,9 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
     WarnOfCurve(reader, option, between, beside * cells_of_place, cell);
     return across;
   }
-  reader.WarnLater(option + ": " + FormatRounded(width) + " m are left between " + between + ", less than a cell of " +
-                   FormatRounded(cell) + " m: they move as if they touched; take smaller cells, or close the gap");
+  reader.WarnLater("{}: {} m are left between {}, less than a cell of {} m: they move as if they touched; take smaller cells, or "
+                   "close the gap",
+                   option, width, between, cell);
   return -1;
 }
 
@@ -105,10 +106,9 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
 void WarnOfBond(OptionReader &reader, const Body &a, const Body &b, int across)
 {
   if (across < 0 || a.velocity[across] == b.velocity[across]) return;
-  reader.WarnLater(
-      "-bodies: " + a.name + " and " + b.name +
-      " touch at the start and do not move alike: they stay together; leave more than a cell between bodies that are "
-      "to collide, or to part");
+  reader.WarnLater("-bodies: {} and {} touch at the start and do not move alike: they stay together; leave more than a cell "
+                   "between bodies that are to collide, or to part",
+                   a.name, b.name);
 }
 
 } // namespace
@@ -117,9 +117,9 @@ void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
 {
   const Neighbour own = {body.region->Bounds(), body.region.get()};
   for (const Body &other : c.model.bodies)
-    WarnOfBond(
-        reader, other, body,
-        WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies", other.name + " and " + body.name));
+    WarnOfBond(reader, other, body,
+               WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies",
+                         Format("{} and {}", other.name, body.name)));
   for (const Side side : SidesOf{c.Dim()}) {
     if (c.model.sides[side] == BoundaryKind::kFree || (side == kXLower && c.model.geometry.HasHoop())) continue;
     Box beyond = own.bounds;

@@ -20,8 +20,8 @@ void CheckSpeed(OptionReader &reader, const Case &c)
   double slowest = HUGE_VAL;
   for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
   if (speed > kLargestSpeed * slowest)
-    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
-                     " m/s: that is an impact; is Young's modulus in Pa?");
+    reader.WarnLater("-indenter: moves with up to {} m/s, where waves have {} m/s: that is an impact; is Young's modulus in Pa?",
+                     speed, slowest);
 }
 
 /// When the tip first comes down to the body, s; infinity where it does not.
@@ -40,9 +40,9 @@ void CheckLoading(OptionReader &reader, const Case &c)
   if (!std::isfinite(end) || indenter.motion.speed.EndValue() < 0) return;
   const double loading = end - FirstTouch(indenter, end);
   if (loading > 0 && loading < kMinTransits * transit)
-    reader.WarnLater("-indenter: presses for " + FormatRounded(loading) + " s, where a wave takes " + FormatRounded(transit) +
-                     " s through the bodies: the load is that of their inertia; a slow test has ten such times and more "
-                     "(-quasi_static)");
+    reader.WarnLater("-indenter: presses for {} s, where a wave takes {} s through the bodies: the load is that of their "
+                     "inertia; a slow test has ten such times and more (-quasi_static)",
+                     loading, transit);
 }
 
 /// The same of a load, which the tip overshoots: in a metal for good.
@@ -58,11 +58,9 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
     if (more > kJump * largest) rise = std::min(rise, (to - from) * largest / more);
   }
   if (rise < kMinTransits * transit)
-    reader.WarnLater(
-        "-indenter_loads: " + (rise > 0 ? "rise within " + FormatRounded(rise) + " s" : std::string("begin at once")) +
-        ", where a wave takes " + FormatRounded(transit) +
-        " s through the bodies: the tip overshoots, in metals for good; let them rise from 0 within ten such times "
-        "or more (-quasi_static)");
+    reader.WarnLater("-indenter_loads: {}, where a wave takes {} s through the bodies: the tip overshoots, in metals for good; "
+                     "let them rise from 0 within ten such times or more (-quasi_static)",
+                     rise > 0 ? Format("rise within {} s", rise) : "begin at once", transit);
 }
 
 /// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
@@ -74,13 +72,13 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
     const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
     const double largest = pressure.LargestMagnitude(0, pressure.EndTime());
     if (met < kMinShare * largest)
-      reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
-                       " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
-                       FormatRounded(met) + " Pa; are the times in s?");
+      reader.WarnLater("-{}_times: the largest pressure of {} Pa comes after the end of the run at {} s, by when it is at most "
+                       "{} Pa; are the times in s?",
+                       c.load_names[k], largest, c.time.end_time, met);
     const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
     if (largest > 0 && largest < kMinStrain * mu)
-      reader.WarnLater("-" + c.load_names[k] + "_pressures: of at most " + FormatRounded(largest) +
-                       " Pa are nothing to a body with a shear modulus of " + FormatRounded(mu) + " Pa; are they in Pa?");
+      reader.WarnLater("-{}_pressures: of at most {} Pa are nothing to a body with a shear modulus of {} Pa; are they in Pa?",
+                       c.load_names[k], largest, mu);
   }
 }
 
@@ -105,11 +103,10 @@ void CheckBlows(OptionReader &reader, const Case &c)
     for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
     if (!material.IsMetal() || largest >= yield || most <= yield) continue;
-    reader.WarnLater("-" + c.load_names[k] + "_pressures: change within " + FormatRounded(kMinTransits * transit) +
-                     " s, in which a wave goes twice through the body, by so much that their blow adds to the stress: a metal "
-                     "with a yield stress of " +
-                     FormatRounded(yield) + " Pa flows that would bear " + FormatRounded(largest) +
-                     " Pa; let them rise from 0 within five such times or more" + (c.model.indenter ? " (-quasi_static)" : ""));
+    reader.WarnLater("-{}_pressures: change within {} s, in which a wave goes twice through the body, by so much that their blow "
+                     "adds to the stress: a metal with a yield stress of {} Pa flows that would bear {} Pa; let them rise from 0 "
+                     "within five such times or more{}",
+                     c.load_names[k], kMinTransits * transit, yield, largest, c.model.indenter ? " (-quasi_static)" : "");
   }
 }
 
@@ -122,11 +119,10 @@ void CheckSteps(OptionReader &reader, const Case &c)
   const double step = c.time.time_step > 0 ? c.time.time_step : c.time.cfl * c.cell_size / fastest;
   const double steps = c.time.max_steps > 0 ? c.time.max_steps : c.time.end_time / step;
   if (steps > kMaxSteps)
-    reader.WarnLater(std::string(c.quasi_static.on ? "-quasi_static" : "-end_time") + ": the end of the run at " +
-                     FormatRounded(c.time.end_time) + " s is some " + FormatRounded(steps) + " steps of " + FormatRounded(step) +
-                     " s away; " +
-                     (c.quasi_static.on ? "is all in SI units?"
-                                        : "are times in s? With -quasi_static the program chooses those of a slow test"));
+    reader.WarnLater("{}: the end of the run at {} s is some {} steps of {} s away; {}",
+                     c.quasi_static.on ? "-quasi_static" : "-end_time", c.time.end_time, steps, step,
+                     c.quasi_static.on ? "is all in SI units?"
+                                       : "are times in s? With -quasi_static the program chooses those of a slow test");
 }
 
 } // namespace

@@ -24,9 +24,10 @@ std::string ViscosityWarning(const Case &c, const Budgets &budgets, const Watche
   constexpr double kMaxGain = 0.01; // of what bodies have taken; energy of strain is below zero by rounding where there is none
   const double energy = budgets.kinetic_energy + std::abs(budgets.strain_energy) + budgets.plastic_work;
   if (budgets.short_wave_dissipation >= -kMaxGain * std::max(energy, watched.given)) return "";
-  return "-short_wave_viscosity " + FormatNumber(c.model.short_wave.a) + "," + FormatNumber(c.model.short_wave.b) +
-         ": has given " + FormatRounded(-budgets.short_wave_dissipation) + " J" + When(budgets) +
-         " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
+  return Format("-short_wave_viscosity {},{}: has given {} J{} where it should take energy: the results are wrong from here; try "
+                "a smaller second number or a smaller -cfl",
+                FormatNumber(c.model.short_wave.a), FormatNumber(c.model.short_wave.b), -budgets.short_wave_dissipation,
+                When(budgets));
 }
 
 /// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
@@ -39,12 +40,12 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
   const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
   const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (given <= kMaxExcess * work) return "";
-  return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
-         FormatRounded(100 * given / work) + " % of what they got or brought," + When(budgets) +
-         ": it has met few cells so far, or " +
-         (c.model.HasMetal()
-              ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
-              : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
+  return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of what they got or "
+                "brought,{}: it has met few cells so far, or {}",
+                given, 100 * given / work, When(budgets),
+                c.model.HasMetal()
+                    ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+                    : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
@@ -57,12 +58,10 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
   const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
   const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
   if (taken <= kMaxLoss * work) return "";
-  return "-indenter: contact has taken " + FormatRounded(taken) + " J, " + FormatRounded(100 * taken / work) +
-         " % of what the bodies were to get or brought," + When(budgets) +
-         ": the surface has met the tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a "
-         "slower "
-         "indenter" +
-         (std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
+  return Format("-indenter: contact has taken {} J, {} % of what the bodies were to get or brought,{}: the surface has met the "
+                "tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a slower indenter{}",
+                taken, 100 * taken / work, When(budgets),
+                std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
 }
 
 /// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
@@ -71,9 +70,9 @@ std::string NoiseWarning(const Case &c, const Budgets &budgets, const Watched &w
   constexpr double kMaxNoise = 0.005;
   if (!c.model.HasMetal() || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || watched.noise <= kMaxNoise * watched.indenter_work) return "";
-  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) +
-         ", which softens plastic flow: try a larger fraction or a slower indenter";
+  return Format("-xpic_fraction {}: noise of the points' velocities holds {} % of the indenter's work{}, which softens plastic "
+                "flow: try a larger fraction or a slower indenter",
+                FormatNumber(c.model.nodal.xpic_fraction), 100 * watched.noise / watched.indenter_work, When(budgets));
 }
 
 /// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
@@ -84,8 +83,9 @@ std::string EnergyWarning(const Case &c, const Budgets &budgets, const Watched &
   if (watched.made <= kMaxGain * std::max(watched.given, kRoundings * watched.floor)) return "";
   const std::string option =
       c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
-  return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
-         FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
+  return Format(
+      "{}: the bodies have made {} J{}, where they had or got {} J: steps are too long, and the results wrong; try a smaller one",
+      option, watched.made, When(budgets), watched.given);
 }
 
 /// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
@@ -95,9 +95,9 @@ std::string MotionWarning(const Case &c, const Budgets &budgets, const Watched &
   constexpr double kMaxNoise = 0.05;
   if (c.model.indenter || std::abs(watched.made) > kMaxNoise * watched.given) return "";
   if (budgets.noise_energy <= kMaxNoise * std::max(watched.given, kRoundings * watched.floor)) return "";
-  return "-bodies: noise of the points' velocities holds " + FormatRounded(budgets.noise_energy) + " J" + When(budgets) +
-         ", where the bodies had or got " + FormatRounded(watched.given) +
-         " J: bodies that turn, or collide, have too few cells for it, and lose their motion; try smaller cells";
+  return Format("-bodies: noise of the points' velocities holds {} J{}, where the bodies had or got {} J: bodies that turn, or "
+                "collide, have too few cells for it, and lose their motion; try smaller cells",
+                budgets.noise_energy, When(budgets), watched.given);
 }
 
 /// The same of elastic bodies, at the end: a surface that a tip slides along with friction feeds it, the more the smaller steps
@@ -110,10 +110,11 @@ std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Wat
   if (budgets.noise_energy <= kMinOfMotion * budgets.kinetic_energy || !MotionWarning(c, budgets, watched).empty()) return "";
   if (!EnergyWarning(c, budgets, watched).empty()) return "";
   if (budgets.contact_points == 0 && std::abs(watched.made) > kUnexplained * watched.given) return ""; // see LossWarning
-  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
-         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
-         (c.model.indenter ? ", or a slower indenter" : "") + "; smaller steps alone make it worse";
+  return Format("-xpic_fraction {}: noise of the points' velocities holds {} % of the strain energy{}: stresses and pressures "
+                "are uneven; try {}{}; smaller steps alone make it worse",
+                FormatNumber(c.model.nodal.xpic_fraction), 100 * budgets.noise_energy / budgets.strain_energy, When(budgets),
+                c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction",
+                c.model.indenter ? ", or a slower indenter" : "");
 }
 
 /// A slow test that is not slow.
@@ -122,9 +123,9 @@ std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
   constexpr double kMaxKinetic = 0.01, kMaxAdded = 2; // of energy; of the tolerance
   const double share = watched.slow.LoadShare(), kinetic = watched.slow.KineticShare();
   if (share <= kMaxAdded * c.quasi_static.tolerance && kinetic <= std::max(kMaxKinetic, c.quasi_static.tolerance)) return "";
-  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": inertia and damping have added up to " +
-         FormatRounded(100 * share) + " % to the load, and kinetic energy was up to " + FormatRounded(100 * kinetic) +
-         " % of what the body has taken: try a smaller one, or less -damping where that was given";
+  return Format("-quasi_static_tolerance {}: inertia and damping have added up to {} % to the load, and kinetic energy was up to "
+                "{} % of what the body has taken: try a smaller one, or less -damping where that was given",
+                FormatNumber(c.quasi_static.tolerance), 100 * share, 100 * kinetic);
 }
 
 /// Whether an indenter presses in a test whose speed the user has chosen.
@@ -136,9 +137,9 @@ std::string DampingWarning(const Case &c, const Budgets &budgets, const Watched 
   constexpr double kMaxDamping = 0.2;
   if (!HasFastIndenter(c) || c.model.HasMetal()) return "";
   if (budgets.damping_work <= kMaxDamping * std::max(watched.given, watched.floor)) return "";
-  return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
-         When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
-         " J, and carries a part of the load: try less, or a slower indenter";
+  return Format("-damping {}: has taken {} J{}, where the bodies had or got {} J, and carries a part of the load: try less, or a "
+                "slower indenter",
+                FormatNumber(c.model.nodal.damping), budgets.damping_work, When(budgets), watched.given);
 }
 
 constexpr double kMaxOfMotion = 0.01; // of the load or the plastic work: a metal does not forget what drag and inertia did
@@ -148,8 +149,9 @@ std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.DragOfLoad();
   if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return "-damping " + FormatNumber(c.model.nodal.damping) + ": its drag adds some " + FormatRounded(100 * share) +
-         " % to the load at the largest depth: try less, or a slower indenter (-quasi_static chooses both)";
+  return Format("-damping {}: its drag adds some {} % to the load at the largest depth: try less, or a slower indenter "
+                "(-quasi_static chooses both)",
+                FormatNumber(c.model.nodal.damping), 100 * share);
 }
 
 /// An indenter whose speed sets a metal in motion.
@@ -157,9 +159,9 @@ std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watche
 {
   const double share = watched.motion.InertiaOfLoad();
   if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return std::string(c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities") + ": inertia carries some " +
-         FormatRounded(100 * share) +
-         " % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)";
+  return Format(
+      "{}: inertia carries some {} % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)",
+      c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities", 100 * share);
 }
 
 /// Pressures that are there before a metal has come to rest under them: it flows on by its motion, and does not come back.
@@ -167,9 +169,9 @@ std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watc
 {
   const double share = watched.motion.ShareOfPlasticWork();
   if (c.model.loads.empty() || c.model.indenter || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return "-" + c.load_names[0] + "_pressures: the bodies' motion adds some " + FormatRounded(100 * share) +
-         " % to the plastic work, as they still move when pressures are at their largest: let these rise over a longer time, or "
-         "give -damping";
+  return Format("-{}_pressures: the bodies' motion adds some {} % to the plastic work, as they still move when pressures are at "
+                "their largest: let these rise over a longer time, or give -damping",
+                c.load_names[0], 100 * share);
 }
 
 /// A load that is still on its way at the end of a hold.
@@ -177,9 +179,9 @@ std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double drift = watched.slow.HoldDrift();
   if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
-  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": the " +
-         (c.quasi_static.depth > 0 ? "load" : "depth") + " changes by " + FormatRounded(100 * drift) +
-         " % in the last transit of a hold, as waves still run: try a smaller one";
+  return Format(
+      "-quasi_static_tolerance {}: the {} changes by {} % in the last transit of a hold, as waves still run: try a smaller one",
+      FormatNumber(c.quasi_static.tolerance), c.quasi_static.depth > 0 ? "load" : "depth", 100 * drift);
 }
 
 /// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no
@@ -188,12 +190,11 @@ std::string LossWarning(const Case &c, const Budgets &budgets, const Watched &wa
 {
   if (-watched.made <= kUnexplained * std::max(watched.given, kRoundings * watched.floor)) return "";
   if (!ElasticNoiseWarning(c, budgets, watched).empty()) return ""; // which has taken it
-  return "-bodies: energy balance: " + FormatRounded(-watched.made) + " J are missing" + When(budgets) +
-         ", where they had or got " + FormatRounded(watched.given) +
-         " J: cells are too few for how they turn and for their waves, or points have parted or crumpled; look at the last "
-         "frames, and try smaller cells or steps" +
-         (c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "") +
-         (c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
+  return Format(
+      "-bodies: energy balance: {} J are missing{}, where they had or got {} J: cells are too few for how they turn and for "
+      "their waves, or points have parted or crumpled; look at the last frames, and try smaller cells or steps{}{}",
+      -watched.made, When(budgets), watched.given, c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "",
+      c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
 }
 
 } // namespace

@@ -67,7 +67,7 @@ std::string WrongValues(const PointArrays &points, int bodies)
   for (int p = 0; p < points.count; ++p) {
     const char *what = WrongPoint(points, p, bodies);
     if (!what) continue;
-    return "point " + std::to_string(points.id[p]) + " at " + FormatPlace(points.Position(p), points.dim) + " has " + what;
+    return Format("point {} at {} has {}", points.id[p], FormatPlace(points.Position(p), points.dim), what);
   }
   return "";
 }
@@ -86,7 +86,7 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
     for (int p = 0; p < points.count; ++p) {
       const double node = std::floor((points.Position(p)[axis] - grid.Geometry().lower[axis]) / grid.Geometry().spacing + 0.5);
       if (!(node >= allowed.lower[axis] && node < allowed.upper[axis]))
-        return "point " + std::to_string(points.id[p]) + " is not on its part of the grid";
+        return Format("point {} is not on its part of the grid", points.id[p]);
     }
   }
   return "";
@@ -143,8 +143,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
   const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
   const bool places = AllWhole({n.begin() + 4, n.end()}, INT_MIN, INT_MAX); // of nodes
-  return whole && drifts && places && IsWhole(n[3], 0, 1) ? ""
-                                                          : "the steps of level " + std::to_string(l) + " are not those of a run";
+  return whole && drifts && places && IsWhole(n[3], 0, 1) ? "" : Format("the steps of level {} are not those of a run", l);
 }
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
@@ -192,7 +191,7 @@ std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids)
   ExitOnError(ExchangeRecords(comm, &ids, [ranks = RanksOf(comm)](std::int64_t id) { return static_cast<int>(id % ranks); }));
   std::sort(ids.begin(), ids.end());
   const auto twice = std::adjacent_find(ids.begin(), ids.end());
-  return twice == ids.end() ? "" : "two points have the number " + std::to_string(*twice);
+  return twice == ids.end() ? "" : Format("two points have the number {}", *twice);
 }
 
 } // namespace mlgimp

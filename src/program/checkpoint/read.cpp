@@ -68,8 +68,7 @@ void CheckpointReader::AgreeOnError(const char *place)
 {
   wrong_ = Agree(comm_, place, wrong_);
   if (!wrong_.empty())
-    Refuse("-restart " + Shortened(case_.output.restart) + ": must be a whole checkpoint" + (wrong_[0] == ' ' ? "" : "; ") +
-           wrong_);
+    Refuse("-restart {}: must be a whole checkpoint{}{}", Shortened(case_.output.restart), wrong_[0] == ' ' ? "" : "; ", wrong_);
 }
 
 /// The first option that two runs do not share, as a message; empty where there is none.
@@ -77,7 +76,7 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 {
   for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
     const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
-    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
+    if (a != b) return Format("this run has '{}' where the checkpoint has '{}'", Shortened(a), Shortened(b));
   }
   return "";
 }
@@ -103,8 +102,7 @@ void CheckpointReader::Open()
   AgreeOnError("checkpoint_format");
   MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_);
   if (version[0] != kFormatVersion)
-    Refuse("-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) + "; it has " +
-           FormatNumber(version[0]));
+    Refuse("-restart {}: must have format version {}; it has {}", Shortened(path), kFormatVersion, FormatNumber(version[0]));
   if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
   AgreeOnError("checkpoint_open");
 }
@@ -118,7 +116,7 @@ void CheckpointReader::ReadHead(RunState *state)
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
   AgreeOnError("checkpoint_identity");
   difference = Agree(comm_, "checkpoint_case", difference);
-  if (!difference.empty()) Refuse("-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference);
+  if (!difference.empty()) Refuse("-restart {}: must be of the same case; {}", Shortened(case_.output.restart), difference);
   if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
   if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
     if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
@@ -197,7 +195,7 @@ void CheckpointReader::CountPoints(const RunState &state)
   ExitOnError(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
   const double expected = state.initial_points + Case::PointsCreated(budgets) - state.initial_created;
   if (KeepsPoints() && points != expected)
-    Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(expected));
+    Note(Format("it has {} points where the run had {}", FormatNumber(points), FormatNumber(expected)));
   AgreeOnError("checkpoint_points");
 }
 

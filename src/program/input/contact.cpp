@@ -20,8 +20,8 @@ void ReadFriction(OptionReader &reader, ContactSettings *contact)
     reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
   constexpr double kLargest = 3; // of dry surfaces; more is meant in per cent
   if (friction > kLargest && std::isfinite(friction))
-    reader.WarnLater("-indenter_friction " + FormatNumber(friction) +
-                     ": is Coulomb's coefficient, not per cent; surfaces hardly slip with as much");
+    reader.WarnLater("-indenter_friction {}: is Coulomb's coefficient, not per cent; surfaces hardly slip with as much",
+                     FormatNumber(friction));
   contact->friction = friction;
 }
 

@@ -1,6 +1,8 @@
 // Compares all pairs of edges: cases have some thousand vertices at most.
 #include "program/input/polygon.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +38,7 @@ bool Meet(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
          (cdb == 0 && Between(c, d, b));
 }
 
-std::string Two(std::size_t a, std::size_t b) { return std::to_string(a + 1) + " and " + std::to_string(b + 1); }
+std::string Two(std::size_t a, std::size_t b) { return Format("{} and {}", a + 1, b + 1); }
 
 /// Vertices in units of the polygon's size, so that products of lengths are numbers.
 std::vector<Vec3> Scaled(const std::vector<Vec3> &vertices)
@@ -58,15 +60,15 @@ std::string WrongPolygon(const std::vector<Vec3> &vertices)
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return vertices[a] < vertices[b]; });
   for (std::size_t k = 1; k < n; ++k)
     if (vertices[order[k - 1]] == vertices[order[k]])
-      return "vertices " + Two(std::min(order[k - 1], order[k]), std::max(order[k - 1], order[k])) + " are the same";
+      return Format("vertices {} are the same", Two(std::min(order[k - 1], order[k]), std::max(order[k - 1], order[k])));
   const std::vector<Vec3> v = Scaled(vertices);
   if (std::all_of(v.begin(), v.end(), [&](Vec3 x) { return Turn(v[0], v[1], x) == 0; })) return "all vertices are on a line";
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 a = v[i], b = v[(i + 1) % n], next = v[(i + 2) % n];
-    if (Turn(a, b, next) == 0 && Dot(next - b, a - b) > 0)
-      return "its outline turns back at vertex " + std::to_string((i + 1) % n + 1);
+    if (Turn(a, b, next) == 0 && Dot(next - b, a - b) > 0) return Format("its outline turns back at vertex {}", (i + 1) % n + 1);
     for (std::size_t j = i + 2; j < n; ++j)
-      if (!(i == 0 && j == n - 1) && Meet(a, b, v[j], v[(j + 1) % n])) return "the edges from vertices " + Two(i, j) + " meet";
+      if (!(i == 0 && j == n - 1) && Meet(a, b, v[j], v[(j + 1) % n]))
+        return Format("the edges from vertices {} meet", Two(i, j));
   }
   return "";
 }

@@ -33,14 +33,13 @@ std::string Range::Text() const
 {
   if (lower == -HUGE_VAL && upper == HUGE_VAL) return "a number";
   if (upper == HUGE_VAL) return (lower_open ? "> " : ">= ") + FormatNumber(lower);
-  return std::string("in ") + (lower_open ? "(" : "[") + FormatNumber(lower) + ", " + FormatNumber(upper) +
-         (upper_open ? ")" : "]");
+  return Format("in {}{}, {}{}", lower_open ? "(" : "[", FormatNumber(lower), FormatNumber(upper), upper_open ? ")" : "]");
 }
 
 std::string Shortened(const std::string &value)
 {
   constexpr std::size_t kMaxShown = 200;
-  return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "... (" + std::to_string(value.size()) + " characters)";
+  return value.size() <= kMaxShown ? value : Format("{}... ({} characters)", value.substr(0, kMaxShown), value.size());
 }
 
 std::string LowerCase(std::string name)
@@ -58,7 +57,7 @@ static bool ParseNumber(const std::string &text, double *value)
 
 void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  throw InputRefused(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
+  throw InputRefused(Format("{}{}: must be {}", name, value.empty() ? "" : " " + Shortened(value), allowed));
 }
 
 bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)
@@ -122,7 +121,7 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   constexpr double kLargest = 2e9; // an int
   if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargest)
     Refuse(option.name, text.empty() ? "(nothing)" : text,
-           "a whole number " + range.Text() + (number > kLargest && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
+           Format("a whole number {}{}", range.Text(), number > kLargest && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
   *value = static_cast<int>(number);
 }
 
@@ -172,13 +171,13 @@ bool OptionReader::Numbers(const OptionText &option, const Range &range, std::si
     double value = 0;
     const bool number = ParseNumber(word, &value);
     if (!number && strange.empty() && !text.empty())
-      strange = "; " + (word.empty() ? "(nothing)" : Shortened(word)) + " is no finite number";
+      strange = Format("; {} is no finite number", word.empty() ? "(nothing)" : Shortened(word));
     allowed = allowed && number && range.Contains(value);
     values->push_back(value);
   }
-  if (most == 1 && values->size() > 1) strange = "; one number, and not " + std::to_string(values->size()) + " with commas";
+  if (most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
   const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
-  const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
+  const std::string count = most == 1 ? "" : Format("{}{}numbers ", fewest, least > 1 ? Format("{} ", least) : "");
   if (!allowed || values->size() < least || (most && values->size() > most))
     Refuse(option.name, text.empty() ? "(nothing)" : text,
            count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas") + strange);
@@ -290,8 +289,8 @@ constexpr RetiredOption kRetired[] = {
   if (option.find('=') != std::string::npos)
     Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
   for (const RetiredOption &retired : kRetired)
-    if (option == retired.name) Refuse(option + ": is not an option any more: " + retired.reason);
-  Refuse(Shortened(option) + ": nothing reads this option in this case; the nearest known name is " + Nearest(option, known));
+    if (option == retired.name) Refuse("{}: is not an option any more: {}", option, retired.reason);
+  Refuse("{}: nothing reads this option in this case; the nearest known name is {}", Shortened(option), Nearest(option, known));
 }
 
 void OptionReader::RefuseUnused() const

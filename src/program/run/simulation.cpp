@@ -27,8 +27,8 @@ void Simulation::SetUp(MPI_Comm comm)
   if (restart) {
     ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks);
     if (AtEnd())
-      Refuse("-restart " + Shortened(case_.output.restart) + ": must be from before the end of the run; it is at time " +
-             FormatNumber(state_.time) + ", step " + std::to_string(state_.step));
+      Refuse("-restart {}: must be from before the end of the run; it is at time {}, step {}", Shortened(case_.output.restart),
+             FormatNumber(state_.time), state_.step);
     start_step_ = state_.step;
     watch_.SetState(state_.quasi_static);
     warnings_.SetState(state_.watched, state_.warnings);
@@ -117,23 +117,23 @@ void Simulation::CheckStep(double speed)
   const std::string end = "-end_time " + FormatNumber(time.end_time);
   constexpr double kMaxSteps = 1e15; // far fewer than a double counts, far more than a machine makes
   if (time.time_step > limit)
-    FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
-                 (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
-                 (state_.step > start_step_ ? " by now" : ""));
+    FailOrRefuse(Format("-time_step {}: must be <= {}{}{}", FormatNumber(time.time_step), limit,
+                        by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's",
+                        state_.step > start_step_ ? " by now" : ""));
   if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMaxSteps * step)))
-    FailOrRefuse((time.time_step > 0 ? "-time_step " + FormatNumber(time.time_step) + ": must bring " + end + " in reach"
-                                     : end + ": must be in reach") +
-                 "; a step is " + FormatRounded(step) + " s at time " + FormatRounded(state_.time) + " s, with a speed of " +
-                 FormatRounded(speed) + " m/s");
+    FailOrRefuse(Format("{}; a step is {} s at time {} s, with a speed of {} m/s",
+                        time.time_step > 0 ? Format("-time_step {}: must bring {} in reach", FormatNumber(time.time_step), end)
+                                           : end + ": must be in reach",
+                        step, state_.time, speed));
 }
 
 /// A line about a level that has moved, ended or begun.
 static std::string Describe(const LevelMove &move, int dim)
 {
-  return "step " + FormatNumber(move.step) + "  level " + FormatNumber(move.level) +
-         (move.active ? ": box from " + FormatVector(move.box.lower, dim) + " to " + FormatVector(move.box.upper, dim)
-                      : " ends") +
-         ", " + FormatNumber(move.split) + " points split, " + FormatNumber(move.merged) + " merged";
+  return Format("step {}  level {}{}, {} points split, {} merged", FormatNumber(move.step), FormatNumber(move.level),
+                move.active ? Format(": box from {} to {}", FormatVector(move.box.lower, dim), FormatVector(move.box.upper, dim))
+                            : " ends",
+                FormatNumber(move.split), FormatNumber(move.merged));
 }
 
 void Simulation::ControlStep()
@@ -160,9 +160,10 @@ void Simulation::CheckPace()
   const double room = case_.hierarchy.rules.Border(finest), soon = NextCheck();
   const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
   if (finest > 0 && way > room)
-    FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are checked again, by time " +
-                 FormatRounded(soon) + " s, more than the " + FormatRounded(room) + " m that level " + std::to_string(finest) +
-                 " keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval");
+    FailOrRefuse(
+        Format("-level_follow contact: the tip goes {} m until boxes are checked again, by time {} s, more than the {} m that "
+               "level {} keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval",
+               way, soon, room, finest));
 }
 
 int Simulation::Run()
@@ -194,9 +195,8 @@ void Simulation::Begin()
   PrepareOutputFolder();
   ListenToOrders();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
-    WarnAtStart(
-        {"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
-         "comes late"});
+    WarnAtStart({"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
+                 "contact comes late"});
   warnings_.Issue(comm_, at_start_);
   for (const std::string &line : case_.quasi_static.lines) ExitOnError(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
@@ -241,9 +241,9 @@ void Simulation::ObeyOrders()
   }
   if (orders & kEndOrder) stop_signal_ = SIGTERM;
   if (orders > kWriteOrder)
-    stopped_ = (stop_signal_ ? std::string("SIGTERM") : "-max_wall_time " + FormatNumber(case_.time.max_wall_time)) +
-               " at step " + std::to_string(state_.step) + "; go on with -restart " +
-               CheckpointPath(case_.output.directory, state_.step);
+    stopped_ = Format("{} at step {}; go on with -restart {}",
+                      stop_signal_ ? "SIGTERM" : "-max_wall_time " + FormatNumber(case_.time.max_wall_time), state_.step,
+                      CheckpointPath(case_.output.directory, state_.step));
 }
 
 /// One line: of a signal as of all that end a run, of the clock as of an end that was wanted.
@@ -264,7 +264,7 @@ void Simulation::FollowBoxes()
   SettleFailure(); // points that have failed may be anywhere
   CheckPace();
   ExitOnError(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextCheck(), &state_.moves, &problem));
-  if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
+  if (!problem.empty()) Fail(Format("time {}: {}", state_.time, problem));
   for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)
     ExitOnError(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
@@ -282,14 +282,15 @@ std::string Simulation::DescribeTip()
   if (!case_.model.indenter || !case_.model.indenter->by_load) return "";
   const Indenter &indenter = *case_.model.indenter;
   const double height = hierarchy_.Tip().At(state_.time)[indenter.up], lowest = case_.LowestTip(case_.hierarchy.tip_level);
-  const std::string when = "time " + FormatRounded(state_.time) + ": ",
-                    load = "-indenter_loads, " + FormatRounded(indenter.by_load->force.Value(state_.time)) + " N by now, ";
+  const std::string when = Format("time {}: ", state_.time),
+                    load = Format("-indenter_loads, {} N by now, ", indenter.by_load->force.Value(state_.time));
   if (hierarchy_.Tip().Overrun() > kMaxOverrun * (indenter.initial_surface - case_.domain.lower[indenter.up]))
-    return when + load + "are not met although the tip comes down at " + FormatRounded(indenter.by_load->largest_speed) +
-           " m/s, a tenth of the speed of waves; try smaller or slower ones";
+    return Format(
+        "{}{}are not met although the tip comes down at {} m/s, a tenth of the speed of waves; try smaller or slower ones", when,
+        load, indenter.by_load->largest_speed);
   if (height < lowest)
-    return when + load + "press the tip " + FormatRounded(lowest - height) + " m below " + FormatRounded(lowest) +
-           ", to which level " + std::to_string(case_.hierarchy.tip_level) + " can hold it; try smaller ones or a larger box";
+    return Format("{}{}press the tip {} m below {}, to which level {} can hold it; try smaller ones or a larger box", when, load,
+                  lowest - height, lowest, case_.hierarchy.tip_level);
   return "";
 }
 
@@ -308,10 +309,10 @@ void Simulation::SettleState()
   for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {
     const PointArrays points = hierarchy_.At(l).PointStore().Arrays();
     const std::string wrong = WrongValues(points, static_cast<int>(case_.model.bodies.size()));
-    if (!wrong.empty()) message = "level " + std::to_string(l) + ": " + wrong + "; try a smaller -cfl or -time_step";
+    if (!wrong.empty()) message = Format("level {}: {}; try a smaller -cfl or -time_step", l, wrong);
   }
   message = Agree(comm_, "state", message);
-  if (!message.empty()) Fail("time " + FormatRounded(state_.time) + ", " + message);
+  if (!message.empty()) Fail(Format("time {}, {}", state_.time, message));
 }
 
 } // namespace mlgimp

@@ -54,13 +54,12 @@ std::string Simulation::FindKept() const
   std::vector<std::string> parts;
   const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
   const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
-  if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
-  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last())))
-    parts.push_back("frames to " + std::to_string(frames_.Last()));
-  if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
+  if (history_.Last() >= 0 && history_.IsThere()) parts.push_back(Format("history to step {}", history_.Last()));
+  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last()))) parts.push_back(Format("frames to {}", frames_.Last()));
+  if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back(Format("checkpoint {}", last_checkpoint_));
   const std::string last = parts.empty() ? "nothing" : parts.back();
   if (!parts.empty()) parts.pop_back();
-  return ShareText(comm_, parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept");
+  return ShareText(comm_, parts.empty() ? last + " is kept" : Format("{} and {} are kept", Join(parts, ", "), last));
 }
 
 void Simulation::WriteState()

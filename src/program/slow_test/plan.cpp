@@ -187,25 +187,25 @@ std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 {
   double scale = 0;
   for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
-  return scale > 0 ? ", by -rate_scale that of a test of " + FormatRounded(plan.end_time / scale) + " s" : "";
+  return scale > 0 ? Format(", by -rate_scale that of a test of {} s", plan.end_time / scale) : "";
 }
 
 /// What was chosen, in one line, and what the user should know of it, each in one.
 void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
 {
-  const auto in = [](double x) { return FormatRounded(x); };
-  plan->lines.push_back("quasi-static: " + in(plan->pace.transits) + " transits of " + in(plan->pace.transit) + " s (" +
-                        in(plan->distance) + " m at " + in(plan->wave_speed) + " m/s) for a loading" +
-                        (plan->depth > 0 ? ", at most " + in(plan->largest_speed) +
-                                               " m/s = " + in(plan->largest_speed / plan->wave_speed) + " of the speed of waves"
-                                         : "") +
-                        "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
-                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + RatesText(c, *plan));
+  plan->lines.push_back(Format(
+      "quasi-static: {} transits of {} s ({} m at {} m/s) for a loading{}; damping {} 1/s{}, {} of critical; schedule of {} s{}",
+      plan->pace.transits, plan->pace.transit, plan->distance, plan->wave_speed,
+      plan->depth > 0
+          ? Format(", at most {} m/s = {} of the speed of waves", plan->largest_speed, plan->largest_speed / plan->wave_speed)
+          : "",
+      c.model.nodal.damping, plan->own_damping ? "" : " as given", plan->damping_ratio, plan->end_time, RatesText(c, *plan)));
   if (plan->rise > 0)
-    plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
-                          in(plan->pace.start) + " s, and depths count from the surface without them");
+    plan->lines.push_back(Format("quasi-static: loads and gravity rise within {} s; the tip starts at {} s, and depths count "
+                                 "from the surface without them",
+                                 plan->rise, plan->pace.start));
   if (std::isfinite(end_time) && end_time < plan->end_time)
-    plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
+    plan->lines.push_back(Format("quasi-static: -end_time {} ends the run before its schedule", FormatNumber(end_time)));
 }
 
 constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
@@ -251,8 +251,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
       reader.Refuse(std::string("-indenter_velocities_") + "xy"[axis], "", kNotSideways);
   for (std::size_t k = 0; k < c->model.loads.size(); ++k)
     if (c->model.loads[k].pressure.EndTime() > 0)
-      reader.Refuse("-quasi_static", "true",
-                    "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
+      reader.Refuse("-quasi_static", "true", "left out where a load changes with time, as {}: its times are not stretched",
+                    c->load_names[k]);
   plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
   plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;

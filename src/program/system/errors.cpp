@@ -1,6 +1,8 @@
 // The end of a run by an error.
 #include "program/system/errors.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -126,8 +128,9 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
       static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
       break;
     }
-    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (error " + std::to_string(code) + " in " + where +
-                                            "); if a PETSc option was given, see its value; -on_error_abort shows where");
+    static_cast<ErrorExit *>(context)->Meet(
+        Format("PETSc: {} (error {} in {}); if a PETSc option was given, see its value; -on_error_abort shows where", text, code,
+               where));
   }
   return code;
 }

@@ -1,6 +1,7 @@
 // The warnings of a run, one function each: each returns its line, or an empty string where its condition does not hold.
-#include "program/advice/warnings.hpp"
 #include "program/advice/warning_lines.hpp"
+
+#include "program/system/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +39,8 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
       0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
-  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  const double work =
+      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (given <= kMaxExcess * work) return "";
   return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of what they got or "
                 "brought,{}: it has met few cells so far, or {}",
@@ -56,7 +58,8 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
   constexpr int kFirstSteps = 100;  // of contact, before which it is all first touch
   if (!c.model.indenter || budgets.contact_steps < kFirstSteps) return "";
   const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
-  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  const double work =
+      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (taken <= kMaxLoss * work) return "";
   return Format("-indenter: contact has taken {} J, {} % of what the bodies were to get or brought,{}: the surface has met the "
                 "tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a slower indenter{}",
@@ -121,7 +124,7 @@ std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Wat
 std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   constexpr double kMaxKinetic = 0.01, kMaxAdded = 2; // of energy; of the tolerance
-  const double share = watched.slow.LoadShare(), kinetic = watched.slow.KineticShare();
+  const double share = watched.slow.SoFar().load_share, kinetic = watched.slow.SoFar().kinetic_share;
   if (share <= kMaxAdded * c.quasi_static.tolerance && kinetic <= std::max(kMaxKinetic, c.quasi_static.tolerance)) return "";
   return Format("-quasi_static_tolerance {}: inertia and damping have added up to {} % to the load, and kinetic energy was up to "
                 "{} % of what the body has taken: try a smaller one, or less -damping where that was given",
@@ -177,7 +180,7 @@ std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watc
 /// A load that is still on its way at the end of a hold.
 std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
 {
-  const double drift = watched.slow.HoldDrift();
+  const double drift = watched.slow.SoFar().hold_drift;
   if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
   return Format(
       "-quasi_static_tolerance {}: the {} changes by {} % in the last transit of a hold, as waves still run: try a smaller one",
@@ -208,6 +211,26 @@ void Warnings::Issue(MPI_Comm comm, const std::vector<std::string> &lines)
   }
 }
 
+/// Takes up a row of the history; returns the bodies' energy less all works, J.
+double Warnings::Record(const Case &c, const Budgets &budgets)
+{
+  const auto raise = [](double *largest, double value) { *largest = std::max(*largest, value); };
+  const double energy = budgets.kinetic_energy + budgets.strain_energy;
+  const double unexplained =
+      energy + budgets.dissipated_energy - budgets.external_work - budgets.GivenByContact() - budgets.friction_work;
+  if (state_.begun == 0) state_.had_at_start = unexplained, state_.given = energy, state_.begun = 1;
+  raise(&state_.given, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
+  raise(&state_.indenter_work, std::abs(budgets.indenter_work));
+  raise(&state_.noise, budgets.noise_energy);
+  raise(&state_.carried, budgets.load);
+  if (c.model.indenter && c.model.indenter->by_load)
+    raise(&state_.asked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
+  double pressure = 0;
+  for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
+  motion_.Record(budgets, pressure);
+  return unexplained;
+}
+
 void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
 {
   constexpr struct {
@@ -234,35 +257,12 @@ void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const
               {InertiaWarning, true},
               {OvershootWarning, true},
               {HoldWarning, true}};
-  const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
-  const double energy = budgets.kinetic_energy + budgets.strain_energy;
-  const double unexplained =
-      energy + budgets.dissipated_energy - budgets.external_work - budgets.GivenByContact() - budgets.friction_work;
-  if (numbers_[kLooked] == 0) numbers_[kHadAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
-  raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
-  raise(kIndenterWork, std::abs(budgets.indenter_work));
-  raise(kNoise, budgets.noise_energy);
-  raise(kCarried, budgets.load);
-  if (c.model.indenter && c.model.indenter->by_load)
-    raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
-  double pressure = 0;
-  for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
-  motion_.Record(budgets, pressure);
+  const double unexplained = Record(c, budgets);
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
-  const Watched watched = {slow,
-                           motion_,
-                           unexplained - numbers_[kHadAtStart],
-                           numbers_[kGiven],
-                           std::abs(numbers_[kHadAtStart]),
-                           numbers_[kIndenterWork],
-                           numbers_[kNoise],
-                           kRounding * stiffness,
-                           numbers_[kAsked],
-                           numbers_[kCarried],
-                           motion_.Deepest()};
+  const Watched watched = {state_, slow, motion_, unexplained - state_.had_at_start, kRounding * stiffness};
   for (std::size_t k = 0; k < std::size(kAll); ++k) {
     const bool issued = std::any_of(issued_.begin(), issued_.end(), [k](const Issued &one) { return one.kind == k; });
     if (issued || (kAll[k].at_end && !ended)) continue;
@@ -290,29 +290,30 @@ std::vector<std::string> Warnings::KeptLines() const
 
 std::vector<double> Warnings::State() const
 {
-  std::vector<double> state = numbers_;
-  const std::vector<double> motion = motion_.State();
+  std::vector<double> state = ToNumbers(state_);
+  const std::vector<double> motion = ToNumbers(motion_.Now());
   state.insert(state.end(), motion.begin(), motion.end());
   for (const Issued &one : issued_)
     if (!one.at_end) state.push_back(static_cast<double>(one.kind));
   return state;
 }
 
+static constexpr std::size_t kOwn = kNumbersOf<WarningState>, kFirstKind = kOwn + kNumbersOf<MotionWatch::State>;
+
 void Warnings::SetState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
-  numbers_.assign(state.begin(), state.begin() + kNumbers);
-  motion_.SetState(state.data() + kNumbers);
+  state_ = FromNumbers<WarningState>(state.data());
+  motion_.SetState(FromNumbers<MotionWatch::State>(&state[kOwn]));
   issued_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k)
-    issued_.push_back({static_cast<std::size_t>(state[kNumbers + MotionWatch::kSize + k]), false, lines[k]});
+    issued_.push_back({static_cast<std::size_t>(state[kFirstKind + k]), false, lines[k]});
 }
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
   constexpr double kMaxKinds = kAtStart + 1;
   const auto is_kind = [](double kind) { return kind >= 0 && kind < kMaxKinds && kind == std::floor(kind); };
-  constexpr std::size_t kFirst = kNumbers + MotionWatch::kSize;
-  return state.size() == kFirst + lines.size() && std::all_of(state.begin() + kFirst, state.end(), is_kind);
+  return state.size() == kFirstKind + lines.size() && std::all_of(state.begin() + kFirstKind, state.end(), is_kind);
 }
 
 } // namespace mlgimp

@@ -109,7 +109,7 @@ void CheckpointReader::Open()
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched, drift(1);
+  std::vector<double> numbers = ToNumbers(RunState()), copies(4), tip, watch, watched, drift(1);
   std::string then, lines, difference;
   std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
@@ -130,7 +130,7 @@ void CheckpointReader::ReadHead(RunState *state)
   if (FoundList("/watched", &watched)) Note(NotFinite(watched, "watched"));
   Found(Warnings::IsState(watched, warnings), "watched");
   AgreeOnError("checkpoint_state");
-  *state = StateFromNumbers(numbers);
+  *state = FromNumbers<RunState>(numbers.data());
   state->quasi_static = watch;
   state->watched = watched;
   state->warnings = warnings;

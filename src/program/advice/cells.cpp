@@ -103,12 +103,12 @@ void WarnOfMissedBox(OptionReader &reader, const Case &c)
   const std::string option = Format("-level_{}", finest);
   const double end = std::min(c.time.end_time, indenter.motion.turning_time);
   const double half = indenter.by_load || !std::isfinite(end) ? 0 : indenter.HalfWidth(indenter.Depth(indenter.Tip(end)));
-  reader.WarnLater(
-      "{}{}: the box of level {} does not hold the surface under the tip, {}: contact has the cells of {} m of level {}{}; let "
-      "the box reach above {} m and {} m to each side of the tip",
-      option, moves ? "_path" : Format("_lower, {}_upper", option), finest, RoundedVector(place, c.Dim()), c.CellSize(level),
-      level, half > 0 ? Format(", {} of them in half the width at the largest depth", half / c.CellSize(level)) : "",
-      place[indenter.up], half + c.BorderMargin(finest));
+  reader.WarnLater("{}{}: the box of level {} does not hold the surface under the tip, {}: contact has the cells of {} m of "
+                   "level {}{}; let the box reach above {} m and {} m to each side of the tip",
+                   option, moves ? "_path" : Format("_lower, {}_upper", option), finest, RoundedVector(place, c.Dim()),
+                   c.CellSize(level), level,
+                   half > 0 ? Format(", {} of them in half the width at the largest depth", half / c.CellSize(level)) : "",
+                   place[indenter.up], half + c.BorderMargin(finest));
 }
 
 } // namespace

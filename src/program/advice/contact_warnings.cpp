@@ -65,13 +65,13 @@ std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const
   const double cells = budgets.contact_cells, cell = c.CellSize(level);
   const double least = follows ? follow.cells_min : EnoughCells(c);
   if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
-  return Format(
-      "{}: half the contact's width is at most {} cells of level {}, fewer than {}: the load is that of the cells; try {}",
-      follows ? Format("-levels {}", c.levels) : "-cell_size " + FormatNumber(c.cell_size), cells, level,
-      follows ? "-level_cells_min" : FormatNumber(least),
-      follows                ? "more levels"
-      : level < c.levels - 1 ? "a finer level there"
-                             : "smaller ones, or more -levels");
+  return Format("{}: half the contact's width is at most {} cells of level {}, fewer than {}: the load is dominated by "
+                "discretisation error; try {}",
+                follows ? Format("-levels {}", c.levels) : "-cell_size " + FormatNumber(c.cell_size), cells, level,
+                follows ? "-level_cells_min" : FormatNumber(least),
+                follows                ? "more levels"
+                : level < c.levels - 1 ? "a finer level there"
+                                       : "smaller cells, or more -levels");
 }
 
 /// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
@@ -123,10 +123,10 @@ std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &wa
   const double asked = c.model.indenter->by_load->force.Value(budgets.time);
   const bool missed = watched.carried < kMet * watched.asked;
   if (budgets.load >= kMet * asked && !missed) return "";
-  return Format(
-      "-indenter_loads: {} N are asked for{}{} N: it may not move faster than a tenth of the waves; try longer -indenter_times",
-      missed ? watched.asked : asked, missed ? ", and the tip carries at most " : " at the end, and the tip carries ",
-      missed ? watched.carried : budgets.load);
+  return Format("-indenter_loads: {} N are asked for{}{} N, because its speed is limited to a tenth of that of waves; try longer "
+                "-indenter_times",
+                missed ? watched.asked : asked, missed ? ", and the tip carries at most " : " at the end, and the tip carries ",
+                missed ? watched.carried : budgets.load);
 }
 
 } // namespace mlgimp

@@ -106,8 +106,8 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
 void WarnOfBond(OptionReader &reader, const Body &a, const Body &b, int across)
 {
   if (across < 0 || a.velocity[across] == b.velocity[across]) return;
-  reader.WarnLater("-bodies: {} and {} touch at the start and do not move alike: they stay together; leave more than a cell "
-                   "between bodies that are to collide, or to part",
+  reader.WarnLater("-bodies: {} and {} touch at the start and move differently: they will stick, because they share nodes; leave "
+                   "a gap of more than a cell between bodies that are to collide or to part",
                    a.name, b.name);
 }
 

@@ -54,10 +54,9 @@ void CheckReach(OptionReader &reader, const Case &c)
   const double deepest = -nearest;
   const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
   if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
-    reader.Refuse(
-        "-indenter_tip", reader.Text(indenter.tip),
-        "such that the tip stays in the domain; by its motion it comes to a depth of {} m, where the domain ends at {} m",
-        deepest, floor);
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+                  "such that the tip stays in the domain; its motion leads to a depth of {} m, where the domain ends at {} m",
+                  deepest, floor);
   bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
   for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
   for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};
@@ -80,8 +79,8 @@ void CheckOtherParts(OptionReader &reader, const Case &c)
   if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[indenter.up])) return;
   const double deepest = DeepestInside(c, tip);
   if (deepest > kMaxDepth * c.CellSize(c.LevelAtTip()))
-    reader.WarnLater("-indenter_tip {}: depths count from the body below the tip, where the indenter is {} m inside another part "
-                     "already; put the tip above what it meets first",
+    reader.WarnLater("-indenter_tip {}: depths count from the body below the tip; when the tip gets there, the indenter is "
+                     "already {} m inside another part; put the tip above the part that it touches first",
                      reader.Text(indenter.tip), deepest);
 }
 
@@ -148,8 +147,8 @@ void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
       reader.Refuse("-indenter_tip", reader.Text(tip), "on the side of symmetry {}, or away from it; it is {} m off",
                     kSideNames[side], off);
     if (beyond > 0 && std::isfinite(c.model.indenter->surface->Width(0)))
-      reader.Refuse("-indenter_tip", reader.Text(tip),
-                    "on this side of {}, a side of symmetry, all the time; it is or comes {} m beyond", kSideNames[side], beyond);
+      reader.Refuse("-indenter_tip", reader.Text(tip), "inside {}, a side of symmetry, at all times; the tip gets {} m beyond it",
+                    kSideNames[side], beyond);
   }
 }
 
@@ -167,14 +166,14 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
                        kSideNames[*side]);
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
       reader.Refuse("-indenter", kind,
-                    "its own mirror image across {}, a side of symmetry that the tip is on: take the side away from the tip, or "
-                    "turn the indenter where a turn makes it so",
+                    "symmetric about {}, the side of symmetry that its tip is on; move the tip off that side, or turn the "
+                    "indenter until it is symmetric",
                     kSideNames[*side]);
   }
 }
 
-/// Under an indenter of which less than a cell ever meets the surface the load is that of the cells; one that is curved and yet
-/// flat over the whole domain has a size in another unit.
+/// Under an indenter of which less than a cell ever meets the surface the load is dominated by discretisation error; one that is
+/// curved and yet flat over the whole domain has a size in another unit.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
   const Indenter &indenter = *c.model.indenter;
@@ -185,14 +184,15 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
   if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
     reader.Refuse("-indenter", kind, "at least as wide as {}; it is {} m wide", cell, indenter.surface->Width(HUGE_VAL));
   if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    reader.WarnLater("-indenter {}: at its largest depth of {} m it is {} m wide, less than {}: the load is that of the cells",
-                     kind, depth, indenter.surface->Width(depth), cell);
+    reader.WarnLater(
+        "-indenter {}: at its largest depth of {} m it is {} m wide, less than {}: the load is dominated by discretisation error",
+        kind, depth, indenter.surface->Width(depth), cell);
   double extent = 0;
   for (int axis = 0; axis < indenter.up; ++axis) extent = std::max(extent, c.domain.upper[axis] - c.domain.lower[axis]);
   if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
-    reader.WarnLater("-indenter {}: is flat as far as the domain goes, as it rises there by less than {} cells of level {}; are "
-                     "its sizes in m?",
-                     kind, FormatNumber(kFlat), level);
+    reader.WarnLater(
+        "-indenter {}: rises by less than {} cells of level {} within the domain, as if it were flat; are its sizes in m?", kind,
+        FormatNumber(kFlat), level);
 }
 
 /// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.
@@ -253,8 +253,8 @@ static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
       if (static_cast<int>(met.size()) < k) met.push_back(meets);
       if (meets != met[k - 1])
         reader.Refuse(Format("-level_{}_path", k), "",
-                      "such that the level holds the indenter's tip all the time, or never: it {} it{}",
-                      meets ? "comes to" : "has left", when);
+                      "such that the level's box contains the indenter's tip at all times or at none; the tip {} it{}",
+                      meets ? "has entered" : "has left", when);
     }
   }
 }

@@ -224,7 +224,7 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
   }
   MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, hierarchy.Comm());
   if (!(deepest <= 1e-6 * c.cell_size))
-    Refuse("-indenter_tip {}: must leave the indenter outside every body; it starts {} m inside one",
+    Refuse("-indenter_tip {}: must be such that the indenter starts outside every body; it starts {} m inside one",
            FormatVector(c.model.indenter->tip, c.Dim()), deepest);
 }
 

@@ -20,8 +20,8 @@ void CheckSpeed(OptionReader &reader, const Case &c)
   double slowest = HUGE_VAL;
   for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
   if (speed > kLargestSpeed * slowest)
-    reader.WarnLater("-indenter: moves with up to {} m/s, where waves have {} m/s: that is an impact; is Young's modulus in Pa?",
-                     speed, slowest);
+    reader.WarnLater("-indenter: moves at up to {} m/s, and waves at {} m/s: that is an impact; is Young's modulus in Pa?", speed,
+                     slowest);
 }
 
 /// When the tip first comes down to the body, s; infinity where it does not.
@@ -41,7 +41,7 @@ void CheckLoading(OptionReader &reader, const Case &c)
   const double loading = end - FirstTouch(indenter, end);
   if (loading > 0 && loading < kMinTransits * transit)
     reader.WarnLater("-indenter: presses for {} s, where a wave takes {} s through the bodies: the load is that of their "
-                     "inertia; a slow test has ten such times and more (-quasi_static)",
+                     "inertia; a slow test takes ten such times or more (-quasi_static)",
                      loading, transit);
 }
 
@@ -77,7 +77,7 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
                        c.load_names[k], largest, c.time.end_time, met);
     const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
     if (largest > 0 && largest < kMinStrain * mu)
-      reader.WarnLater("-{}_pressures: of at most {} Pa are nothing to a body with a shear modulus of {} Pa; are they in Pa?",
+      reader.WarnLater("-{}_pressures: a pressure of at most {} Pa is below 1e-7 of the shear modulus of {} Pa; are they in Pa?",
                        c.load_names[k], largest, mu);
   }
 }
@@ -103,9 +103,9 @@ void CheckBlows(OptionReader &reader, const Case &c)
     for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
     if (!material.IsMetal() || largest >= yield || most <= yield) continue;
-    reader.WarnLater("-{}_pressures: change within {} s, in which a wave goes twice through the body, by so much that their blow "
-                     "adds to the stress: a metal with a yield stress of {} Pa flows that would bear {} Pa; let them rise from 0 "
-                     "within five such times or more{}",
+    reader.WarnLater("-{}_pressures: change by so much within {} s, in which a wave crosses the body twice, that the stress of "
+                     "the wave makes a metal with a yield stress of {} Pa flow, which would bear {} Pa at rest; let them rise "
+                     "from 0 within five such times or more{}",
                      c.load_names[k], kMinTransits * transit, yield, largest, c.model.indenter ? " (-quasi_static)" : "");
   }
 }

@@ -42,12 +42,12 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
   const double work =
       std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (given <= kMaxExcess * work) return "";
-  return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of what they got or "
-                "brought,{}: it has met few cells so far, or {}",
+  return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of their energy,{}: "
+                "contact covers few cells so far, or {}",
                 given, 100 * given / work, When(budgets),
-                c.model.HasMetal()
-                    ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
-                    : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
+                c.model.HasMetal() ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+                                   : "its work becomes noise of the points, and the load is wrong; try smaller cells, "
+                                     "-xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
@@ -61,8 +61,8 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
   const double work =
       std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (taken <= kMaxLoss * work) return "";
-  return Format("-indenter: contact has taken {} J, {} % of what the bodies were to get or brought,{}: the surface has met the "
-                "tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a slower indenter{}",
+  return Format("-indenter: contact has taken {} J, {} % of the bodies' energy,{}: the surface has struck the tip, or has parted "
+                "from it and come back, and the load is wrong; try smaller cells, a slower indenter{}",
                 taken, 100 * taken / work, When(budgets),
                 std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
 }
@@ -127,7 +127,7 @@ std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
   const double share = watched.slow.SoFar().load_share, kinetic = watched.slow.SoFar().kinetic_share;
   if (share <= kMaxAdded * c.quasi_static.tolerance && kinetic <= std::max(kMaxKinetic, c.quasi_static.tolerance)) return "";
   return Format("-quasi_static_tolerance {}: inertia and damping have added up to {} % to the load, and kinetic energy was up to "
-                "{} % of what the body has taken: try a smaller one, or less -damping where that was given",
+                "{} % of the body's energy: try a smaller tolerance, or less -damping where that was given",
                 FormatNumber(c.quasi_static.tolerance), 100 * share, 100 * kinetic);
 }
 
@@ -182,9 +182,9 @@ std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double drift = watched.slow.SoFar().hold_drift;
   if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
-  return Format(
-      "-quasi_static_tolerance {}: the {} changes by {} % in the last transit of a hold, as waves still run: try a smaller one",
-      FormatNumber(c.quasi_static.tolerance), c.quasi_static.depth > 0 ? "load" : "depth", 100 * drift);
+  return Format("-quasi_static_tolerance {}: the {} changes by {} % in the last transit of a hold, because waves still run; try "
+                "a smaller tolerance",
+                FormatNumber(c.quasi_static.tolerance), c.quasi_static.depth > 0 ? "load" : "depth", 100 * drift);
 }
 
 /// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no

@@ -100,12 +100,11 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
     if (!std::isfinite(n[k]) && !(k == 2 && n[k] == HUGE_VAL)) return "its state has a value that is not finite";
   if (!(time > 0 && time_step > 0 && end_time > 0 && given_step >= 0 && cfl > 0 && cfl <= kLargestCfl && wave_speed > 0 &&
         time_step * wave_speed <= (1 + kRounding) * kLargestCfl * settings.cell_size))
-    return "its times are not those of a run";
-  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMaxFrames))
-    return "its counts of steps and frames are not those of a run";
+    return "its times are inconsistent";
+  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMaxFrames)) return "its counts of steps and frames are inconsistent";
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
-    return "its initial mass and points are not those of a run";
-  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is not that of a run";
+    return "its initial mass and points are inconsistent";
+  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is inconsistent";
   return "";
 }
 
@@ -114,7 +113,7 @@ std::string WrongTip(const std::vector<double> &n, std::size_t count, double tim
   constexpr double kRounding = 1e-9;
   const bool right = n.size() == count && AllFinite(n.data(), n.size()) &&
                      (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
-  return right ? "" : "its tip of the indenter is not that of a run";
+  return right ? "" : "its tip of the indenter is inconsistent";
 }
 
 std::string WrongBoxes(const FollowState &now, const Case &settings)
@@ -133,7 +132,7 @@ std::string WrongBoxes(const FollowState &now, const Case &settings)
                 now.plan.boxes[l].upper[axis] == settings.boxes[l].upper[axis];
     }
   right = right && (kind == FollowKind::kNone || FindMisplaced(rules, now.plan.boxes) == 0);
-  return right ? "" : "its boxes are not those of a run";
+  return right ? "" : "its boxes are inconsistent with this case";
 }
 
 std::string WrongClock(const std::vector<double> &n, long step, const Case &settings, int l)
@@ -143,7 +142,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
   const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
   const bool places = AllWhole({n.begin() + 4, n.end()}, INT_MIN, INT_MAX); // of nodes
-  return whole && drifts && places && IsWhole(n[3], 0, 1) ? "" : Format("the steps of level {} are not those of a run", l);
+  return whole && drifts && places && IsWhole(n[3], 0, 1) ? "" : Format("the steps of level {} are inconsistent", l);
 }
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
@@ -178,7 +177,7 @@ std::string WrongPressures(const std::vector<double> &keys, const std::vector<do
   for (std::size_t k = 0; right && k < keys.size(); ++k)
     right = std::isfinite(pressures[k]) && (pressures[k] >= 0 || static_cast<std::int64_t>(keys[k]) % per_column != 0);
   right = right && std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
-  return right ? "" : "its contact pressures are not those of a run";
+  return right ? "" : "its contact pressures are inconsistent";
 }
 
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name)

@@ -119,7 +119,7 @@ void CheckpointReader::ReadHead(RunState *state)
   if (!difference.empty()) Refuse("-restart {}: must be of the same case; {}", Shortened(case_.output.restart), difference);
   if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
   if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
-    if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
+    if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are inconsistent");
     Note(NotFinite(copies, "copies"));
   }
   if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SetPatchDrift(drift[0]);
@@ -145,7 +145,8 @@ void CheckpointReader::ReadFollowing(RunState *state)
   FollowState following;
   if (FoundList("/following", &numbers)) {
     Note(NotFinite(numbers, "following"));
-    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves)) Note("its boxes are not those of a run");
+    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves))
+      Note("its boxes are inconsistent with this case");
   }
   if (wrong_.empty()) Note(WrongBoxes(following, case_));
   AgreeOnError("checkpoint_following");

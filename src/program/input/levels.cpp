@@ -87,8 +87,8 @@ void ReadNodeCoupling(OptionReader &reader, Case *c)
   HierarchySettings &settings = c->hierarchy;
   double width = kBlendWidth;
   const bool given = reader.Number({"-blend_width",
-                                    "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
-                                    "where it is not given and boxes lie closer, less, down to 2",
+                                    "nodes: width of the band inside a level's border in which levels blend, in coarser cells; "
+                                    "the default is reduced down to 2 where boxes are closer",
                                     ""},
                                    Closed(0, 64), false, &width);
   settings.rules.blend_widths.assign(c->levels - 1, width);
@@ -125,7 +125,7 @@ void ReadCoupling(OptionReader &reader, Case *c)
   reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points"},
                 {"nodes", "points"}, &coupling);
   if (coupling == "points" && c->model.geometry.kind != GeometryKind::kPlaneStrain)
-    reader.Refuse("-level_coupling", coupling, "nodes but in plane strain");
+    reader.Refuse("-level_coupling", coupling, "nodes, as points needs -geometry plane_strain");
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) ReadNodeCoupling(reader, c);
   if (coupling == "points" || reader.Help()) ReadPointCoupling(reader, c);

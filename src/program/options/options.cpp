@@ -65,7 +65,7 @@ bool OptionReader::Raw(const OptionText &option, const std::string &fallback, st
   std::vector<char> buffer(kLongestValue + 1);
   PetscBool given = PETSC_FALSE;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    Refuse(option.name, "", "an option of one meaning; give the body, material or load another name");
+    Refuse(option.name, "", "an option of one body, material or load; rename one of those that it belongs to");
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
   if (!learns_)
@@ -290,7 +290,7 @@ constexpr RetiredOption kRetired[] = {
     Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
   for (const RetiredOption &retired : kRetired)
     if (option == retired.name) Refuse("{}: is not an option any more: {}", option, retired.reason);
-  Refuse("{}: nothing reads this option in this case; the nearest known name is {}", Shortened(option), Nearest(option, known));
+  Refuse("{}: unknown or unused option; the nearest known name is {}", Shortened(option), Nearest(option, known));
 }
 
 void OptionReader::RefuseUnused() const
@@ -340,7 +340,7 @@ void OptionReader::WarnUnused() const
   const std::set<std::string> late = {"-options_left", "-options_view", "-objects_dump",
                                       "-malloc_dump",  "-memory_view",  "-log_view_memory"};
   for (const std::string &unused : FindUnused())
-    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": nothing has read this option");
+    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": unused option");
 }
 
 } // namespace mlgimp

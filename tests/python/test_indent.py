@@ -151,7 +151,7 @@ def test_names_that_may_have_meant_an_argument(tmp_path, name, value, right):
 def test_names_that_the_program_does_not_know(tmp_path, monkeypatch, name, value, hint):
     """Its own hint names options of the specimen, which a caller has never seen."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: unknown or unused option; {hint}$"):
+    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: unknown or unused option in this case; {hint}$"):
         mlgimp.indent("j2", **METAL, depth=1e-7, **{name: value})
 
 

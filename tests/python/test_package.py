@@ -241,7 +241,7 @@ def test_names_that_may_have_meant_another(tmp_path):
     for name in ("rank", "np"):
         with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be ranks$"):
             mlgimp.run(PRESS, **{name: 2})
-    with pytest.raises(mlgimp.RunError, match="-friction: unknown or unused option; it may be indenter_friction$"):
+    with pytest.raises(mlgimp.RunError, match="-friction: unknown or unused option in this case; it may be indenter_friction$"):
         mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, friction=0.2)
     with pytest.raises(mlgimp.Error, match="^evaluation: there is no such argument; it may be evaluations$"):
         mlgimp.fit(None, None, "E", evaluation=3)

@@ -248,7 +248,7 @@ TEST(Options, WhatNothingReads)
   };
   EXPECT_EQ(Refusal("-cell_size 1", read), "");
   EXPECT_EQ(Refusal("-cell_siez 1", read),
-            "-cell_siez: unknown or unused option; the nearest known name is -cell_size");
+            "-cell_siez: unknown or unused option in this case; the nearest known name is -cell_size");
   EXPECT_EQ(Refusal("-thickness=2 -cell_size 1", read),
             "-thickness=2: a blank must be between an option's name and its value, not =");
 }

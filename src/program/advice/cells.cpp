@@ -115,10 +115,10 @@ void WarnOfMissedBox(OptionReader &reader, const Case &c)
 
 void WarnOfCells(OptionReader &reader, const Case &c)
 {
-  WarnOfThinUnderLoads(reader, c);
+  WarnOfThinUnderLoads(reader, c); // -bodies: thinner than two cells where a load presses
   if (!c.model.indenter) return;
-  WarnOfThinUnderTip(reader, c);
-  WarnOfMissedBox(reader, c);
+  WarnOfThinUnderTip(reader, c); // -bodies: the same under the indenter
+  WarnOfMissedBox(reader, c);    // -level_K_lower, _upper, _path: the finest box does not hold the contact
 }
 
 } // namespace mlgimp

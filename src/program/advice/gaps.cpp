@@ -19,18 +19,6 @@ struct Neighbour {
   bool Contains(Vec3 x) const { return !region || region->Contains(x); }
 };
 
-/// Size of the cells that a box lies in.
-double CellAround(const Case &c, const Box &box)
-{
-  for (int k = c.levels - 1; k > 0; --k) {
-    bool inside = true;
-    for (int d = 0; d < c.Dim(); ++d)
-      inside = inside && box.lower[d] >= c.boxes[k].lower[d] && box.upper[d] <= c.boxes[k].upper[d];
-    if (inside) return c.CellSize(k);
-  }
-  return c.cell_size;
-}
-
 /// The space between two bounds, and the axis across it, along which they may touch; -1 where that is no axis, or more than one.
 int FindGap(const Box &a, const Box &b, int dim, double tolerance, Box *gap)
 {
@@ -82,7 +70,7 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
   Box gap;
   const int across = FindGap(a.bounds, b.bounds, c.Dim(), tolerance, &gap);
   if (across < 0) return -1;
-  const double width = gap.upper[across] - gap.lower[across], cell = CellAround(c, gap);
+  const double width = gap.upper[across] - gap.lower[across], cell = c.CellSize(c.LevelAround(gap));
   IndexBox places{{0, 0, 0}, {1, 1, 1}};
   double cells_of_place = 1;
   for (int d = 0; d < c.Dim(); ++d)

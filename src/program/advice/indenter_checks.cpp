@@ -166,8 +166,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
                        kSideNames[*side]);
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
       reader.Refuse("-indenter", kind,
-                    "symmetric about {}, the side of symmetry that its tip is on; move the tip off that side, or turn the "
-                    "indenter until it is symmetric",
+                    "its own mirror image about {}, the side of symmetry that its tip is on; move the tip off that side, or turn "
+                    "the indenter until it is symmetric",
                     kSideNames[*side]);
   }
 }
@@ -201,7 +201,7 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
 {
   const int up = c.model.indenter->up;
   const double margin = c.BorderMargin(k), just_below = c.model.indenter->initial_surface - 1e-6 * c.CellSize(k);
-  const auto is_border = [&](Side side) { return std::abs(box.At(side) - c.domain.At(side)) > 1e-6 * c.CellSize(k); };
+  const auto is_border = [&](Side side) { return c.IsBorder(box, k, side); };
   bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
   for (int axis = 0; axis < up; ++axis)
     meets = meets && way.upper[axis] >= box.lower[axis] - margin && way.lower[axis] <= box.upper[axis] + margin;
@@ -232,11 +232,11 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
 
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)
 {
-  CheckReach(reader, c);
-  CheckOtherParts(reader, c);
-  CheckMirror(reader, c, kind);
-  CheckSupport(reader, c);
-  CheckIndenterSize(reader, c, kind);
+  CheckReach(reader, c);              // -indenter_tip: too far above the body, below the domain, or without contact
+  CheckOtherParts(reader, c);         // -indenter_tip: inside another part when depths begin to count
+  CheckMirror(reader, c, kind);       // -indenter, -indenter_tip, -boundary_SIDE: a tip at or near a side of the domain
+  CheckSupport(reader, c);            // -boundary_SIDE, -gravity: nothing holds the bodies
+  CheckIndenterSize(reader, c, kind); // -indenter: narrower than a cell, or flat over the whole domain
 }
 
 /// The tip on the way of boxes along their paths.

@@ -200,9 +200,13 @@ std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c)
   std::vector<double> loads;
   SumBodies(hierarchy, c.model, &bodies, &loads);
   const std::vector<double> thinnest = ThinnestAlone(hierarchy, c.model);
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(c, b, thinnest[b], &warnings);
-  for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(c, k, loads[k], &warnings);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    CheckHole(c, b);                               // -bodies: a narrow hole along the axis
+    CheckBody(c, b, bodies[b]);                    // -bodies: no points, or not the mass or the faces of a box
+    CheckThinPoints(c, b, thinnest[b], &warnings); // -bodies: points too thin for the steps
+  }
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    CheckLoad(c, k, loads[k], &warnings); // -loads, -LOAD_span: no face, or not all of the span
   return warnings;
 }
 

@@ -129,13 +129,16 @@ void CheckSteps(OptionReader &reader, const Case &c)
 
 void CheckTimes(OptionReader &reader, const Case &c)
 {
-  CheckLoadUnits(reader, c);
-  CheckBlows(reader, c);
-  CheckSteps(reader, c);
+  CheckLoadUnits(reader, c); // -LOAD_times, _pressures: after the end of the run, or too small to strain anything
+  CheckBlows(reader, c);     // -LOAD_pressures: change so fast that a metal yields by the wave
+  CheckSteps(reader, c);     // -end_time: too many steps away
   if (!c.model.indenter || c.model.contact.method == "none") return;
-  CheckSpeed(reader, c);
+  CheckSpeed(reader, c); // -indenter: fast beside waves
   if (c.quasi_static.on) return;
-  c.model.indenter->by_load ? CheckLoadRise(reader, c) : CheckLoading(reader, c);
+  if (c.model.indenter->by_load)
+    CheckLoadRise(reader, c); // -indenter_loads: rise within a few transits of a wave
+  else
+    CheckLoading(reader, c); // -indenter: a loading within a few transits of a wave
 }
 
 } // namespace mlgimp

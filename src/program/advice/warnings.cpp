@@ -200,6 +200,34 @@ std::string LossWarning(const Case &c, const Budgets &budgets, const Watched &wa
       c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
 }
 
+/// All warnings of a run. Each is printed once; those at the end have too little work to compare with before. Checkpoints know
+/// them by their places here, so new ones come last.
+enum Due { kEachRow, kAtEnd };
+constexpr struct {
+  std::string (*line)(const Case &, const Budgets &, const Watched &);
+  Due due;
+} kRunWarnings[] = {{PenetrationWarning, kEachRow},    // -cell_size: the surface lies more than a cell inside the indenter
+                    {ViscosityWarning, kEachRow},      // -short_wave_viscosity: it gives energy
+                    {ContactWarning, kAtEnd},          // -indenter: contact gives more work than the indenter
+                    {NoiseWarning, kAtEnd},            // -xpic_fraction: noise of the points softens a metal
+                    {SpeedWarning, kAtEnd},            // -quasi_static_tolerance: a slow test is too fast
+                    {WidestContactWarning, kEachRow},  // -levels: contact gets too wide for levels that follow it
+                    {NarrowestContactWarning, kAtEnd}, // -levels, -cell_size: few cells in the contact
+                    {EnergyWarning, kAtEnd},           // -cfl, -time_step: the bodies make energy
+                    {DampingWarning, kAtEnd},          // -damping: it carries a part of the load, elastic
+                    {LoadWarning, kAtEnd},             // -indenter_loads: the tip does not come to carry them
+                    {LossWarning, kAtEnd},             // -bodies: energy is missing
+                    {TouchWarning, kAtEnd},            // -indenter_tip: it has touched nothing
+                    {BorderWarning, kEachRow},         // -level_K_lower, _upper: contact crosses a border of levels
+                    {MotionWarning, kAtEnd},           // -bodies: motion of free bodies becomes noise
+                    {ElasticNoiseWarning, kAtEnd},     // -xpic_fraction: noise in elastic bodies
+                    {MirrorWarning, kEachRow},         // -indenter_tip: contact meets its mirror image
+                    {ContactLossWarning, kAtEnd},      // -indenter: contact takes work
+                    {DragWarning, kAtEnd},             // -damping: it adds to the load of a metal
+                    {InertiaWarning, kAtEnd},          // -indenter_velocities, _loads: inertia adds to the load of a metal
+                    {OvershootWarning, kAtEnd},        // -LOAD_pressures: motion adds to the plastic work
+                    {HoldWarning, kAtEnd}};            // -quasi_static_tolerance: the load still changes at the end of a hold
+
 } // namespace
 
 void Warnings::Issue(MPI_Comm comm, const std::vector<std::string> &lines)
@@ -233,42 +261,18 @@ double Warnings::Record(const Case &c, const Budgets &budgets)
 
 void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
 {
-  constexpr struct {
-    std::string (*line)(const Case &, const Budgets &, const Watched &);
-    bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{PenetrationWarning, false},
-              {ViscosityWarning, false},
-              {ContactWarning, true},
-              {NoiseWarning, true},
-              {SpeedWarning, true},
-              {WidestContactWarning, false},
-              {NarrowestContactWarning, true},
-              {EnergyWarning, true},
-              {DampingWarning, true},
-              {LoadWarning, true},
-              {LossWarning, true},
-              {TouchWarning, true},
-              {BorderWarning, false},
-              {MotionWarning, true},
-              {ElasticNoiseWarning, true},
-              {MirrorWarning, false},
-              {ContactLossWarning, true},
-              {DragWarning, true},
-              {InertiaWarning, true},
-              {OvershootWarning, true},
-              {HoldWarning, true}};
   const double unexplained = Record(c, budgets);
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
   const Watched watched = {state_, slow, motion_, unexplained - state_.had_at_start, kRounding * stiffness};
-  for (std::size_t k = 0; k < std::size(kAll); ++k) {
+  for (std::size_t k = 0; k < std::size(kRunWarnings); ++k) {
     const bool issued = std::any_of(issued_.begin(), issued_.end(), [k](const Issued &one) { return one.kind == k; });
-    if (issued || (kAll[k].at_end && !ended)) continue;
-    const std::string line = kAll[k].line(c, budgets, watched);
+    if (issued || (kRunWarnings[k].due == kAtEnd && !ended)) continue;
+    const std::string line = kRunWarnings[k].line(c, budgets, watched);
     if (line.empty()) continue;
-    issued_.push_back({k, kAll[k].at_end, line});
+    issued_.push_back({k, kRunWarnings[k].due == kAtEnd, line});
     Warn(comm, line);
   }
 }

@@ -3,6 +3,7 @@
 
 #include "base/exchange.hpp"
 #include "base/text.hpp"
+#include "program/system/numbers.hpp"
 
 #include <algorithm>
 #include <climits>
@@ -15,9 +16,6 @@ namespace mlgimp
 
 namespace
 {
-
-constexpr double kOnLine = 1e-4;                   ///< cells, within which a place counts as on a grid line
-constexpr double kLargestWhole = 9007199254740992; ///< 2^53: whole numbers up to it are exact
 
 bool IsWhole(double x, double least, double most) { return x >= least && x <= most && x == std::floor(x); }
 
@@ -126,7 +124,8 @@ std::string WrongBoxes(const FollowState &now, const Case &settings)
     for (int axis = 0; right && axis < rules.dim; ++axis) {
       const double cell = rules.CellSize(std::max(0, l - 1)), first = rules.domain.lower[axis];
       const double from = (now.plan.boxes[l].lower[axis] - first) / cell, to = (now.plan.boxes[l].upper[axis] - first) / cell;
-      right = to >= from + 1 && std::abs(from - std::round(from)) < kOnLine && std::abs(to - std::round(to)) < kOnLine;
+      right =
+          to >= from + 1 && std::abs(from - std::round(from)) < kMovedOffLine && std::abs(to - std::round(to)) < kMovedOffLine;
       if (kind == FollowKind::kNone || l == 0)
         right = right && now.plan.boxes[l].lower[axis] == settings.boxes[l].lower[axis] &&
                 now.plan.boxes[l].upper[axis] == settings.boxes[l].upper[axis];

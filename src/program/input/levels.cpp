@@ -11,16 +11,13 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kOnLine = 1e-6;  ///< cells, within which a place counts as on a grid line
-constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much its grid is shifted
-
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
 void CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
 {
   for (int axis = 0; axis < c.Dim(); ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
-    if (std::abs(cells - std::round(cells)) > kOffLine && !at_side)
+    if (std::abs(cells - std::round(cells)) > kGivenOffLine && !at_side)
       reader.Refuse(option, reader.Text(corner),
                     "on cell lines of the next coarser level, whole cells of {} from -domain_lower {}", cell,
                     reader.Text(c.domain.lower));
@@ -125,7 +122,7 @@ void ReadCoupling(OptionReader &reader, Case *c)
   reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points"},
                 {"nodes", "points"}, &coupling);
   if (coupling == "points" && c->model.geometry.kind != GeometryKind::kPlaneStrain)
-    reader.Refuse("-level_coupling", coupling, "nodes, as points needs -geometry plane_strain");
+    reader.Refuse("-level_coupling", coupling, "nodes, as points is for plane strain alone");
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) ReadNodeCoupling(reader, c);
   if (coupling == "points" || reader.Help()) ReadPointCoupling(reader, c);

@@ -23,7 +23,7 @@ const Range kCellSizes = Closed(1e-100, 1e100); ///< m
 
 void ReadGeometry(OptionReader &reader, Geometry *geometry)
 {
-  const std::vector<std::string> kinds = {"plane_strain", "axisymmetric", "3d"};
+  const std::vector<std::string> kinds(std::begin(kGeometryNames), std::end(kGeometryNames));
   std::string kind = kinds[0];
   geometry->kind = static_cast<GeometryKind>(
       reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis"}, kinds, &kind));

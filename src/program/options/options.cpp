@@ -290,7 +290,7 @@ constexpr RetiredOption kRetired[] = {
     Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
   for (const RetiredOption &retired : kRetired)
     if (option == retired.name) Refuse("{}: is not an option any more: {}", option, retired.reason);
-  Refuse("{}: unknown or unused option; the nearest known name is {}", Shortened(option), Nearest(option, known));
+  Refuse("{}: unknown or unused option in this case; the nearest known name is {}", Shortened(option), Nearest(option, known));
 }
 
 void OptionReader::RefuseUnused() const

@@ -3,6 +3,7 @@
 
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
+#include "program/system/numbers.hpp"
 #include "program/system/versions.hpp"
 
 #include <nlohmann/json.hpp>
@@ -23,7 +24,6 @@ using Json = nlohmann::ordered_json;
 /// Counts are sums of doubles, but whole; what is not finite becomes null.
 Json Number(double x)
 {
-  constexpr double kLargestWhole = 9007199254740992; // 2^53
   return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
 }
 

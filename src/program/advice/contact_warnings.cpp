@@ -35,7 +35,7 @@ std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &
       half + c.BorderMargin(finest));
 }
 
-/// Levels that follow the contact, and are too few for how wide it gets.
+/// The contact is wider than the coarsest of the levels that follow it allows.
 std::string WidestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   const FollowSettings &follow = c.hierarchy.follow;
@@ -55,7 +55,7 @@ static double EnoughCells(const Case &c)
   return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
 }
 
-/// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
+/// The contact never gets wide. No warning for a flat indenter over the whole end of a body.
 std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (budgets.contact_cells == 0) return "";
@@ -63,12 +63,12 @@ std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const
   const bool follows = follow.kind == FollowKind::kContact;
   const int level = follows ? c.levels - 1 : c.LevelAtTip();
   const double cells = budgets.contact_cells, cell = c.CellSize(level);
-  const double least = follows ? follow.cells_min : EnoughCells(c);
-  if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
+  const double min_cells = follows ? follow.cells_min : EnoughCells(c);
+  if (cells >= min_cells || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
   return Format("{}: half the contact's width is at most {} cells of level {}, fewer than {}: the load is dominated by "
                 "discretisation error; try {}",
                 follows ? Format("-levels {}", c.levels) : "-cell_size " + FormatNumber(c.cell_size), cells, level,
-                follows ? "-level_cells_min" : FormatNumber(least),
+                follows ? "-level_cells_min" : FormatNumber(min_cells),
                 follows                ? "more levels"
                 : level < c.levels - 1 ? "a finer level there"
                                        : "smaller cells, or more -levels");
@@ -95,8 +95,8 @@ std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &
   return "";
 }
 
-/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. For an indenter that a load moves see
-/// LoadWarning.
+/// The indenter has touched no body although it is deep, is beside all bodies, or has gone up. LoadWarning is for indenters that
+/// a load moves.
 std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxDepth = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
@@ -115,7 +115,7 @@ std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &w
   return Format("-indenter_tip {}: the indenter has touched nothing: is it above a body?", FormatVector(indenter.tip, c.Dim()));
 }
 
-/// A load that the tip, at its largest speed, has not come to carry.
+/// The tip, at its largest speed, has not reached the load that it was to carry.
 std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step

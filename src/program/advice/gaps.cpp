@@ -60,7 +60,8 @@ void WarnOfCurve(OptionReader &reader, const std::string &option, const std::str
       option, cell, between, cells);
 }
 
-/// A gap of which nodes see nothing; returns the axis across it where the two touch, else -1.
+/// Warns of a gap that is narrower than a cell, so that both sides share nodes; returns the axis across the gap where the two
+/// touch, otherwise -1.
 int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Neighbour &b, const std::string &option,
               const std::string &between)
 {

@@ -1,4 +1,4 @@
-// Checks of the indenter, its way and what holds the bodies against it, once its options are read.
+// Checks of the indenter, its path and what holds the bodies against it, once its options are read.
 #include "program/advice/case_checks.hpp"
 
 #include "base/index.hpp"
@@ -40,7 +40,7 @@ double DeepestInside(const Case &c, Vec3 tip)
   return deepest;
 }
 
-/// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
+/// Refuses a tip that starts far above the body, usually by a wrong unit, and warns of one that does not reach it.
 void CheckReach(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
@@ -94,7 +94,8 @@ bool ArePressedUp(const Case &c)
   return c.model.nodal.gravity[up] > 0 || std::any_of(c.model.loads.begin(), c.model.loads.end(), presses);
 }
 
-/// Bodies that nothing holds are pushed away, and the load is that of inertia: a side was forgotten, or a gap was left to it.
+/// Warns of bodies that no side holds: the indenter pushes them away and the load is that of inertia. Usually a side was
+/// forgotten, or a gap was left to it.
 void CheckSupport(OptionReader &reader, const Case &c)
 {
   constexpr double kGap = 1e-3; // cells
@@ -116,33 +117,33 @@ void CheckSupport(OptionReader &reader, const Case &c)
         kSideNames[2 * up]);
 }
 
-/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
+/// What the tip's path fills; sideways up to the last of its times where the end of the run is not known, and down without end
 /// where the lowest place is not.
 Box TipPath(const Indenter &indenter, double end_time)
 {
   constexpr int kSamples = 1000;
-  Box way{indenter.tip, indenter.tip};
+  Box path{indenter.tip, indenter.tip};
   for (int axis = 0; axis < indenter.up; ++axis) {
     const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
     for (int k = 1; k <= kSamples; ++k) {
       const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
-      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
+      path.lower[axis] = std::min(path.lower[axis], x), path.upper[axis] = std::max(path.upper[axis], x);
     }
   }
-  way.lower[indenter.up] = LowestTip(indenter, end_time);
-  return way;
+  path.lower[indenter.up] = LowestTip(indenter, end_time);
+  return path;
 }
 
-/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one; with its axis beyond the
-/// side, what is left of it and its mirror image are no indenter.
+/// Refuses a tip just beside a side of symmetry, which was meant to be on the side and would count as a whole indenter, and a tip
+/// beyond the side, whose remainder and mirror image are no indenter.
 void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
 {
   constexpr double kMinDistance = 0.1; // cells
   const Vec3 tip = c.model.indenter->tip;
-  const Box way = TipPath(*c.model.indenter, c.time.end_time);
+  const Box path = TipPath(*c.model.indenter, c.time.end_time);
   for (const Side side : SidesAcross(axis)) {
     if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
-    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
+    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (path.At(side) - c.domain.At(side));
     if (off < kMinDistance * c.CellSize(c.LevelAtTip()))
       reader.Refuse("-indenter_tip", reader.Text(tip), "on the side of symmetry {}, or away from it; it is {} m off",
                     kSideNames[side], off);
@@ -152,7 +153,8 @@ void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
   }
 }
 
-/// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
+/// On a side of symmetry the tip is one half of an indenter, so the indenter must be symmetric about the side; on another side
+/// the body ends at the tip, which is rarely meant.
 void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
 {
   for (int axis = 0; axis < c.model.indenter->up; ++axis) {
@@ -195,34 +197,34 @@ void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &k
         FormatNumber(kFlat), level);
 }
 
-/// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.
+/// A box of level k that meets the tip on its path must hold it with the band of its border; when: added to what is refused.
 /// Returns whether it meets the tip.
-bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &way, const std::string &when)
+bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &path, const std::string &when)
 {
   const int up = c.model.indenter->up;
   const double margin = c.BorderMargin(k), just_below = c.model.indenter->initial_surface - 1e-6 * c.CellSize(k);
   const auto is_border = [&](Side side) { return c.IsBorder(box, k, side); };
   bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
   for (int axis = 0; axis < up; ++axis)
-    meets = meets && way.upper[axis] >= box.lower[axis] - margin && way.lower[axis] <= box.upper[axis] + margin;
+    meets = meets && path.upper[axis] >= box.lower[axis] - margin && path.lower[axis] <= box.upper[axis] + margin;
   if (!meets) return false;
   const std::string option = Format("-level_{}", k), needed = Format("at least {}", margin);
   for (int axis = 0; axis < up; ++axis) {
     const auto from = [&, axis = axis](double x) {
       return Format("{} from the indenter's tip at {} = {}{}, or the level away from it", needed, "xyz"[axis], x, when);
     };
-    if (is_border(static_cast<Side>(2 * axis)) && way.lower[axis] < box.lower[axis] + margin)
-      reader.Refuse(option + "_lower", reader.Text(box.lower), from(way.lower[axis]));
-    if (is_border(static_cast<Side>(2 * axis + 1)) && way.upper[axis] > box.upper[axis] - margin)
-      reader.Refuse(option + "_upper", reader.Text(box.upper), from(way.upper[axis]));
+    if (is_border(static_cast<Side>(2 * axis)) && path.lower[axis] < box.lower[axis] + margin)
+      reader.Refuse(option + "_lower", reader.Text(box.lower), from(path.lower[axis]));
+    if (is_border(static_cast<Side>(2 * axis + 1)) && path.upper[axis] > box.upper[axis] - margin)
+      reader.Refuse(option + "_upper", reader.Text(box.upper), from(path.upper[axis]));
   }
   if (!is_border(static_cast<Side>(2 * up))) return true;
-  if (std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
-    reader.Refuse(option + "_lower", reader.Text(box.lower), "{} below the indenter's lowest place, {}{}", needed, way.lower[up],
+  if (std::isfinite(path.lower[up]) && path.lower[up] < box.lower[up] + margin)
+    reader.Refuse(option + "_lower", reader.Text(box.lower), "{} below the indenter's lowest place, {}{}", needed, path.lower[up],
                   when);
   // A load moves the tip to a depth that is not known yet, but from where it meets the body.
-  const double start = std::min(way.upper[up], c.model.indenter->initial_surface);
-  if (!std::isfinite(way.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
+  const double start = std::min(path.upper[up], c.model.indenter->initial_surface);
+  if (!std::isfinite(path.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
     reader.Refuse(option + "_lower", reader.Text(box.lower), "more than {} below where the indenter begins to press, {}{}",
                   margin, start, when);
   return true;
@@ -239,17 +241,17 @@ void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &
   CheckIndenterSize(reader, c, kind); // -indenter: narrower than a cell, or flat over the whole domain
 }
 
-/// The tip on the way of boxes along their paths.
+/// The tip on the path of boxes along their paths.
 static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
   std::vector<bool> met;
-  for (const BoxesAtTime &look : BoxesAlongPaths(c)) {
-    Box tip{indenter.Tip(look.time), indenter.Tip(look.time)};
+  for (const BoxesAtTime &at : BoxesAlongPaths(c)) {
+    Box tip{indenter.Tip(at.time), indenter.Tip(at.time)};
     if (indenter.by_load) tip.lower[indenter.up] = -HUGE_VAL;
     for (int k = 1; k < c.levels; ++k) {
-      const std::string when = Format(" at time {} s", look.time);
-      const bool meets = CheckHoldsTip(reader, c, k, look.boxes[k], tip, when);
+      const std::string when = Format(" at time {} s", at.time);
+      const bool meets = CheckHoldsTip(reader, c, k, at.boxes[k], tip, when);
       if (static_cast<int>(met.size()) < k) met.push_back(meets);
       if (meets != met[k - 1])
         reader.Refuse(Format("-level_{}_path", k), "",

@@ -31,10 +31,10 @@ void MotionWatch::RecordTip(const Budgets &row)
 
 void MotionWatch::RecordFlow(const Budgets &row, double pressure)
 {
-  constexpr double kHeld = 0.9; // of the largest pressure: below, bodies are unloaded, and what they do is of another kind
+  constexpr double kMinPressure = 0.9; // of the largest pressure: below, bodies are unloaded, and what they do is of another kind
   const double unspent = row.kinetic_energy + row.damping_work + row.viscous_work;
   const bool rises = pressure > state_.pressure;
-  if (pressure < kHeld * state_.pressure) return;
+  if (pressure < kMinPressure * state_.pressure) return;
   if (rises || unspent > state_.unspent) state_.unspent = unspent, state_.flowed_then = row.plastic_work;
   state_.pressure = std::max(state_.pressure, pressure);
   state_.flowed = row.plastic_work;

@@ -1,4 +1,4 @@
-// Sums over the points of each body at the start, against its shape.
+// Compares the sums over the points of each body at the start with its shape.
 #include "program/advice/start_checks.hpp"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
 
 bool Differ(double a, double b) { return std::abs(a - b) > kSame * std::abs(b); }
 
-/// True where nothing can cover a side of a body: neither another body nor a held side of the domain is within a cell.
+/// True where neither another body nor a held side of the domain is within a cell of a side of a body.
 bool IsFree(const Case &c, std::size_t body, Side side)
 {
   const Box bounds = c.model.bodies[body].region->Bounds();
@@ -108,7 +108,7 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
   }
 }
 
-/// In axisymmetry, a hole along the axis that the grid cannot see, and no body fills: r = 0 was meant.
+/// Refuses a hole along the axis of less than two cells that no other body fills: usually r = 0 was meant.
 void CheckHole(const Case &c, std::size_t b)
 {
   const Box bounds = c.model.bodies[b].region->Bounds();
@@ -120,8 +120,8 @@ void CheckHole(const Case &c, std::size_t b)
          c.model.bodies[b].name, 2 * cell, radius);
 }
 
-/// Half the thickness, in cells, of each body's thinnest point that lies beyond a line of cells with nothing beyond itself; huge
-/// where there is none. Collective.
+/// Half the thickness, in cells, of each body's thinnest outer point that begins at a line of cells, so that it is alone beyond
+/// that line; HUGE_VAL where there is none. Collective.
 std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
 {
   std::vector<double> thinnest(model.bodies.size(), HUGE_VAL);

@@ -12,7 +12,7 @@ namespace mlgimp
 namespace
 {
 
-/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
+/// Warns of a tip that is fast beside waves, usually by a wrong unit of Young's modulus: the load is that of inertia.
 void CheckSpeed(OptionReader &reader, const Case &c)
 {
   if (c.model.indenter->by_load) return;
@@ -45,7 +45,7 @@ void CheckLoading(OptionReader &reader, const Case &c)
                      loading, transit);
 }
 
-/// The same of a load, which the tip overshoots: in a metal for good.
+/// Warns of a load that rises so fast that the tip overshoots; in a metal the excess depth is permanent.
 void CheckLoadRise(OptionReader &reader, const Case &c)
 {
   constexpr double kMinTransits = 5,
@@ -63,7 +63,7 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
                      rise > 0 ? Format("rise within {} s", rise) : "begin at once", transit);
 }
 
-/// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
+/// Warns of loads after the end of the run, and of loads too small to strain the body, usually by a wrong unit.
 void CheckLoadUnits(OptionReader &reader, const Case &c)
 {
   constexpr double kMinShare = 0.1, kMinStrain = 1e-7; // of the largest pressure; of the shear modulus
@@ -82,27 +82,27 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
   }
 }
 
-/// A pressure that changes within few transits of a wave sends as much stress again through the body, which a metal that would
-/// bear the pressure does not forget.
-void CheckBlows(OptionReader &reader, const Case &c)
+/// Warns of a pressure that changes within few transits of a wave: the wave doubles the stress of the change, and a metal that
+/// would bear the pressure yields.
+void CheckPressureRates(OptionReader &reader, const Case &c)
 {
   constexpr double kMinTransits = 2; // transits
   for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
     const PiecewiseLinear &pressure = c.model.loads[k].pressure;
     const Material &material = c.model.MaterialOf(c.model.loads[k].body);
     const Box bounds = c.model.bodies[c.model.loads[k].body].region->Bounds();
-    double extent = 0, most = 0, largest = 0; // of pressure and change, of the pressure, Pa
+    double extent = 0, largest_sum = 0, largest = 0; // of pressure and change, of the pressure, Pa
     for (int axis = 0; axis < c.Dim(); ++axis) extent = std::max(extent, bounds.upper[axis] - bounds.lower[axis]);
     const double transit = extent / material.SpeedOfSound();
-    const auto look = [&](double time) {
+    const auto sample = [&](double time) {
       const double now = pressure.Value(time),
                    then = time > kMinTransits * transit ? pressure.Value(time - kMinTransits * transit) : 0;
-      most = std::max(most, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
+      largest_sum = std::max(largest_sum, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
     };
-    look(0);
-    for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
+    sample(0);
+    for (const double time : pressure.Times()) sample(time), sample(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
-    if (!material.IsMetal() || largest >= yield || most <= yield) continue;
+    if (!material.IsMetal() || largest >= yield || largest_sum <= yield) continue;
     reader.WarnLater("-{}_pressures: change by so much within {} s, in which a wave crosses the body twice, that the stress of "
                      "the wave makes a metal with a yield stress of {} Pa flow, which would bear {} Pa at rest; let them rise "
                      "from 0 within five such times or more{}",
@@ -129,9 +129,9 @@ void CheckSteps(OptionReader &reader, const Case &c)
 
 void CheckTimes(OptionReader &reader, const Case &c)
 {
-  CheckLoadUnits(reader, c); // -LOAD_times, _pressures: after the end of the run, or too small to strain anything
-  CheckBlows(reader, c);     // -LOAD_pressures: change so fast that a metal yields by the wave
-  CheckSteps(reader, c);     // -end_time: too many steps away
+  CheckLoadUnits(reader, c);     // -LOAD_times, _pressures: after the end of the run, or too small to strain anything
+  CheckPressureRates(reader, c); // -LOAD_pressures: change so fast that a metal yields by the wave
+  CheckSteps(reader, c);         // -end_time: too many steps away
   if (!c.model.indenter || c.model.contact.method == "none") return;
   CheckSpeed(reader, c); // -indenter: fast beside waves
   if (c.quasi_static.on) return;

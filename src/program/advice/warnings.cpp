@@ -67,7 +67,8 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
                 std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
 }
 
-/// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
+/// Velocities of points that vary within a cell do not reach the grid and soften plastic flow: in metals their energy must stay
+/// small beside the work.
 std::string NoiseWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxNoise = 0.005;
@@ -120,7 +121,7 @@ std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Wat
                 c.model.indenter ? ", or a slower indenter" : "");
 }
 
-/// A slow test that is not slow.
+/// Inertia and damping add too much to a slow test.
 std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   constexpr double kMaxKinetic = 0.01, kMaxAdded = 2; // of energy; of the tolerance
@@ -157,7 +158,7 @@ std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
                 FormatNumber(c.model.nodal.damping), 100 * share);
 }
 
-/// An indenter whose speed sets a metal in motion.
+/// Inertia of a metal adds to the load, because the indenter is fast.
 std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.InertiaOfLoad();
@@ -177,7 +178,7 @@ std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watc
                 c.load_names[0], 100 * share);
 }
 
-/// A load that is still on its way at the end of a hold.
+/// The load, or the depth under load control, still changes at the end of a hold.
 std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double drift = watched.slow.SoFar().hold_drift;

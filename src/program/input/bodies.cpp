@@ -88,8 +88,8 @@ void CutAtHeldSides(const Case &c, std::unique_ptr<Region> *region)
   if (cuts) *region = CreatePartOf(std::move(*region), part);
 }
 
-/// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
-/// with places a tenth of a cell apart where that is not too many.
+/// Whether two regions overlap: exact for two boxes; otherwise a lattice over the common part of their bounds is tested, with
+/// points a tenth of a cell apart, up to kMaxPlaces along an axis.
 bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
 {
   const double kPlaces = 10, kMinPlaces = dim == 3 ? 32 : 64, kMaxPlaces = dim == 3 ? 100 : 500; // in a cell; along an axis

@@ -71,12 +71,12 @@ void ReadBox(OptionReader &reader, Case *c, int k)
     reader.Refuse(name + "_lower", reader.Text(box.lower), "at x = 0, the axis, or at least four coarser cells, {}, from it",
                   4 * coarse);
   const double cell = c->CellSize(k);
-  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const int max_nodes = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
-  if (nodes > most)
+  if (nodes > max_nodes)
     reader.Refuse("-levels", std::to_string(c->levels), "such that each grid has at most {} nodes; level {} would have {}",
-                  FormatNumber(most), k, FormatNumber(nodes));
+                  FormatNumber(max_nodes), k, FormatNumber(nodes));
 }
 
 void ReadNodeCoupling(OptionReader &reader, Case *c)
@@ -134,8 +134,8 @@ void FitBlendWidths(Case *c)
   std::vector<double> &widths = c->hierarchy.rules.blend_widths;
   for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
     for (const Side side : SidesOf{c->Dim()}) {
-      const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
-      if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
+      const double free_cells = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
+      if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], free_cells));
     }
 }
 

@@ -51,14 +51,15 @@ void CheckHardening(const OptionReader &reader, const std::string &prefix, const
   if (c.adiabatic && std::isnan(c.heat_capacity)) reader.Refuse(prefix + "heat_capacity", "", "given with {}adiabatic", prefix);
 }
 
-/// K is meant.
+/// Warns of a temperature that is probably in degrees Celsius; it must be in K.
 void WarnIfCelsius(OptionReader &reader, const std::string &option, double temperature)
 {
   constexpr double kColdest = 60; // K; oxygen boils at 90
   if (temperature < kColdest) reader.WarnLater("{} {}: is it in K? 20 degrees are 293", option, FormatNumber(temperature));
 }
 
-/// Another unit than Pa would be a metal that flows away, one that never flows or one that does not harden, without a word.
+/// Warns of constants that are probably in another unit: without a warning such a metal would flow away, never flow, or not
+/// harden.
 void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
 {
   constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
@@ -112,7 +113,7 @@ void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &com
   WarnIfCelsius(reader, "-initial_temperature", common.initial_temperature);
 }
 
-/// Waves that no solid has, which make a run slow and each of its times wrong.
+/// Warns of a wave speed that no solid has: it makes the run slow and all its times wrong.
 void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, double poissons_ratio, const Material &material)
 {
   constexpr double kFastest = 30e3; // m/s; diamond has 18e3

@@ -78,12 +78,12 @@ void ReadGrid(OptionReader &reader, Case *c)
   }
   CheckAxis(reader, c);
   // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.
-  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const int max_nodes = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
-  if (nodes > most)
+  if (nodes > max_nodes)
     reader.Refuse("-cell_size", FormatNumber(c->cell_size), "such that the grid has at most {} nodes; it would have {}",
-                  FormatNumber(most), FormatNumber(nodes));
+                  FormatNumber(max_nodes), FormatNumber(nodes));
 }
 
 void ReadMethod(OptionReader &reader, Case *c)

@@ -42,13 +42,13 @@ std::string Printable(std::string text)
 /// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
 bool ReadAll(const std::string &path, std::string *text)
 {
-  constexpr int kPatience = 5000; // ms
+  constexpr int kTimeout = 5000; // ms
   constexpr std::size_t kMaxBytes = 100000000;
   char buffer[1 << 16];
   Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC), close); // a pipe without a writer would be waited for
   while (file.Valid() && text->size() < kMaxBytes) {
     pollfd ready{file, POLLIN, 0};
-    if (poll(&ready, 1, kPatience) == 0) return false;
+    if (poll(&ready, 1, kTimeout) == 0) return false;
     const ssize_t count = read(file, buffer, sizeof buffer);
     if (count > 0) text->append(buffer, static_cast<std::size_t>(count));
     if (count == 0) return true;

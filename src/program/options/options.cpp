@@ -118,10 +118,11 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   std::string text;
   double number;
   Raw(option, std::to_string(*value), &text);
-  constexpr double kLargest = 2e9; // an int
-  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargest)
-    Refuse(option.name, text.empty() ? "(nothing)" : text,
-           Format("a whole number {}{}", range.Text(), number > kLargest && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
+  constexpr double kLargestInt = 2e9;
+  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargestInt)
+    Refuse(
+        option.name, text.empty() ? "(nothing)" : text,
+        Format("a whole number {}{}", range.Text(), number > kLargestInt && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
   *value = static_cast<int>(number);
 }
 
@@ -238,7 +239,7 @@ static std::size_t EditDistance(const std::string &a, const std::string &b)
   return row.back();
 }
 
-/// Options that nothing has read.
+/// Options that the program has not read.
 static std::vector<std::string> FindUnused()
 {
   PetscInt count = 0;
@@ -274,7 +275,7 @@ static const std::string &Nearest(const std::string &option, const std::vector<s
                            [&](const auto &a, const auto &b) { return EditDistance(option, a) < EditDistance(option, b); });
 }
 
-/// Options of earlier versions, and why nothing reads them.
+/// Options of earlier versions, and why they are gone.
 struct RetiredOption {
   const char *name, *reason;
 };

@@ -1,4 +1,4 @@
-// Looking at, locking and clearing the folder of a run; the first rank does it for all.
+// Checks, locks and clears the folder of a run; the first rank does it for all ranks.
 #include "program/output/output_folder.hpp"
 
 #include "program/system/agree.hpp"

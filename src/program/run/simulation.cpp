@@ -147,7 +147,7 @@ void Simulation::ControlStep()
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
   ExitOnError(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
-  SettleFailure(); // points that have failed may be anywhere
+  CheckFailure(); // points that have failed may be anywhere
   CheckPace();
 }
 
@@ -158,12 +158,12 @@ void Simulation::CheckPace()
   if (follow.kind != FollowKind::kContact) return;
   const int finest = hierarchy_.Following().plan.active - 1;
   const double room = case_.hierarchy.rules.Border(finest), soon = NextCheck();
-  const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
-  if (finest > 0 && way > room)
+  const double distance = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
+  if (finest > 0 && distance > room)
     FailOrRefuse(
         Format("-level_follow contact: the tip goes {} m until boxes are checked again, by time {} s, more than the {} m that "
                "level {} keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval",
-               way, soon, room, finest));
+               distance, soon, room, finest));
 }
 
 int Simulation::Run()
@@ -184,7 +184,7 @@ int Simulation::Run()
   if (stopped_.empty())
     ExitOnError(hierarchy_.View(state_.time));
   else
-    TellOfStop();
+    ReportStop();
   return stop_signal_;
 }
 
@@ -236,7 +236,7 @@ void Simulation::ObeyOrders()
   const bool is_written = last_checkpoint_ >= 0 && state_.step <= last_checkpoint_ + kControlInterval;
   if (orders == 0 || (orders == kWriteOrder && is_written)) return;
   if (last_checkpoint_ != state_.step) {
-    SettleState();
+    CheckState();
     WriteState();
   }
   if (orders & kEndOrder) stop_signal_ = SIGTERM;
@@ -247,7 +247,7 @@ void Simulation::ObeyOrders()
 }
 
 /// One line: of a signal as of all that end a run, of the clock as of an end that was wanted.
-void Simulation::TellOfStop()
+void Simulation::ReportStop()
 {
   const std::string line = OneLine("ended by " + stopped_);
   if (stop_signal_ && RankIn(comm_) == 0) std::fprintf(stderr, "mlgimp: error: %s\n", line.c_str());
@@ -261,7 +261,7 @@ void Simulation::FollowBoxes()
   const std::size_t before = state_.moves.size();
   std::string problem;
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
-  SettleFailure(); // points that have failed may be anywhere
+  CheckFailure(); // points that have failed may be anywhere
   CheckPace();
   ExitOnError(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextCheck(), &state_.moves, &problem));
   if (!problem.empty()) Fail(Format("time {}: {}", state_.time, problem));
@@ -275,7 +275,7 @@ int Simulation::FramesDue() const
   return AtEnd() ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
 }
 
-/// What is wrong with the way of a tip under load control; empty where nothing is. The same on all ranks.
+/// Why a tip under load control cannot go on; empty where it can. The same on all ranks.
 std::string Simulation::DescribeTip()
 {
   constexpr double kMaxOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
@@ -294,7 +294,7 @@ std::string Simulation::DescribeTip()
   return "";
 }
 
-void Simulation::SettleFailure()
+void Simulation::CheckFailure()
 {
   std::string problem = hierarchy_.DescribeFailure();
   if (problem.empty()) problem = DescribeTip();
@@ -302,8 +302,8 @@ void Simulation::SettleFailure()
   if (!message.empty()) Fail(message);
 }
 
-/// Ends the run before a state is written that nothing can go on from, although no step has failed by it yet.
-void Simulation::SettleState()
+/// Ends the run before it writes a state that no restart could use, although no step has failed yet.
+void Simulation::CheckState()
 {
   std::string message;
   for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {

@@ -66,8 +66,8 @@ Vec3 ContactPlace(const Case &c)
   return x;
 }
 
-/// The longest way within the bodies from the contact along an axis to a side of the domain, or to one that is held.
-double LongestWay(const Case &c, bool held)
+/// The longest path within the bodies from the contact along an axis to a side of the domain, or to one that is held.
+double LongestPath(const Case &c, bool held)
 {
   const Indenter &indenter = *c.model.indenter;
   double longest = 0;
@@ -81,11 +81,11 @@ double LongestWay(const Case &c, bool held)
   return longest;
 }
 
-/// The way of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
+/// The path of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
 double WavePath(const Case &c)
 {
-  const double held = LongestWay(c, true);
-  return held < kRounding * c.cell_size ? LongestWay(c, false) : held;
+  const double held = LongestPath(c, true);
+  return held < kRounding * c.cell_size ? LongestPath(c, false) : held;
 }
 
 /// Exponent m of an elastic load over depth, P ~ h^m, from the width of the indenter; in plane strain there is only a logarithm.
@@ -110,13 +110,13 @@ double SpringBack(const Case &c, double exponent, double depth)
 }
 
 /// The speed from which on inertia presses a metal noticeably: rho c V against the shear yield stress sy/sqrt 3.
-double MostSpeed(const Case &c)
+double MaxSpeed(const Case &c)
 {
-  double most = HUGE_VAL;
+  double fastest = HUGE_VAL;
   for (const auto &material : c.model.materials)
-    most = std::min(most, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
-                              (material->Density() * material->SpeedOfSound()));
-  return most;
+    fastest = std::min(fastest, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
+                                    (material->Density() * material->SpeedOfSound()));
+  return fastest;
 }
 
 /// Loads and gravity rise from nothing, and the bodies come to rest, before the tip starts: what begins at once is a blow.
@@ -154,7 +154,7 @@ void PlanDepths(OptionReader &reader, Case *c)
   plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
   if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
   plan.exponent = LoadExponent(*c, plan.depth);
-  plan.pace.most_speed = MostSpeed(*c);
+  plan.pace.max_speed = MaxSpeed(*c);
   plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
   const SlowSchedule schedule(plan.pace, turns, gap);
   indenter.motion = {schedule.Speed()};
@@ -210,7 +210,7 @@ void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
 
 constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
 
-/// A case keeps its history where depths are given for a slow test.
+/// With -indenter_depths a slow test ignores the history of the indenter: its options are read and not used.
 void LeaveHistoryAside(OptionReader &reader)
 {
   std::string text;
@@ -253,7 +253,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true", "left out where a load changes with time, as {}: its times are not stretched",
                     c->load_names[k]);
-  plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
+  plan.distance = LongestPath(*c, false); // free ends ring as well, and a thin layer is wider than it is high
   plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));

@@ -9,8 +9,8 @@
 namespace mlgimp
 {
 
-static constexpr double kEarly = 0.2; ///< of depth or load: before, shares of them say nothing
-static constexpr int kSamples = 16;   ///< in a transit
+static constexpr double kMinShare = 0.2; ///< of depth or load: before, shares of them say nothing
+static constexpr int kSamples = 16;      ///< in a transit
 
 /// What inertia and damping add to the load, N: no more than all of it, since other things than the tip move bodies too.
 double QuasiStaticWatch::Added(const Sample &now, double load)
@@ -20,11 +20,11 @@ double QuasiStaticWatch::Added(const Sample &now, double load)
   if (window_.empty() || now.time - window_.back().time > transit / kSamples) window_.push_back(now);
   while (window_.size() > 1 && window_[1].time <= now.time - transit) window_.erase(window_.begin());
   const Sample &then = window_.front();
-  const double time = now.time - then.time, way = now.depth - then.depth;
+  const double time = now.time - then.time, moved = now.depth - then.depth;
   if (!(time > 0)) return 0;
-  speed_ = std::abs(way) / time;
-  const double least = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
-  const double added = way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  speed_ = std::abs(moved) / time;
+  const double min_moved = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
+  const double added = moved != 0 ? (now.spent - then.spent) * moved / (moved * moved + min_moved * min_moved) : 0;
   return std::clamp(added, -std::abs(load), std::abs(load));
 }
 
@@ -44,8 +44,9 @@ void QuasiStaticWatch::CheckHold(double time, double value)
 
 bool QuasiStaticWatch::IsLoaded(const Budgets &row) const
 {
-  const bool deep = plan_.depth > 0 ? row.depth > kEarly * plan_.depth : row.load > std::pow(kEarly, plan_.exponent) * plan_.load;
-  return deep && row.load_quasi_static > kEarly * largest_.load;
+  const bool deep =
+      plan_.depth > 0 ? row.depth > kMinShare * plan_.depth : row.load > std::pow(kMinShare, plan_.exponent) * plan_.load;
+  return deep && row.load_quasi_static > kMinShare * largest_.load;
 }
 
 void QuasiStaticWatch::Record(Budgets &row)

@@ -82,12 +82,12 @@ void ErrorExit::Free() { MPI_Comm_free(&comm_); }
 /// True where every rank gets here within a few seconds.
 bool ErrorExit::AllArrive() const
 {
-  constexpr double kPatience = 3; // s
+  constexpr double kTimeout = 3; // s
   const double start = MPI_Wtime();
   MPI_Request arrival;
   int done = 0;
   MPI_Ibarrier(comm_, &arrival);
-  for (MPI_Test(&arrival, &done, MPI_STATUS_IGNORE); !done && MPI_Wtime() - start < kPatience;) {
+  for (MPI_Test(&arrival, &done, MPI_STATUS_IGNORE); !done && MPI_Wtime() - start < kTimeout;) {
     usleep(1000);
     MPI_Test(&arrival, &done, MPI_STATUS_IGNORE);
   }

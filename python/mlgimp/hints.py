@@ -56,7 +56,7 @@ def of_unread(problem, names, options, prefix="", spelt=lambda option: option):
     names: what the caller may give by name; options: all of the program's, of which those of a material begin with NAME_; prefix: what
     the program's options have before the names; spelt(option): how the caller gives an option.
     """
-    found = re.search(rf"-{prefix}(\w+): nothing reads this option[^;]*", str(problem))
+    found = re.search(rf"-{prefix}(\w+): unknown or unused option[^;]*", str(problem))
     if not found:
         return problem
     name, constants = found[1], [option.removeprefix("NAME_") for option in options if option.startswith("NAME_")]

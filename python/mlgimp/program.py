@@ -51,7 +51,7 @@ def run(options, ranks=1, *, progress=None, **more):
 
 def is_about(problem, names):
     """Whether the program has ended because nothing reads one of these options."""
-    return any(f"-{name}: nothing reads this option" in str(problem) for name in names)
+    return any(f"-{name}: unknown or unused option" in str(problem) for name in names)
 
 
 def output_folder(options):

@@ -347,5 +347,5 @@ def test_contact_that_takes_energy_is_told(friction, told):
             "indenter_width": 4e-6, "indenter_tip": "0.1e-6,8e-6", "indenter_friction": friction, "damping": 2e8, "end_time": 30e-9, "frames": 0,
             "indenter_times": "0,10e-9,11e-9,30e-9", "indenter_velocities": "40,40,0,0", "indenter_velocities_x": "0,0,60,60"}
     lines = [line for line in harness.run(case).summary["warnings"] if "contact has taken" in line]
-    taken = [float(re.search(r"([\d.]+) % of what the bodies were to get", line)[1]) for line in lines]
+    taken = [float(re.search(r"([\d.]+) % of the bodies' energy", line)[1]) for line in lines]
     assert len(lines) == told and all(part > 15 for part in taken) and all("a finite -indenter_friction" in line for line in lines)

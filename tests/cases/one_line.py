@@ -139,7 +139,7 @@ def test_options_of_petsc_that_are_read_late(tmp_path):
         assert status == 0 and all(line.startswith("mlgimp: warning: ") for line in lines), lines
     refused({**BLOCK, "frame": "3"}, tmp_path / "no", "-frame:", "-frames")
     refused({**BLOCK, "contact_ksp_rtoll": "3", **WEDGE}, tmp_path / "no", "-contact_ksp_rtoll", "-contact_ksp_rtol")
-    refused({**BLOCK, "bananas": "3"}, tmp_path / "no", "-bananas", "nothing reads")
+    refused({**BLOCK, "bananas": "3"}, tmp_path / "no", "-bananas", "unknown or unused")
 
 
 # ---- Options

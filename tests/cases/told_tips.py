@@ -28,7 +28,7 @@ def test_tip_hardly_off_a_side_of_symmetry():
     ({**TIP, "indenter_times": "0,0.01", "indenter_velocities": "50,50", "indenter_velocities_x": "-500,-500"}, "4,8", "x_lower")])
 def test_tip_beyond_a_side_of_symmetry(case, tip, side, ranks):
     """What is left of it and its mirror image carry less, down to a fifth, and are no indenter."""
-    assert f"must be on this side of {side}, a side of symmetry, all the time; it is or comes" in refusal({**case, "indenter_tip": tip}, ranks)
+    assert f"must be inside {side}, a side of symmetry, at all times; the tip gets" in refusal({**case, "indenter_tip": tip}, ranks)
 
 
 @pytest.mark.parametrize("case, tip, told", [

@@ -127,7 +127,7 @@ def test_the_program_refuses_the_rest(tmp_path, monkeypatch):
     for before in (False, True):
         if before:
             (tmp_path / "indentation.opts").touch()
-        with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: nothing reads this option"):
+        with pytest.raises(mlgimp.RunError, match="-specimen_yield_stres: unknown or unused option"):
             mlgimp.indent("j2", **METAL, yield_stres=1, depth=1e-7, overwrite=before)
         assert (tmp_path / "indentation.opts").exists() == before
 
@@ -151,7 +151,7 @@ def test_names_that_may_have_meant_an_argument(tmp_path, name, value, right):
 def test_names_that_the_program_does_not_know(tmp_path, monkeypatch, name, value, hint):
     """Its own hint names options of the specimen, which a caller has never seen."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: nothing reads this option in this case; {hint}$"):
+    with pytest.raises(mlgimp.RunError, match=f"^mlgimp: error: -specimen_{name}: unknown or unused option in this case; {hint}$"):
         mlgimp.indent("j2", **METAL, depth=1e-7, **{name: value})
 
 

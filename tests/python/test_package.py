@@ -228,7 +228,7 @@ def test_boxes_that_follow():
 
 # ---- errors ----
 
-@pytest.mark.parametrize("changes, line", [({"cell_size": -1}, "mlgimp: error: -cell_size -1: must be"), ({"cell_sise": 1}, "mlgimp: error: -cell_sise: nothing reads"),
+@pytest.mark.parametrize("changes, line", [({"cell_size": -1}, "mlgimp: error: -cell_size -1: must be"), ({"cell_sise": 1}, "mlgimp: error: -cell_sise: unknown or unused"),
                                            ({"options_file": "none.opts"}, "mlgimp: error: .*none.opts")])
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_the_programs_line(tmp_path, changes, line, ranks):
@@ -241,7 +241,7 @@ def test_names_that_may_have_meant_another(tmp_path):
     for name in ("rank", "np"):
         with pytest.raises(mlgimp.Error, match=f"^{name}: there is no such argument; it may be ranks$"):
             mlgimp.run(PRESS, **{name: 2})
-    with pytest.raises(mlgimp.RunError, match="-friction: nothing reads this option in this case; it may be indenter_friction$"):
+    with pytest.raises(mlgimp.RunError, match="-friction: unknown or unused option in this case; it may be indenter_friction$"):
         mlgimp.run({**PRESS, "output_dir": tmp_path / "bad"}, friction=0.2)
     with pytest.raises(mlgimp.Error, match="^evaluation: there is no such argument; it may be evaluations$"):
         mlgimp.fit(None, None, "E", evaluation=3)

@@ -83,7 +83,7 @@ TEST(SlowSchedule, RisesSmoothly)
 TEST(SlowSchedule, BoundsTheSpeed)
 {
   SlowPace pace = kPace;
-  pace.most_speed = 1e-3;
+  pace.max_speed = 1e-3;
   const SlowSchedule schedule(pace, {0, 1, 0});
   EXPECT_NEAR(schedule.LargestSpeed(), 1e-3, 1e-18);
   EXPECT_NEAR(schedule.Speed().Integral(schedule.EndTime()), 0, 1e-13);

@@ -1,4 +1,8 @@
 // Checks of a case once all of its options have been read: what is refused, and what is only warned of.
+//
+// The lists of all checks, each with the options that it names: at the foot of indenter_checks.cpp, times.cpp, cells.cpp and
+// gaps.cpp for those of options, of start_checks.cpp for those that need points, and of warnings.cpp (kRunWarnings) for those of
+// a run.
 #pragma once
 
 #include "program/case/case.hpp"

@@ -3,10 +3,7 @@
 
 #include "grid/budgets.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
+#include <tuple>
 
 namespace mlgimp
 {
@@ -26,36 +23,35 @@ public:
   /// pressure: sum of the magnitudes of the pressures now, Pa.
   void Record(const Budgets &row, double pressure);
 
-  double DragOfLoad() const { return ShareOfLoad(kDrag, 1); }       ///< share of the load without it
-  double InertiaOfLoad() const { return ShareOfLoad(kInertia, 2); } ///< the same
-  double Deepest() const { return numbers_[kDepth]; }               ///< of the tip, m
-  double ShareOfPlasticWork() const;                                ///< share of the plastic work without it
+  double DragOfLoad() const { return ShareOfLoad(state_.drag); }           ///< share of the load without it
+  double InertiaOfLoad() const { return ShareOfLoad(2 * state_.inertia); } ///< the same
+  double ShareOfPlasticWork() const;                                       ///< share of the plastic work without it
 
-  static constexpr std::size_t kSize = 11; ///< numbers that it keeps from row to row
-  std::vector<double> State() const { return {numbers_.begin(), numbers_.end()}; }
-  /// state [kSize]
-  void SetState(const double *state) { std::copy_n(state, kSize, numbers_.begin()); }
+  /// What it keeps from row to row.
+  struct State {
+    double depth = 0;                                      ///< the largest so far, m
+    double work = 0, drag = 0, inertia = 0;                ///< weighted sums, J
+    double last_work = 0, last_drag = 0, last_inertia = 0; ///< of the last row, J
+    double pressure = 0;                                   ///< the largest so far, Pa
+    double unspent = 0, flowed_then = 0; ///< the largest X since pressures rose, and the plastic work by then, J
+    double flowed = 0;                   ///< plastic work of the last row under the largest pressures, J
+
+    /// In the order of the file.
+    template <class S> static auto Members(S &s)
+    {
+      return std::tie(s.depth, s.work, s.drag, s.inertia, s.last_work, s.last_drag, s.last_inertia, s.pressure, s.unspent,
+                      s.flowed_then, s.flowed);
+    }
+  };
+  const State &Now() const { return state_; }
+  void SetState(const State &state) { state_ = state; }
 
 private:
-  enum Kept {
-    kDepth, ///< the largest so far, m
-    kWork,
-    kDrag,
-    kInertia, ///< weighted sums, J
-    kLastWork,
-    kLastDrag,
-    kLastInertia, ///< of the last row, J
-    kPressure,    ///< the largest so far, Pa
-    kUnspent,
-    kFlowedThen, ///< the largest X since pressures rose, and the plastic work by then, J
-    kFlowed      ///< plastic work of the last row under the largest pressures, J
-  };
-  static_assert(kFlowed + 1 == kSize);
-  double ShareOfLoad(Kept part, double factor) const;
+  double ShareOfLoad(double energy) const;
   void RecordTip(const Budgets &row);
   void RecordFlow(const Budgets &row, double pressure);
 
-  std::array<double, kSize> numbers_{};
+  State state_;
 };
 
 } // namespace mlgimp

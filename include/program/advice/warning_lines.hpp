@@ -2,28 +2,22 @@
 // warnings.cpp, those of contact and its cells in contact_warnings.cpp.
 #pragma once
 
-#include "grid/budgets.hpp"
-#include "program/advice/motion_watch.hpp"
-#include "program/case/case.hpp"
-#include "program/slow_test/watch.hpp"
+#include "program/advice/warnings.hpp"
 
 #include <string>
 
 namespace mlgimp
 {
 
-/// What the rows of the history have shown so far. Energies in J: what bodies have that no work explains, the most that they had
-/// or were given, what they had at the start, and the largest of the indenter's work and of the noise; floor: where rounding
-/// begins.
-struct Watched {
+/// What the rows of the history have shown so far.
+struct Watched : WarningState {
   const QuasiStaticWatch &slow;
   const MotionWatch &motion;
-  double made, given, had, indenter_work, noise, floor;
-  double asked, carried; ///< largest loads, N
-  double deepest;        ///< depth so far, m
+  double made;  ///< energy that bodies have now and that no work explains, J
+  double floor; ///< energies below it may be rounding, J
 };
 
-inline std::string When(const Budgets &budgets) { return " by time " + FormatRounded(budgets.time) + " s"; }
+inline std::string When(const Budgets &budgets) { return Format(" by time {} s", budgets.time); }
 
 std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watched &watched);
 std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &watched);

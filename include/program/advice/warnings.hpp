@@ -7,10 +7,27 @@
 #include "program/slow_test/watch.hpp"
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace mlgimp
 {
+
+/// What warnings keep from row to row.
+struct WarningState {
+  double begun = 0;              ///< 1 from the first row on
+  double had_at_start = 0;       ///< energy of the bodies less all works in the first row, J
+  double given = 0;              ///< the most energy that they had or were given, J
+  double indenter_work = 0;      ///< the largest, J
+  double noise = 0;              ///< the largest, J
+  double asked = 0, carried = 0; ///< largest loads that the tip was to carry and has carried, N
+
+  /// In the order of the file.
+  template <class State> static auto Members(State &s)
+  {
+    return std::tie(s.begun, s.had_at_start, s.given, s.indenter_work, s.noise, s.asked, s.carried);
+  }
+};
 
 class Warnings
 {
@@ -37,10 +54,9 @@ private:
     bool at_end;
     std::string line;
   };
-  /// Energies in J: the bodies' less all works in the first row, and the most that they had or were given; the rest are the
-  /// largest so far: the indenter's work, the noise, and loads that it was to carry and has carried, N.
-  enum Kept { kLooked, kHadAtStart, kGiven, kIndenterWork, kNoise, kAsked, kCarried, kNumbers };
-  std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  double Record(const Case &c, const Budgets &budgets);
+
+  WarningState state_;
   MotionWatch motion_;
   std::vector<Issued> issued_;
 };

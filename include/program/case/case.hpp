@@ -17,6 +17,11 @@ namespace mlgimp
 /// Steps above this fraction of h/(c + |v|) are refused as unstable.
 inline constexpr double kLargestCfl = 1;
 
+// How far from a line of cells a place counts as on it, in cells.
+inline constexpr double kOnLine = 1e-6;       ///< of what the program has put there
+inline constexpr double kGivenOffLine = 1e-5; ///< of a box that the user gives: its grid is shifted by so much
+inline constexpr double kMovedOffLine = 1e-4; ///< of a box in a checkpoint, which has moved
+
 /// When a run ends and how long its steps are.
 struct TimeSettings {
   double end_time = HUGE_VAL;      ///< s
@@ -76,6 +81,17 @@ struct Case {
     while (level + 1 < levels && boxes[level + 1].Contains(x)) ++level;
     return level;
   }
+  /// The finest level whose box holds all of a box.
+  int LevelAround(const Box &box) const
+  {
+    for (int level = levels - 1; level > 0; --level) {
+      bool inside = true;
+      for (int d = 0; d < Dim(); ++d)
+        inside = inside && box.lower[d] >= boxes[level].lower[d] && box.upper[d] <= boxes[level].upper[d];
+      if (inside) return level;
+    }
+    return 0;
+  }
   /// The finest level at the surface that the indenter's tip meets.
   int LevelAtTip() const
   {
@@ -110,7 +126,11 @@ struct Case {
   }
   double CellSize(int level) const { return cell_size / std::pow(hierarchy.ratio, level); }
   /// True where a side of a level's box lies within the domain, as a border to the next coarser level.
-  bool IsBorder(int level, Side side) const { return std::abs(boxes[level].At(side) - domain.At(side)) > 1e-6 * CellSize(level); }
+  bool IsBorder(int level, Side side) const { return IsBorder(boxes[level], level, side); }
+  bool IsBorder(const Box &box, int level, Side side) const
+  {
+    return std::abs(box.At(side) - domain.At(side)) > kOnLine * CellSize(level);
+  }
   int Cells(int axis) const { return static_cast<int>(std::lround((domain.upper[axis] - domain.lower[axis]) / cell_size)); }
 };
 

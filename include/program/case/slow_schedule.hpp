@@ -12,11 +12,11 @@ namespace mlgimp
 
 /// How slowly a test goes, in transits: times that a wave takes from the contact to the farthest end of the bodies.
 struct SlowPace {
-  double transit = 0;           ///< s
-  double transits = 0;          ///< of a loading from nothing, and of the first part of an unloading
-  double most_speed = HUGE_VAL; ///< of any motion, per second
-  double spring_back = 1;       ///< share of what was reached that the first part of an unloading gives back
-  double start = 0;             ///< of the first leg, s
+  double transit = 0;          ///< s
+  double transits = 0;         ///< of a loading from nothing, and of the first part of an unloading
+  double max_speed = HUGE_VAL; ///< of any motion, per second
+  double spring_back = 1;      ///< share of what was reached that the first part of an unloading gives back
+  double start = 0;            ///< of the first leg, s
 
   static constexpr double kRamp = 0.2; ///< share of a leg's time in which its speed rises, and again in which it falls
   static constexpr double kHold = 8;   ///< transits of rest before an unloading
@@ -45,9 +45,9 @@ public:
 
 private:
   void Ramp(double to, double duration);
-  void Cruise(double way);
-  void Leg(double way, double speed, double ramp);
-  void Unload(double way, double first, double slow, double fast, double ramp);
+  void Cruise(double distance);
+  void Leg(double distance, double speed, double ramp);
+  void Unload(double distance, double first, double slow, double fast, double ramp);
 
   std::vector<double> times_{0}, speeds_{0};
   std::vector<std::pair<double, double>> holds_;

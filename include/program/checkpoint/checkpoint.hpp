@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace mlgimp
@@ -25,6 +26,14 @@ struct RunState {
   std::vector<double> watched;                ///< of the warnings
   std::vector<std::string> warnings;          ///< issued so far
   std::vector<LevelMove> moves;               ///< of boxes that follow
+
+  /// Those that are numbers, in the order of the file.
+  template <class State> static auto Members(State &s)
+  {
+    return std::tie(s.time, s.time_step, s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed, s.step,
+                    s.frames, s.initial_mass, s.initial_points, s.initial_created, s.impulse_at_row, s.time_at_row,
+                    s.friction_at_row[0], s.friction_at_row[1], s.friction_at_row[2]);
+  }
 };
 
 /// directory/checkpoint_SSSSSS.h5

@@ -3,6 +3,7 @@
 
 #include "base/petsc.hpp"
 #include "base/tensor.hpp"
+#include "base/text.hpp"
 #include "program/system/errors.hpp"
 
 #include <string>
@@ -83,6 +84,11 @@ public:
 
   /// Throws InputRefused: "name value: must be allowed".
   [[noreturn]] static void Refuse(const std::string &name, const std::string &value, const std::string &allowed);
+  template <class... Values>
+  [[noreturn]] static void Refuse(const std::string &name, const std::string &value, const char *allowed, const Values &...values)
+  {
+    Refuse(name, value, Format(allowed, values...));
+  }
   /// Ends the run if an option was given that nothing has read, with the nearest known name. Options of PETSc may be read
   /// later: what looks like one passes.
   void RefuseUnused() const;
@@ -91,7 +97,10 @@ public:
   /// Lists them at the end of a run.
   void WarnUnused() const;
   /// Keeps a warning until all input is accepted: what is refused gets one line.
-  void WarnLater(std::string line) { warnings_.push_back(std::move(line)); }
+  template <class... Values> void WarnLater(const char *line, const Values &...values)
+  {
+    warnings_.push_back(Format(line, values...));
+  }
   const std::vector<std::string> &Warnings() const { return warnings_; }
 
 private:
@@ -104,11 +113,6 @@ private:
   std::vector<std::string> known_, identity_, warnings_;
 };
 
-/// Numbers as they are written in messages and files, exact.
-std::string FormatNumber(double x);
-std::string FormatVector(Vec3 x, int dim);
-/// A computed number for people to read: four digits.
-std::string FormatRounded(double x);
 std::string Join(const std::vector<std::string> &words, const std::string &separator);
 std::vector<std::string> Split(const std::string &text, char separator);
 

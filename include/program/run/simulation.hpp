@@ -49,7 +49,7 @@ private:
   void WriteFrameDue();
   void WriteDue(); ///< rows of the history, checkpoint
   void ObeyOrders();
-  void TellOfStop();
+  void ReportStop();
   void RecordRow();
   std::string WriteRows();
   void SetFrictionForce(double time);
@@ -64,9 +64,9 @@ private:
   std::string FindKept() const;
   std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
   void ShowProgress(bool last);
-  void SettleFailure();
+  void CheckFailure();
   std::string DescribeTip();
-  void SettleState();
+  void CheckState();
   /// Whether the run ends, or a row of the history is written, after a step that ends at a time.
   bool IsEnd(long step, double time) const;
   bool IsRowDue(long step, double time) const;

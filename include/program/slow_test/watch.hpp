@@ -4,6 +4,7 @@
 #include "grid/budgets.hpp"
 #include "program/case/case.hpp"
 
+#include <tuple>
 #include <vector>
 
 namespace mlgimp
@@ -22,13 +23,24 @@ public:
   /// Takes up a row of the history and sets its load_quasi_static. Without a plan it does nothing.
   void Record(Budgets &row);
 
-  // Largest so far, from a fifth of the depth on and above a fifth of the largest load.
-  double LoadShare() const { return numbers_[kLoadShare]; }       ///< |P/P_qs - 1|
-  double KineticShare() const { return numbers_[kKineticShare]; } ///< of the body's energy, under loads of the indenter's work
-  double NoiseShare() const { return numbers_[kNoiseShare]; }     ///< of the indenter's work
-  /// Largest range of the load, under load control of the depth, in the last transit of a hold, of its largest.
-  double HoldDrift() const { return numbers_[kHoldDrift]; }
-  double FastestSpeed() const { return numbers_[kFastest]; } ///< of the tip, mean over a transit, m/s
+  /// The largest so far, from a fifth of the depth on and above a fifth of the largest load.
+  struct Largest {
+    double speed = 0;         ///< of the tip, mean over a transit, m/s
+    double load = 0;          ///< N
+    double load_share = 0;    ///< |P/P_qs - 1|
+    double kinetic_share = 0; ///< of the body's energy, under loads of the indenter's work
+    double noise_share = 0;   ///< of the indenter's work
+    double hold_drift = 0; ///< range of the load, under load control of the depth, in the last transit of a hold, of its largest
+    double hold_end = 0, hold_least = 0, hold_most = 0; ///< of the hold now: its end, s, and that range
+
+    /// In the order of the file.
+    template <class State> static auto Members(State &s)
+    {
+      return std::tie(s.speed, s.load, s.load_share, s.kinetic_share, s.noise_share, s.hold_drift, s.hold_end, s.hold_least,
+                      s.hold_most);
+    }
+  };
+  const Largest &SoFar() const { return largest_; }
 
   /// What it keeps from row to row; empty without a plan.
   std::vector<double> State() const;
@@ -37,18 +49,6 @@ public:
   bool IsState(const std::vector<double> &state) const;
 
 private:
-  enum Kept {
-    kFastest,
-    kLargestLoad,
-    kLoadShare,
-    kKineticShare,
-    kNoiseShare,
-    kHoldDrift,
-    kHoldTime,
-    kHoldLeast,
-    kHoldMost,
-    kNumbers
-  };
   /// A row that was.
   struct Sample {
     double time, depth, spent; ///< s, m, E_k + W, J
@@ -60,7 +60,7 @@ private:
   bool IsLoaded(const Budgets &row) const;
 
   const QuasiStaticPlan &plan_;
-  std::vector<double> numbers_ = std::vector<double>(kNumbers, 0.0);
+  Largest largest_;
   std::vector<Sample> window_; ///< of the last transit
   double speed_ = 0;           ///< mean over it, of the last row, m/s
 };

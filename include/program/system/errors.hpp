@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/petsc.hpp"
+#include "base/text.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -20,6 +21,10 @@ struct Refused : std::runtime_error {
 
 /// Ends the run with one line that all ranks agree on.
 [[noreturn]] void Refuse(const std::string &line);
+template <class... Values> [[noreturn]] void Refuse(const char *line, const Values &...values)
+{
+  Refuse(Format(line, values...));
+}
 
 /// Ends the run after PETSc has failed and has printed its error.
 inline void ExitOnError(PetscErrorCode code)

@@ -61,7 +61,7 @@ public:
   std::string Finish();
 
 private:
-  void Note(bool success) { good_ = good_ && success; }
+  void Record(bool success) { good_ = good_ && success; }
   void RecordSystem(bool success);
   void AgreeOnError(const char *place);
   void Reserve(off_t size);

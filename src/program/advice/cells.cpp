@@ -13,7 +13,7 @@ namespace
 std::string RoundedVector(Vec3 x, int dim)
 {
   std::string text = FormatRounded(x[0]);
-  for (int axis = 1; axis < dim; ++axis) text += "," + FormatRounded(x[axis]);
+  for (int axis = 1; axis < dim; ++axis) text += Format(",{}", x[axis]);
   return text;
 }
 
@@ -50,11 +50,9 @@ void WarnOfThin(OptionReader &reader, const Case &c, const Body &body, Vec3 plac
         std::abs((SignOf(side) < 0 ? extent.lower : extent.upper) - c.domain.At(side)) < kTolerance * cell)
       length = 2 * extent.length;
   if (length >= (kMinCells - kTolerance) * cell) return;
-  reader.WarnLater("-bodies " + body.name + ": is " + FormatRounded(length) + " m thin where " + presses + ", from " +
-                   "xyz"[axis] + " = " + FormatRounded(extent.lower) + " to " + FormatRounded(extent.upper) + ": " +
-                   FormatRounded(length / cell) + " cells of " + FormatRounded(cell) +
-                   " m, where its bending and flow need two or more; take cells of at most " + FormatRounded(length / kMinCells) +
-                   " m there (-cell_size, -levels)");
+  reader.WarnLater("-bodies {}: is {} m thin where {}, from {} = {} to {}: {} cells of {} m, where its bending and flow need two "
+                   "or more; take cells of at most {} m there (-cell_size, -levels)",
+                   body.name, length, presses, "xyz"[axis], extent.lower, extent.upper, length / cell, cell, length / kMinCells);
 }
 
 /// Bodies under the tip, through their height and across.
@@ -88,7 +86,7 @@ void WarnOfThinUnderLoads(OptionReader &reader, const Case &c)
       const int along = TangentAxis(load.side, t);
       place[along] = 0.5 * (std::max(bounds.lower[along], load.span[t][0]) + std::min(bounds.upper[along], load.span[t][1]));
     }
-    WarnOfThin(reader, c, body, place, AxisOf(load.side), "load " + c.load_names[k] + " presses it");
+    WarnOfThin(reader, c, body, place, AxisOf(load.side), Format("load {} presses it", c.load_names[k]));
   }
 }
 
@@ -102,26 +100,25 @@ void WarnOfMissedBox(OptionReader &reader, const Case &c)
   if (c.model.contact.method == "none" || c.hierarchy.follow.kind == FollowKind::kContact || level == finest) return;
   if (!std::isfinite(indenter.initial_surface)) return;
   const bool moves = c.hierarchy.follow.kind == FollowKind::kPath;
-  const std::string option = "-level_" + std::to_string(finest);
+  const std::string option = Format("-level_{}", finest);
   const double end = std::min(c.time.end_time, indenter.motion.turning_time);
   const double half = indenter.by_load || !std::isfinite(end) ? 0 : indenter.HalfWidth(indenter.Depth(indenter.Tip(end)));
-  reader.WarnLater(option + (moves ? "_path" : "_lower, " + option + "_upper") + ": the box of level " + std::to_string(finest) +
-                   " does not hold the surface under the tip, " + RoundedVector(place, c.Dim()) + ": contact has the cells of " +
-                   FormatRounded(c.CellSize(level)) + " m of level " + std::to_string(level) +
-                   (half > 0 ? ", " + FormatRounded(half / c.CellSize(level)) + " of them in half the width at the largest depth"
-                             : std::string()) +
-                   "; let the box reach above " + FormatRounded(place[indenter.up]) + " m and " +
-                   FormatRounded(half + c.BorderMargin(finest)) + " m to each side of the tip");
+  reader.WarnLater("{}{}: the box of level {} does not hold the surface under the tip, {}: contact has the cells of {} m of "
+                   "level {}{}; let the box reach above {} m and {} m to each side of the tip",
+                   option, moves ? "_path" : Format("_lower, {}_upper", option), finest, RoundedVector(place, c.Dim()),
+                   c.CellSize(level), level,
+                   half > 0 ? Format(", {} of them in half the width at the largest depth", half / c.CellSize(level)) : "",
+                   place[indenter.up], half + c.BorderMargin(finest));
 }
 
 } // namespace
 
 void WarnOfCells(OptionReader &reader, const Case &c)
 {
-  WarnOfThinUnderLoads(reader, c);
+  WarnOfThinUnderLoads(reader, c); // -bodies: thinner than two cells where a load presses
   if (!c.model.indenter) return;
-  WarnOfThinUnderTip(reader, c);
-  WarnOfMissedBox(reader, c);
+  WarnOfThinUnderTip(reader, c); // -bodies: the same under the indenter
+  WarnOfMissedBox(reader, c);    // -level_K_lower, _upper, _path: the finest box does not hold the contact
 }
 
 } // namespace mlgimp

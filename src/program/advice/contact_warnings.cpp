@@ -14,9 +14,9 @@ std::string PenetrationWarning(const Case &c, const Budgets &budgets, const Watc
   const int level = c.LevelAtTip();
   const bool follows = c.hierarchy.follow.kind == FollowKind::kContact;
   if (budgets.penetration_cells <= 1) return "";
-  return "-cell_size " + FormatNumber(c.cell_size) + ": the surface lies " + FormatRounded(budgets.penetration) +
-         " m inside the indenter" + When(budgets) + ", more than a cell" + (follows ? "" : " of level " + std::to_string(level)) +
-         ": the indenter is too slender or too fast for the cells, and the load too small";
+  return Format("-cell_size {}: the surface lies {} m inside the indenter{}, more than a cell{}: the indenter is too slender or "
+                "too fast for the cells, and the load too small",
+                FormatNumber(c.cell_size), budgets.penetration, When(budgets), follows ? "" : Format(" of level {}", level));
 }
 
 /// Where contact crosses a border of levels, columns of both press the same nodes, and share the load as they happen to. Where
@@ -25,24 +25,25 @@ std::string BorderWarning(const Case &c, const Budgets &budgets, const Watched &
 {
   const int coarsest = c.levels - static_cast<int>(budgets.contact_coarseness), finest = static_cast<int>(budgets.contact_level);
   if (c.hierarchy.follow.kind != FollowKind::kNone || budgets.contact_level == 0 || coarsest == finest) return "";
-  const std::string level = "-level_" + std::to_string(finest);
+  const std::string level = Format("-level_{}", finest);
   const double half = budgets.contact_half_width;
-  return level + "_lower, " + level + "_upper: contact crosses a border of levels" + When(budgets) + ", half its width being " +
-         FormatRounded(half / c.CellSize(finest)) + " cells of level " + std::to_string(finest) + " and " +
-         FormatRounded(half / c.CellSize(coarsest)) + " of level " + std::to_string(coarsest) +
-         ": contact_area, contact_half_width, peak_pressure and pressures on points are uneven there, and so may stress and load "
-         "be where the surface comes to a line of cells; try a box that reaches more than " +
-         FormatRounded(half + c.BorderMargin(finest)) + " m to each side of the tip";
+  return Format(
+      "{}_lower, {}_upper: contact crosses a border of levels{}, half its width being {} cells of level {} and {} of level {}: "
+      "contact_area, contact_half_width, peak_pressure and pressures on points are uneven there, and so may stress and load be "
+      "where the surface comes to a line of cells; try a box that reaches more than {} m to each side of the tip",
+      level, level, When(budgets), half / c.CellSize(finest), finest, half / c.CellSize(coarsest), coarsest,
+      half + c.BorderMargin(finest));
 }
 
-/// Levels that follow the contact, and are too few for how wide it gets.
+/// The contact is wider than the coarsest of the levels that follow it allows.
 std::string WidestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   const FollowSettings &follow = c.hierarchy.follow;
   const double cells = budgets.contact_half_width / c.CellSize(0);
   if (follow.kind != FollowKind::kContact || cells <= follow.cells_max) return "";
-  return "-levels " + std::to_string(c.levels) + ": half the contact's width is " + FormatRounded(cells) + " cells of level 0" +
-         When(budgets) + ", more than -level_cells_max, and no level is coarser: try more levels and a larger -cell_size";
+  return Format("-levels {}: half the contact's width is {} cells of level 0{}, more than -level_cells_max, and no level is "
+                "coarser: try more levels and a larger -cell_size",
+                c.levels, cells, When(budgets));
 }
 
 /// Cells in half the contact's width from which the load is no more that of the cells. With fewer than two it is some 10 %
@@ -54,7 +55,7 @@ static double EnoughCells(const Case &c)
   return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
 }
 
-/// A contact that never gets wide. Not that of a flat indenter over the whole end of a body.
+/// The contact never gets wide. No warning for a flat indenter over the whole end of a body.
 std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const Watched &)
 {
   if (budgets.contact_cells == 0) return "";
@@ -62,14 +63,15 @@ std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const
   const bool follows = follow.kind == FollowKind::kContact;
   const int level = follows ? c.levels - 1 : c.LevelAtTip();
   const double cells = budgets.contact_cells, cell = c.CellSize(level);
-  const double least = follows ? follow.cells_min : EnoughCells(c);
-  if (cells >= least || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
-  return (follows ? "-levels " + std::to_string(c.levels) : "-cell_size " + FormatNumber(c.cell_size)) +
-         ": half the contact's width is at most " + FormatRounded(cells) + " cells of level " + std::to_string(level) +
-         ", fewer than " + (follows ? "-level_cells_min" : FormatNumber(least)) + ": the load is that of the cells; try " +
-         (follows                ? "more levels"
-          : level < c.levels - 1 ? "a finer level there"
-                                 : "smaller ones, or more -levels");
+  const double min_cells = follows ? follow.cells_min : EnoughCells(c);
+  if (cells >= min_cells || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
+  return Format("{}: half the contact's width is at most {} cells of level {}, fewer than {}: the load is dominated by "
+                "discretisation error; try {}",
+                follows ? Format("-levels {}", c.levels) : "-cell_size " + FormatNumber(c.cell_size), cells, level,
+                follows ? "-level_cells_min" : FormatNumber(min_cells),
+                follows                ? "more levels"
+                : level < c.levels - 1 ? "a finer level there"
+                                       : "smaller cells, or more -levels");
 }
 
 /// Contact that reaches a side of symmetry which the tip is beside meets its mirror image: it presses the nodes there from half a
@@ -86,15 +88,15 @@ std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &
     const double off = std::abs(tip[axis] - c.domain.At(side));
     const bool covers = flat > 2 * (c.domain.upper[axis] - c.domain.lower[axis]);
     if (c.model.sides[s] == BoundaryKind::kSymmetry && c.SideAtTip(axis) != side && off < reach && !covers)
-      return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": contact has reached " + kSideNames[s] + When(budgets) +
-             ", a side of symmetry " + FormatRounded(off) + " m beside the tip: the load is that of two indenters, one of them " +
-             "mirrored, that have met; put the tip on the side, or farther away";
+      return Format("-indenter_tip {}: contact has reached {}{}, a side of symmetry {} m beside the tip: the load is that of two "
+                    "indenters, one of them mirrored, that have met; put the tip on the side, or farther away",
+                    FormatVector(indenter.tip, c.Dim()), kSideNames[s], When(budgets), off);
   }
   return "";
 }
 
-/// An indenter that has met no body: it is deep, beside all bodies, or has gone up. For an indenter that a load moves see
-/// LoadWarning.
+/// The indenter has touched no body although it is deep, is beside all bodies, or has gone up. LoadWarning is for indenters that
+/// a load moves.
 std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxDepth = 0.5; // cells; the tip of a wedge between two columns is a fifth of a cell deep before it touches
@@ -110,10 +112,10 @@ std::string TouchWarning(const Case &c, const Budgets &budgets, const Watched &w
   const bool above_body = std::any_of(c.model.bodies.begin(), c.model.bodies.end(), is_below);
   const bool came_down = budgets.depth >= indenter.Depth(indenter.tip);
   if (above_body && came_down && budgets.depth <= kMaxDepth * c.CellSize(c.LevelAtTip())) return "";
-  return "-indenter_tip " + FormatVector(indenter.tip, c.Dim()) + ": the indenter has touched nothing: is it above a body?";
+  return Format("-indenter_tip {}: the indenter has touched nothing: is it above a body?", FormatVector(indenter.tip, c.Dim()));
 }
 
-/// A load that the tip, at its largest speed, has not come to carry.
+/// The tip, at its largest speed, has not reached the load that it was to carry.
 std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step
@@ -121,10 +123,10 @@ std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &wa
   const double asked = c.model.indenter->by_load->force.Value(budgets.time);
   const bool missed = watched.carried < kMet * watched.asked;
   if (budgets.load >= kMet * asked && !missed) return "";
-  return "-indenter_loads: " + FormatRounded(missed ? watched.asked : asked) + " N are asked for" +
-         (missed ? ", and the tip carries at most " : " at the end, and the tip carries ") +
-         FormatRounded(missed ? watched.carried : budgets.load) +
-         " N: it may not move faster than a tenth of the waves; try longer -indenter_times";
+  return Format("-indenter_loads: {} N are asked for{}{} N, because its speed is limited to a tenth of that of waves; try longer "
+                "-indenter_times",
+                missed ? watched.asked : asked, missed ? ", and the tip carries at most " : " at the end, and the tip carries ",
+                missed ? watched.carried : budgets.load);
 }
 
 } // namespace mlgimp

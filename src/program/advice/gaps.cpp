@@ -19,18 +19,6 @@ struct Neighbour {
   bool Contains(Vec3 x) const { return !region || region->Contains(x); }
 };
 
-/// Size of the cells that a box lies in.
-double CellAround(const Case &c, const Box &box)
-{
-  for (int k = c.levels - 1; k > 0; --k) {
-    bool inside = true;
-    for (int d = 0; d < c.Dim(); ++d)
-      inside = inside && box.lower[d] >= c.boxes[k].lower[d] && box.upper[d] <= c.boxes[k].upper[d];
-    if (inside) return c.CellSize(k);
-  }
-  return c.cell_size;
-}
-
 /// The space between two bounds, and the axis across it, along which they may touch; -1 where that is no axis, or more than one.
 int FindGap(const Box &a, const Box &b, int dim, double tolerance, Box *gap)
 {
@@ -66,13 +54,14 @@ void WarnOfCurve(OptionReader &reader, const std::string &option, const std::str
 {
   constexpr double kMaxGap = 2; // cells; in space their faces
   if (cells <= kMaxGap) return;
-  reader.WarnLater(option + ": less than half a cell of " + FormatRounded(cell) + " m lies between " + between + " along some " +
-                   FormatRounded(cells) +
-                   " cells beside where they touch: they move as if they touched there too, which is too "
-                   "stiff; take smaller cells, a body that is cut flat, or an -indenter for one of the two");
+  reader.WarnLater(
+      "{}: less than half a cell of {} m lies between {} along some {} cells beside where they touch: they move as if they "
+      "touched there too, which is too stiff; take smaller cells, a body that is cut flat, or an -indenter for one of the two",
+      option, cell, between, cells);
 }
 
-/// A gap of which nodes see nothing; returns the axis across it where the two touch, else -1.
+/// Warns of a gap that is narrower than a cell, so that both sides share nodes; returns the axis across the gap where the two
+/// touch, otherwise -1.
 int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Neighbour &b, const std::string &option,
               const std::string &between)
 {
@@ -82,7 +71,7 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
   Box gap;
   const int across = FindGap(a.bounds, b.bounds, c.Dim(), tolerance, &gap);
   if (across < 0) return -1;
-  const double width = gap.upper[across] - gap.lower[across], cell = CellAround(c, gap);
+  const double width = gap.upper[across] - gap.lower[across], cell = c.CellSize(c.LevelAround(gap));
   IndexBox places{{0, 0, 0}, {1, 1, 1}};
   double cells_of_place = 1;
   for (int d = 0; d < c.Dim(); ++d)
@@ -96,8 +85,9 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
     WarnOfCurve(reader, option, between, beside * cells_of_place, cell);
     return across;
   }
-  reader.WarnLater(option + ": " + FormatRounded(width) + " m are left between " + between + ", less than a cell of " +
-                   FormatRounded(cell) + " m: they move as if they touched; take smaller cells, or close the gap");
+  reader.WarnLater("{}: {} m are left between {}, less than a cell of {} m: they move as if they touched; take smaller cells, or "
+                   "close the gap",
+                   option, width, between, cell);
   return -1;
 }
 
@@ -105,10 +95,9 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
 void WarnOfBond(OptionReader &reader, const Body &a, const Body &b, int across)
 {
   if (across < 0 || a.velocity[across] == b.velocity[across]) return;
-  reader.WarnLater(
-      "-bodies: " + a.name + " and " + b.name +
-      " touch at the start and do not move alike: they stay together; leave more than a cell between bodies that are "
-      "to collide, or to part");
+  reader.WarnLater("-bodies: {} and {} touch at the start and move differently: they will stick, because they share nodes; leave "
+                   "a gap of more than a cell between bodies that are to collide or to part",
+                   a.name, b.name);
 }
 
 } // namespace
@@ -117,9 +106,9 @@ void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
 {
   const Neighbour own = {body.region->Bounds(), body.region.get()};
   for (const Body &other : c.model.bodies)
-    WarnOfBond(
-        reader, other, body,
-        WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies", other.name + " and " + body.name));
+    WarnOfBond(reader, other, body,
+               WarnOfGap(reader, c, own, {other.region->Bounds(), other.region.get()}, "-bodies",
+                         Format("{} and {}", other.name, body.name)));
   for (const Side side : SidesOf{c.Dim()}) {
     if (c.model.sides[side] == BoundaryKind::kFree || (side == kXLower && c.model.geometry.HasHoop())) continue;
     Box beyond = own.bounds;

@@ -1,4 +1,4 @@
-// Checks of the indenter, its way and what holds the bodies against it, once its options are read.
+// Checks of the indenter, its path and what holds the bodies against it, once its options are read.
 #include "program/advice/case_checks.hpp"
 
 #include "base/index.hpp"
@@ -40,7 +40,7 @@ double DeepestInside(const Case &c, Vec3 tip)
   return deepest;
 }
 
-/// A tip that starts far above the body, as by a wrong unit, or that does not come down to it.
+/// Refuses a tip that starts far above the body, usually by a wrong unit, and warns of one that does not reach it.
 void CheckReach(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
@@ -49,23 +49,23 @@ void CheckReach(OptionReader &reader, const Case &c)
   const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
   if (!std::isfinite(above)) return; // there is no body
   if (above > height)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
-                  "at most the height of the domain, " + FormatRounded(height) + ", above the body; it is " +
-                      FormatRounded(above));
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "at most the height of the domain, {}, above the body; it is {}",
+                  height, above);
   const double deepest = -nearest;
   const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
   if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
     reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
-                  "such that the tip stays in the domain; by its motion it comes to a depth of " + FormatRounded(deepest) +
-                      " m, where the domain ends at " + FormatRounded(floor) + " m");
+                  "such that the tip stays in the domain; its motion leads to a depth of {} m, where the domain ends at {} m",
+                  deepest, floor);
   bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
   for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
   for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};
   Vec3 lowest = indenter.tip;
   lowest[indenter.up] = indenter.initial_surface + nearest;
   if (c.model.contact.method != "none" && nearest > 0 && !moves && DeepestInside(c, lowest) < 0) // also none beside the tip
-    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) + ": the indenter comes no nearer than " +
-                     FormatRounded(nearest) + " m to the body until the end: there will be no contact");
+    reader.WarnLater(
+        "-indenter_tip {}: the indenter comes no nearer than {} m to the body until the end: there will be no contact",
+        reader.Text(indenter.tip), nearest);
 }
 
 /// Depths count from the body below the tip. An indenter that is deep inside another part by then, as a punch over a gap between
@@ -79,9 +79,9 @@ void CheckOtherParts(OptionReader &reader, const Case &c)
   if (c.model.contact.method == "none" || indenter.by_load || !std::isfinite(tip[indenter.up])) return;
   const double deepest = DeepestInside(c, tip);
   if (deepest > kMaxDepth * c.CellSize(c.LevelAtTip()))
-    reader.WarnLater("-indenter_tip " + reader.Text(indenter.tip) +
-                     ": depths count from the body below the tip, where the indenter is " + FormatRounded(deepest) +
-                     " m inside another part already; put the tip above what it meets first");
+    reader.WarnLater("-indenter_tip {}: depths count from the body below the tip; when the tip gets there, the indenter is "
+                     "already {} m inside another part; put the tip above the part that it touches first",
+                     reader.Text(indenter.tip), deepest);
 }
 
 /// Whether gravity or a load presses bodies against the indenter, which then holds them.
@@ -94,7 +94,8 @@ bool ArePressedUp(const Case &c)
   return c.model.nodal.gravity[up] > 0 || std::any_of(c.model.loads.begin(), c.model.loads.end(), presses);
 }
 
-/// Bodies that nothing holds are pushed away, and the load is that of inertia: a side was forgotten, or a gap was left to it.
+/// Warns of bodies that no side holds: the indenter pushes them away and the load is that of inertia. Usually a side was
+/// forgotten, or a gap was left to it.
 void CheckSupport(OptionReader &reader, const Case &c)
 {
   constexpr double kGap = 1e-3; // cells
@@ -107,52 +108,53 @@ void CheckSupport(OptionReader &reader, const Case &c)
     for (const Body &body : c.model.bodies)
       if (std::abs(body.region->Bounds().At(side) - c.domain.At(side)) < kGap * c.cell_size) return;
   }
-  const bool fall = rests && c.model.nodal.gravity[up] < 0;
-  reader.WarnLater(
-      fall ? "-gravity " + reader.Text(c.model.nodal.gravity) + ": no body lies at a side of the domain that holds it: they fall"
-           : std::string("-boundary_") + kSideNames[2 * up] +
-                 ": no body lies at a side of the domain that holds it against the indenter: the load is that of inertia");
+  if (rests && c.model.nodal.gravity[up] < 0)
+    reader.WarnLater("-gravity {}: no body lies at a side of the domain that holds it: they fall",
+                     reader.Text(c.model.nodal.gravity));
+  else
+    reader.WarnLater(
+        "-boundary_{}: no body lies at a side of the domain that holds it against the indenter: the load is that of inertia",
+        kSideNames[2 * up]);
 }
 
-/// What the tip's way fills; sideways up to the last of its times where the end of the run is not known, and down without end
+/// What the tip's path fills; sideways up to the last of its times where the end of the run is not known, and down without end
 /// where the lowest place is not.
 Box TipPath(const Indenter &indenter, double end_time)
 {
   constexpr int kSamples = 1000;
-  Box way{indenter.tip, indenter.tip};
+  Box path{indenter.tip, indenter.tip};
   for (int axis = 0; axis < indenter.up; ++axis) {
     const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();
     for (int k = 1; k <= kSamples; ++k) {
       const double x = indenter.tip[axis] + indenter.Sideways(end * k / kSamples)[axis];
-      way.lower[axis] = std::min(way.lower[axis], x), way.upper[axis] = std::max(way.upper[axis], x);
+      path.lower[axis] = std::min(path.lower[axis], x), path.upper[axis] = std::max(path.upper[axis], x);
     }
   }
-  way.lower[indenter.up] = LowestTip(indenter, end_time);
-  return way;
+  path.lower[indenter.up] = LowestTip(indenter, end_time);
+  return path;
 }
 
-/// A tip that is hardly off a side of symmetry was meant to be on it, and would count as a whole one; with its axis beyond the
-/// side, what is left of it and its mirror image are no indenter.
+/// Refuses a tip just beside a side of symmetry, which was meant to be on the side and would count as a whole indenter, and a tip
+/// beyond the side, whose remainder and mirror image are no indenter.
 void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
 {
   constexpr double kMinDistance = 0.1; // cells
   const Vec3 tip = c.model.indenter->tip;
-  const Box way = TipPath(*c.model.indenter, c.time.end_time);
+  const Box path = TipPath(*c.model.indenter, c.time.end_time);
   for (const Side side : SidesAcross(axis)) {
     if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
-    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (way.At(side) - c.domain.At(side));
+    const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (path.At(side) - c.domain.At(side));
     if (off < kMinDistance * c.CellSize(c.LevelAtTip()))
-      reader.Refuse("-indenter_tip", reader.Text(tip),
-                    std::string("on the side of symmetry ") + kSideNames[side] + ", or away from it; it is " +
-                        FormatRounded(off) + " m off");
+      reader.Refuse("-indenter_tip", reader.Text(tip), "on the side of symmetry {}, or away from it; it is {} m off",
+                    kSideNames[side], off);
     if (beyond > 0 && std::isfinite(c.model.indenter->surface->Width(0)))
-      reader.Refuse("-indenter_tip", reader.Text(tip),
-                    std::string("on this side of ") + kSideNames[side] + ", a side of symmetry, all the time; it is or comes " +
-                        FormatRounded(beyond) + " m beyond");
+      reader.Refuse("-indenter_tip", reader.Text(tip), "inside {}, a side of symmetry, at all times; the tip gets {} m beyond it",
+                    kSideNames[side], beyond);
   }
 }
 
-/// A tip on a side of symmetry is half of one that is the same beyond it; on another side the body ends at the tip.
+/// On a side of symmetry the tip is one half of an indenter, so the indenter must be symmetric about the side; on another side
+/// the body ends at the tip, which is rarely meant.
 void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
 {
   for (int axis = 0; axis < c.model.indenter->up; ++axis) {
@@ -161,72 +163,70 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
     if (!side) CheckBesideSide(reader, c, axis);
     if (!side) continue;
     if (!c.MirrorsTip(axis))
-      reader.WarnLater(std::string("-boundary_") + kSideNames[*side] + ": the indenter's tip is on this side, where the body " +
-                       "ends; with symmetry it would be half of a body that goes on");
+      reader.WarnLater("-boundary_{}: the indenter's tip is on this side, where the body ends; with symmetry it would be half of "
+                       "a body that goes on",
+                       kSideNames[*side]);
     else if (!c.model.indenter->surface->MayBeMirrored(axis))
-      reader.Refuse(
-          "-indenter", kind,
-          std::string("its own mirror image across ") + kSideNames[*side] +
-              ", a side of symmetry that the tip is on: take the side away from the tip, or turn the indenter where a turn makes "
-              "it so");
+      reader.Refuse("-indenter", kind,
+                    "its own mirror image about {}, the side of symmetry that its tip is on; move the tip off that side, or turn "
+                    "the indenter until it is symmetric",
+                    kSideNames[*side]);
   }
 }
 
-/// Under an indenter of which less than a cell ever meets the surface the load is that of the cells; one that is curved and yet
-/// flat over the whole domain has a size in another unit.
+/// Under an indenter of which less than a cell ever meets the surface the load is dominated by discretisation error; one that is
+/// curved and yet flat over the whole domain has a size in another unit.
 void CheckIndenterSize(OptionReader &reader, const Case &c, const std::string &kind)
 {
   const Indenter &indenter = *c.model.indenter;
   const int level = c.LevelAtTip();
   const double h = c.CellSize(level), depth = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
   constexpr double kFlat = 0.1; // cells
-  const std::string cell = FormatRounded(h) + " m, a cell of level " + std::to_string(level) + ", which it meets";
+  const std::string cell = Format("{} m, a cell of level {}, which it meets", h, level);
   if (indenter.surface->Width(HUGE_VAL) < h * (1 - kRounding))
-    reader.Refuse("-indenter", kind,
-                  "at least as wide as " + cell + "; it is " + FormatRounded(indenter.surface->Width(HUGE_VAL)) + " m wide");
+    reader.Refuse("-indenter", kind, "at least as wide as {}; it is {} m wide", cell, indenter.surface->Width(HUGE_VAL));
   if (c.model.contact.method != "none" && depth > 0 && indenter.surface->Width(depth) < h)
-    reader.WarnLater("-indenter " + kind + ": at its largest depth of " + FormatRounded(depth) + " m it is " +
-                     FormatRounded(indenter.surface->Width(depth)) + " m wide, less than " + cell +
-                     ": the load is that of the cells");
+    reader.WarnLater(
+        "-indenter {}: at its largest depth of {} m it is {} m wide, less than {}: the load is dominated by discretisation error",
+        kind, depth, indenter.surface->Width(depth), cell);
   double extent = 0;
   for (int axis = 0; axis < indenter.up; ++axis) extent = std::max(extent, c.domain.upper[axis] - c.domain.lower[axis]);
   if (indenter.surface->Width(0) < h && indenter.surface->Width(kFlat * h) > 2 * extent)
-    reader.WarnLater("-indenter " + kind + ": is flat as far as the domain goes, as it rises there by less than " +
-                     FormatNumber(kFlat) + " cells of level " + std::to_string(level) + "; are its sizes in m?");
+    reader.WarnLater(
+        "-indenter {}: rises by less than {} cells of level {} within the domain, as if it were flat; are its sizes in m?", kind,
+        FormatNumber(kFlat), level);
 }
 
-/// A box of level k that meets the tip on its way must hold it with the band of its border; when: added to what is refused.
+/// A box of level k that meets the tip on its path must hold it with the band of its border; when: added to what is refused.
 /// Returns whether it meets the tip.
-bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &way, const std::string &when)
+bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, const Box &path, const std::string &when)
 {
   const int up = c.model.indenter->up;
   const double margin = c.BorderMargin(k), just_below = c.model.indenter->initial_surface - 1e-6 * c.CellSize(k);
-  const auto is_border = [&](Side side) { return std::abs(box.At(side) - c.domain.At(side)) > 1e-6 * c.CellSize(k); };
+  const auto is_border = [&](Side side) { return c.IsBorder(box, k, side); };
   bool meets = just_below >= box.lower[up] && just_below < box.upper[up];
   for (int axis = 0; axis < up; ++axis)
-    meets = meets && way.upper[axis] >= box.lower[axis] - margin && way.lower[axis] <= box.upper[axis] + margin;
+    meets = meets && path.upper[axis] >= box.lower[axis] - margin && path.lower[axis] <= box.upper[axis] + margin;
   if (!meets) return false;
-  const std::string option = "-level_" + std::to_string(k), needed = "at least " + FormatRounded(margin);
+  const std::string option = Format("-level_{}", k), needed = Format("at least {}", margin);
   for (int axis = 0; axis < up; ++axis) {
     const auto from = [&, axis = axis](double x) {
-      return needed + " from the indenter's tip at " + "xyz"[axis] + " = " + FormatRounded(x) + when +
-             ", or the level away from it";
+      return Format("{} from the indenter's tip at {} = {}{}, or the level away from it", needed, "xyz"[axis], x, when);
     };
-    if (is_border(static_cast<Side>(2 * axis)) && way.lower[axis] < box.lower[axis] + margin)
-      reader.Refuse(option + "_lower", reader.Text(box.lower), from(way.lower[axis]));
-    if (is_border(static_cast<Side>(2 * axis + 1)) && way.upper[axis] > box.upper[axis] - margin)
-      reader.Refuse(option + "_upper", reader.Text(box.upper), from(way.upper[axis]));
+    if (is_border(static_cast<Side>(2 * axis)) && path.lower[axis] < box.lower[axis] + margin)
+      reader.Refuse(option + "_lower", reader.Text(box.lower), from(path.lower[axis]));
+    if (is_border(static_cast<Side>(2 * axis + 1)) && path.upper[axis] > box.upper[axis] - margin)
+      reader.Refuse(option + "_upper", reader.Text(box.upper), from(path.upper[axis]));
   }
   if (!is_border(static_cast<Side>(2 * up))) return true;
-  if (std::isfinite(way.lower[up]) && way.lower[up] < box.lower[up] + margin)
-    reader.Refuse(option + "_lower", reader.Text(box.lower),
-                  needed + " below the indenter's lowest place, " + FormatRounded(way.lower[up]) + when);
+  if (std::isfinite(path.lower[up]) && path.lower[up] < box.lower[up] + margin)
+    reader.Refuse(option + "_lower", reader.Text(box.lower), "{} below the indenter's lowest place, {}{}", needed, path.lower[up],
+                  when);
   // A load moves the tip to a depth that is not known yet, but from where it meets the body.
-  const double start = std::min(way.upper[up], c.model.indenter->initial_surface);
-  if (!std::isfinite(way.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
-    reader.Refuse(option + "_lower", reader.Text(box.lower),
-                  "more than " + FormatRounded(margin) + " below where the indenter begins to press, " + FormatRounded(start) +
-                      when);
+  const double start = std::min(path.upper[up], c.model.indenter->initial_surface);
+  if (!std::isfinite(path.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
+    reader.Refuse(option + "_lower", reader.Text(box.lower), "more than {} below where the indenter begins to press, {}{}",
+                  margin, start, when);
   return true;
 }
 
@@ -234,29 +234,29 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
 
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)
 {
-  CheckReach(reader, c);
-  CheckOtherParts(reader, c);
-  CheckMirror(reader, c, kind);
-  CheckSupport(reader, c);
-  CheckIndenterSize(reader, c, kind);
+  CheckReach(reader, c);              // -indenter_tip: too far above the body, below the domain, or without contact
+  CheckOtherParts(reader, c);         // -indenter_tip: inside another part when depths begin to count
+  CheckMirror(reader, c, kind);       // -indenter, -indenter_tip, -boundary_SIDE: a tip at or near a side of the domain
+  CheckSupport(reader, c);            // -boundary_SIDE, -gravity: nothing holds the bodies
+  CheckIndenterSize(reader, c, kind); // -indenter: narrower than a cell, or flat over the whole domain
 }
 
-/// The tip on the way of boxes along their paths.
+/// The tip on the path of boxes along their paths.
 static void CheckPathsHoldTip(OptionReader &reader, const Case &c)
 {
   const Indenter &indenter = *c.model.indenter;
   std::vector<bool> met;
-  for (const BoxesAtTime &look : BoxesAlongPaths(c)) {
-    Box tip{indenter.Tip(look.time), indenter.Tip(look.time)};
+  for (const BoxesAtTime &at : BoxesAlongPaths(c)) {
+    Box tip{indenter.Tip(at.time), indenter.Tip(at.time)};
     if (indenter.by_load) tip.lower[indenter.up] = -HUGE_VAL;
     for (int k = 1; k < c.levels; ++k) {
-      const std::string when = " at time " + FormatRounded(look.time) + " s";
-      const bool meets = CheckHoldsTip(reader, c, k, look.boxes[k], tip, when);
+      const std::string when = Format(" at time {} s", at.time);
+      const bool meets = CheckHoldsTip(reader, c, k, at.boxes[k], tip, when);
       if (static_cast<int>(met.size()) < k) met.push_back(meets);
       if (meets != met[k - 1])
-        reader.Refuse("-level_" + std::to_string(k) + "_path", "",
-                      "such that the level holds the indenter's tip all the time, or never: it " +
-                          std::string(meets ? "comes to" : "has left") + " it" + when);
+        reader.Refuse(Format("-level_{}_path", k), "",
+                      "such that the level's box contains the indenter's tip at all times or at none; the tip {} it{}",
+                      meets ? "has entered" : "has left", when);
     }
   }
 }

@@ -63,9 +63,8 @@ void CheckMemory(MPI_Comm comm, const Case &c)
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
   const double needed = (kPoint * points + kNode * nodes) / RanksOf(comm);
   if (!(needed <= bytes))
-    Refuse("-cell_size " + FormatNumber(c.cell_size) + ": must leave room in memory; " + FormatRounded(points) + " points and " +
-           FormatRounded(nodes) + " nodes need about " + FormatRounded(needed / kGigabyte) + " GB for each rank, which has " +
-           FormatRounded(bytes / kGigabyte) + " GB");
+    Refuse("-cell_size {}: must fit into memory; {} points and {} nodes need about {} GB per rank, and {} GB are available",
+           FormatNumber(c.cell_size), points, nodes, needed / kGigabyte, bytes / kGigabyte);
 }
 
 } // namespace mlgimp

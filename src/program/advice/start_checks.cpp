@@ -1,4 +1,4 @@
-// Sums over the points of each body at the start, against its shape.
+// Compares the sums over the points of each body at the start with its shape.
 #include "program/advice/start_checks.hpp"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
 
 bool Differ(double a, double b) { return std::abs(a - b) > kSame * std::abs(b); }
 
-/// True where nothing can cover a side of a body: neither another body nor a held side of the domain is within a cell.
+/// True where neither another body nor a held side of the domain is within a cell of a side of a body.
 bool IsFree(const Case &c, std::size_t body, Side side)
 {
   const Box bounds = c.model.bodies[body].region->Bounds();
@@ -78,8 +78,8 @@ std::string DescribeThin(const Case &c, const Box &bounds)
   double thinnest = HUGE_VAL;
   for (int axis = 0; axis < c.Dim(); ++axis) thinnest = std::min(thinnest, bounds.upper[axis] - bounds.lower[axis]);
   if (thinnest >= kSliver * cell) return "";
-  return ", as it is " + FormatRounded(thinnest) + " m thin, " + FormatRounded(thinnest / cell) + " of a cell of " +
-         FormatRounded(cell) + " m; take cells of at most " + FormatRounded(0.5 * thinnest) + " m there (-cell_size, -levels)";
+  return Format(", as it is {} m thin, {} of a cell of {} m; take cells of at most {} m there (-cell_size, -levels)", thinnest,
+                thinnest / cell, cell, 0.5 * thinnest);
 }
 
 /// A box has its mass and its sides' lengths.
@@ -88,27 +88,27 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
   const Body &body = c.model.bodies[b];
   const Box bounds = body.region->Bounds();
   const Vec3 size = bounds.upper - bounds.lower;
-  const std::string start = "-bodies " + body.name + ": must have ", unit = c.Dim() == 3 ? " m2" : " m";
+  const std::string start = Format("-bodies {}: must have ", body.name), unit = c.Dim() == 3 ? " m2" : " m";
   if (sums.points == 0)
-    Refuse("-bodies " + body.name + ": must hold at least one material point; it is too small for -cell_size " +
-           FormatNumber(c.cell_size) + DescribeThin(c, bounds));
+    Refuse("-bodies {}: must hold at least one material point; it is too small for -cell_size {}{}", body.name,
+           FormatNumber(c.cell_size), DescribeThin(c, bounds));
   double volume = c.model.geometry.OutOfPlane(0.5 * (bounds.lower[0] + bounds.upper[0]));
   for (int axis = 0; axis < c.Dim(); ++axis) volume *= size[axis];
   const double mass = volume * c.model.materials[body.material]->Density();
   if (body.region->IsBox() && Differ(sums.mass, mass))
-    Refuse(start + "the mass of its box, " + FormatNumber(mass) + " kg; its points have " + FormatNumber(sums.mass) + " kg" +
+    Refuse("{}the mass of its box, {} kg; its points have {} kg{}", start, FormatNumber(mass), FormatNumber(sums.mass),
            DescribeThin(c, bounds));
   for (int axis = 0; axis < c.Dim(); ++axis) {
     const auto [lower, upper] = SidesAcross(axis);
     for (const Side side : {lower, upper})
       if (const double area = SideArea(side, size, c.Dim());
           body.region->IsBox() && IsFree(c, b, side) && Differ(sums.faces[side], area))
-        Refuse(start + "outer faces along its whole side " + kSideNames[side] + ", " + FormatNumber(area) + unit +
-               "; they add up to " + FormatNumber(sums.faces[side]) + unit);
+        Refuse("{}outer faces along its whole side {}, {}{}; they add up to {}{}", start, kSideNames[side], FormatNumber(area),
+               unit, FormatNumber(sums.faces[side]), unit);
   }
 }
 
-/// In axisymmetry, a hole along the axis that the grid cannot see, and no body fills: r = 0 was meant.
+/// Refuses a hole along the axis of less than two cells that no other body fills: usually r = 0 was meant.
 void CheckHole(const Case &c, std::size_t b)
 {
   const Box bounds = c.model.bodies[b].region->Bounds();
@@ -116,12 +116,12 @@ void CheckHole(const Case &c, std::size_t b)
   if (!c.model.geometry.HasHoop() || radius <= 0 || radius >= 2 * cell) return;
   for (const Body &other : c.model.bodies)
     if (other.region->Bounds().lower[0] < radius) return;
-  Refuse("-bodies " + c.model.bodies[b].name + ": must begin at x = 0, the axis, or at least two cells, " +
-         FormatRounded(2 * cell) + " m, from it; it leaves a hole of " + FormatRounded(radius) + " m");
+  Refuse("-bodies {}: must begin at x = 0, the axis, or at least two cells, {} m, from it; it leaves a hole of {} m",
+         c.model.bodies[b].name, 2 * cell, radius);
 }
 
-/// Half the thickness, in cells, of each body's thinnest point that lies beyond a line of cells with nothing beyond itself; huge
-/// where there is none. Collective.
+/// Half the thickness, in cells, of each body's thinnest outer point that begins at a line of cells, so that it is alone beyond
+/// that line; HUGE_VAL where there is none. Collective.
 std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
 {
   std::vector<double> thinnest(model.bodies.size(), HUGE_VAL);
@@ -150,10 +150,9 @@ void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<
   const double courant = c.time.time_step > 0 ? speed * c.time.time_step / c.cell_size : c.time.cfl;
   const bool follows = c.model.stress_update == StressUpdate::kUsl || c.levels > 1 || c.model.VolumeAverages() > 0;
   if (!follows || std::max(thinnest, c.model.LeastHalfSize()) >= 0.5 * courant * courant) return;
-  warnings->push_back("-bodies " + body.name + ": has points " + FormatRounded(2 * thinnest) +
-                      " of a cell thin, alone beyond a line of cells: unstable with usl, in metals and at borders of levels; "
-                      "move its sides, or take a -cfl below " +
-                      FormatRounded(std::sqrt(2 * thinnest)));
+  warnings->push_back(Format("-bodies {}: has points {} of a cell thin, alone beyond a line of cells: unstable with usl, in "
+                             "metals and at borders of levels; move its sides, or take a -cfl below {}",
+                             body.name, 2 * thinnest, std::sqrt(2 * thinnest)));
 }
 
 /// area: of the faces that the load acts on, m2 (in plane strain by its thickness, m).
@@ -162,12 +161,12 @@ void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::strin
   const Load &load = c.model.loads[k];
   const Body &body = c.model.bodies[load.body];
   const Box bounds = body.region->Bounds();
-  const std::string name = c.load_names[k], start = "-loads " + name + ": ",
+  const std::string name = c.load_names[k], start = Format("-loads {}: ", name),
                     unit = c.model.geometry.kind == GeometryKind::kPlaneStrain ? " m" : " m2";
   const double farthest = RoundAxis(c.model.geometry, bounds.upper[0]);
   double wanted = AxisOf(load.side) == 0 ? RoundAxis(c.model.geometry, bounds.At(load.side)) : 1, largest_edge = 0;
   std::string beyond; // what the user gave where it reaches beyond the side
-  if (area == 0) Refuse(start + "must cover a free face of body " + body.name + "; see its side and span");
+  if (area == 0) Refuse("{}must cover a free face of body {}; see its side and span", start, body.name);
   if (!body.region->IsBox()) return;
   for (int t = 0; t < c.Dim() - 1; ++t) {
     const int along = TangentAxis(load.side, t);
@@ -176,20 +175,20 @@ void CheckLoad(const Case &c, std::size_t k, double area, std::vector<std::strin
     const double first = std::isfinite(span[0]) ? span[0] : bounds.lower[along];
     const double last = std::isfinite(span[1]) ? span[1] : bounds.upper[along];
     if (last - first > part + 2 * kRounding * c.cell_size)
-      beyond += (beyond.empty() ? "" : ",") + FormatNumber(first) + "," + FormatNumber(last);
+      beyond += Format("{}{},{}", beyond.empty() ? "" : ",", FormatNumber(first), FormatNumber(last));
     wanted *= part * (along == 0 ? RoundAxis(c.model.geometry, 0.5 * (from + to)) : 1);
     largest_edge = std::max(largest_edge, part);
   }
   const double tolerance = 2 * kRounding * c.cell_size * (c.Dim() == 3 ? 2 * largest_edge : farthest);
   if (IsFree(c, load.body, load.side) && !(std::abs(area - wanted) < tolerance))
-    Refuse(start + "must act on " + FormatNumber(wanted) + unit + " of body " + body.name + "; the faces it acts on add up to " +
-           FormatNumber(area) + unit);
+    Refuse("{}must act on {}{} of body {}; the faces it acts on add up to {}{}", start, FormatNumber(wanted), unit, body.name,
+           FormatNumber(area), unit);
   if (!beyond.empty())
-    warnings->push_back("-" + name + "_span " + beyond + ": reaches beyond the side of body " + body.name +
-                        "; the load acts on " + FormatRounded(wanted) + unit);
+    warnings->push_back(
+        Format("-{}_span {}: reaches beyond the side of body {}; the load acts on {}{}", name, beyond, body.name, wanted, unit));
   if (area < wanted - tolerance)
-    warnings->push_back(start + "acts on " + FormatRounded(area) + " of the " + FormatRounded(wanted) + unit +
-                        " of its side; the rest touches a body or a held side of the domain");
+    warnings->push_back(Format("{}acts on {} of the {}{} of its side; the rest touches a body or a held side of the domain",
+                               start, area, wanted, unit));
 }
 
 } // namespace
@@ -201,9 +200,13 @@ std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c)
   std::vector<double> loads;
   SumBodies(hierarchy, c.model, &bodies, &loads);
   const std::vector<double> thinnest = ThinnestAlone(hierarchy, c.model);
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    CheckHole(c, b), CheckBody(c, b, bodies[b]), CheckThinPoints(c, b, thinnest[b], &warnings);
-  for (std::size_t k = 0; k < loads.size(); ++k) CheckLoad(c, k, loads[k], &warnings);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    CheckHole(c, b);                               // -bodies: a narrow hole along the axis
+    CheckBody(c, b, bodies[b]);                    // -bodies: no points, or not the mass or the faces of a box
+    CheckThinPoints(c, b, thinnest[b], &warnings); // -bodies: points too thin for the steps
+  }
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    CheckLoad(c, k, loads[k], &warnings); // -loads, -LOAD_span: no face, or not all of the span
   return warnings;
 }
 
@@ -225,8 +228,8 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
   }
   MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, hierarchy.Comm());
   if (!(deepest <= 1e-6 * c.cell_size))
-    Refuse("-indenter_tip " + FormatVector(c.model.indenter->tip, c.Dim()) +
-           ": must leave the indenter outside every body; it starts " + FormatRounded(deepest) + " m inside one");
+    Refuse("-indenter_tip {}: must be such that the indenter starts outside every body; it starts {} m inside one",
+           FormatVector(c.model.indenter->tip, c.Dim()), deepest);
 }
 
 } // namespace mlgimp

@@ -12,7 +12,7 @@ namespace mlgimp
 namespace
 {
 
-/// A tip that is not slow beside waves, as by a wrong unit of Young's modulus: the load is that of inertia.
+/// Warns of a tip that is fast beside waves, usually by a wrong unit of Young's modulus: the load is that of inertia.
 void CheckSpeed(OptionReader &reader, const Case &c)
 {
   if (c.model.indenter->by_load) return;
@@ -20,8 +20,8 @@ void CheckSpeed(OptionReader &reader, const Case &c)
   double slowest = HUGE_VAL;
   for (const auto &material : c.model.materials) slowest = std::min(slowest, material->SpeedOfSound());
   if (speed > kLargestSpeed * slowest)
-    reader.WarnLater("-indenter: moves with up to " + FormatRounded(speed) + " m/s, where waves have " + FormatRounded(slowest) +
-                     " m/s: that is an impact; is Young's modulus in Pa?");
+    reader.WarnLater("-indenter: moves at up to {} m/s, and waves at {} m/s: that is an impact; is Young's modulus in Pa?", speed,
+                     slowest);
 }
 
 /// When the tip first comes down to the body, s; infinity where it does not.
@@ -40,12 +40,12 @@ void CheckLoading(OptionReader &reader, const Case &c)
   if (!std::isfinite(end) || indenter.motion.speed.EndValue() < 0) return;
   const double loading = end - FirstTouch(indenter, end);
   if (loading > 0 && loading < kMinTransits * transit)
-    reader.WarnLater("-indenter: presses for " + FormatRounded(loading) + " s, where a wave takes " + FormatRounded(transit) +
-                     " s through the bodies: the load is that of their inertia; a slow test has ten such times and more "
-                     "(-quasi_static)");
+    reader.WarnLater("-indenter: presses for {} s, where a wave takes {} s through the bodies: the load is that of their "
+                     "inertia; a slow test takes ten such times or more (-quasi_static)",
+                     loading, transit);
 }
 
-/// The same of a load, which the tip overshoots: in a metal for good.
+/// Warns of a load that rises so fast that the tip overshoots; in a metal the excess depth is permanent.
 void CheckLoadRise(OptionReader &reader, const Case &c)
 {
   constexpr double kMinTransits = 5,
@@ -58,14 +58,12 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
     if (more > kJump * largest) rise = std::min(rise, (to - from) * largest / more);
   }
   if (rise < kMinTransits * transit)
-    reader.WarnLater(
-        "-indenter_loads: " + (rise > 0 ? "rise within " + FormatRounded(rise) + " s" : std::string("begin at once")) +
-        ", where a wave takes " + FormatRounded(transit) +
-        " s through the bodies: the tip overshoots, in metals for good; let them rise from 0 within ten such times "
-        "or more (-quasi_static)");
+    reader.WarnLater("-indenter_loads: {}, where a wave takes {} s through the bodies: the tip overshoots, in metals for good; "
+                     "let them rise from 0 within ten such times or more (-quasi_static)",
+                     rise > 0 ? Format("rise within {} s", rise) : "begin at once", transit);
 }
 
-/// Loads that come after the end of the run, or strain nothing, as by a wrong unit.
+/// Warns of loads after the end of the run, and of loads too small to strain the body, usually by a wrong unit.
 void CheckLoadUnits(OptionReader &reader, const Case &c)
 {
   constexpr double kMinShare = 0.1, kMinStrain = 1e-7; // of the largest pressure; of the shear modulus
@@ -74,42 +72,41 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
     const double met = pressure.LargestMagnitude(0, std::min(c.time.end_time, pressure.EndTime()));
     const double largest = pressure.LargestMagnitude(0, pressure.EndTime());
     if (met < kMinShare * largest)
-      reader.WarnLater("-" + c.load_names[k] + "_times: the largest pressure of " + FormatRounded(largest) +
-                       " Pa comes after the end of the run at " + FormatRounded(c.time.end_time) + " s, by when it is at most " +
-                       FormatRounded(met) + " Pa; are the times in s?");
+      reader.WarnLater("-{}_times: the largest pressure of {} Pa comes after the end of the run at {} s, by when it is at most "
+                       "{} Pa; are the times in s?",
+                       c.load_names[k], largest, c.time.end_time, met);
     const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
     if (largest > 0 && largest < kMinStrain * mu)
-      reader.WarnLater("-" + c.load_names[k] + "_pressures: of at most " + FormatRounded(largest) +
-                       " Pa are nothing to a body with a shear modulus of " + FormatRounded(mu) + " Pa; are they in Pa?");
+      reader.WarnLater("-{}_pressures: a pressure of at most {} Pa is below 1e-7 of the shear modulus of {} Pa; are they in Pa?",
+                       c.load_names[k], largest, mu);
   }
 }
 
-/// A pressure that changes within few transits of a wave sends as much stress again through the body, which a metal that would
-/// bear the pressure does not forget.
-void CheckBlows(OptionReader &reader, const Case &c)
+/// Warns of a pressure that changes within few transits of a wave: the wave doubles the stress of the change, and a metal that
+/// would bear the pressure yields.
+void CheckPressureRates(OptionReader &reader, const Case &c)
 {
   constexpr double kMinTransits = 2; // transits
   for (std::size_t k = 0; k < c.model.loads.size(); ++k) {
     const PiecewiseLinear &pressure = c.model.loads[k].pressure;
     const Material &material = c.model.MaterialOf(c.model.loads[k].body);
     const Box bounds = c.model.bodies[c.model.loads[k].body].region->Bounds();
-    double extent = 0, most = 0, largest = 0; // of pressure and change, of the pressure, Pa
+    double extent = 0, largest_sum = 0, largest = 0; // of pressure and change, of the pressure, Pa
     for (int axis = 0; axis < c.Dim(); ++axis) extent = std::max(extent, bounds.upper[axis] - bounds.lower[axis]);
     const double transit = extent / material.SpeedOfSound();
-    const auto look = [&](double time) {
+    const auto sample = [&](double time) {
       const double now = pressure.Value(time),
                    then = time > kMinTransits * transit ? pressure.Value(time - kMinTransits * transit) : 0;
-      most = std::max(most, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
+      largest_sum = std::max(largest_sum, std::abs(now) + std::abs(now - then)), largest = std::max(largest, std::abs(now));
     };
-    look(0);
-    for (const double time : pressure.Times()) look(time), look(time + kMinTransits * transit);
+    sample(0);
+    for (const double time : pressure.Times()) sample(time), sample(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
-    if (!material.IsMetal() || largest >= yield || most <= yield) continue;
-    reader.WarnLater("-" + c.load_names[k] + "_pressures: change within " + FormatRounded(kMinTransits * transit) +
-                     " s, in which a wave goes twice through the body, by so much that their blow adds to the stress: a metal "
-                     "with a yield stress of " +
-                     FormatRounded(yield) + " Pa flows that would bear " + FormatRounded(largest) +
-                     " Pa; let them rise from 0 within five such times or more" + (c.model.indenter ? " (-quasi_static)" : ""));
+    if (!material.IsMetal() || largest >= yield || largest_sum <= yield) continue;
+    reader.WarnLater("-{}_pressures: change by so much within {} s, in which a wave crosses the body twice, that the stress of "
+                     "the wave makes a metal with a yield stress of {} Pa flow, which would bear {} Pa at rest; let them rise "
+                     "from 0 within five such times or more{}",
+                     c.load_names[k], kMinTransits * transit, yield, largest, c.model.indenter ? " (-quasi_static)" : "");
   }
 }
 
@@ -122,24 +119,26 @@ void CheckSteps(OptionReader &reader, const Case &c)
   const double step = c.time.time_step > 0 ? c.time.time_step : c.time.cfl * c.cell_size / fastest;
   const double steps = c.time.max_steps > 0 ? c.time.max_steps : c.time.end_time / step;
   if (steps > kMaxSteps)
-    reader.WarnLater(std::string(c.quasi_static.on ? "-quasi_static" : "-end_time") + ": the end of the run at " +
-                     FormatRounded(c.time.end_time) + " s is some " + FormatRounded(steps) + " steps of " + FormatRounded(step) +
-                     " s away; " +
-                     (c.quasi_static.on ? "is all in SI units?"
-                                        : "are times in s? With -quasi_static the program chooses those of a slow test"));
+    reader.WarnLater("{}: the end of the run at {} s is some {} steps of {} s away; {}",
+                     c.quasi_static.on ? "-quasi_static" : "-end_time", c.time.end_time, steps, step,
+                     c.quasi_static.on ? "is all in SI units?"
+                                       : "are times in s? With -quasi_static the program chooses those of a slow test");
 }
 
 } // namespace
 
 void CheckTimes(OptionReader &reader, const Case &c)
 {
-  CheckLoadUnits(reader, c);
-  CheckBlows(reader, c);
-  CheckSteps(reader, c);
+  CheckLoadUnits(reader, c);     // -LOAD_times, _pressures: after the end of the run, or too small to strain anything
+  CheckPressureRates(reader, c); // -LOAD_pressures: change so fast that a metal yields by the wave
+  CheckSteps(reader, c);         // -end_time: too many steps away
   if (!c.model.indenter || c.model.contact.method == "none") return;
-  CheckSpeed(reader, c);
+  CheckSpeed(reader, c); // -indenter: fast beside waves
   if (c.quasi_static.on) return;
-  c.model.indenter->by_load ? CheckLoadRise(reader, c) : CheckLoading(reader, c);
+  if (c.model.indenter->by_load)
+    CheckLoadRise(reader, c); // -indenter_loads: rise within a few transits of a wave
+  else
+    CheckLoading(reader, c); // -indenter: a loading within a few transits of a wave
 }
 
 } // namespace mlgimp

@@ -1,6 +1,7 @@
 // The warnings of a run, one function each: each returns its line, or an empty string where its condition does not hold.
-#include "program/advice/warnings.hpp"
 #include "program/advice/warning_lines.hpp"
+
+#include "program/system/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,9 +25,10 @@ std::string ViscosityWarning(const Case &c, const Budgets &budgets, const Watche
   constexpr double kMaxGain = 0.01; // of what bodies have taken; energy of strain is below zero by rounding where there is none
   const double energy = budgets.kinetic_energy + std::abs(budgets.strain_energy) + budgets.plastic_work;
   if (budgets.short_wave_dissipation >= -kMaxGain * std::max(energy, watched.given)) return "";
-  return "-short_wave_viscosity " + FormatNumber(c.model.short_wave.a) + "," + FormatNumber(c.model.short_wave.b) +
-         ": has given " + FormatRounded(-budgets.short_wave_dissipation) + " J" + When(budgets) +
-         " where it should take energy: the results are wrong from here; try a smaller second number or a smaller -cfl";
+  return Format("-short_wave_viscosity {},{}: has given {} J{} where it should take energy: the results are wrong from here; try "
+                "a smaller second number or a smaller -cfl",
+                FormatNumber(c.model.short_wave.a), FormatNumber(c.model.short_wave.b), -budgets.short_wave_dissipation,
+                When(budgets));
 }
 
 /// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
@@ -37,14 +39,15 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
       0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
-  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  const double work =
+      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (given <= kMaxExcess * work) return "";
-  return "-indenter: contact has given the bodies " + FormatRounded(given) + " J more work than the indenter has done, " +
-         FormatRounded(100 * given / work) + " % of what they got or brought," + When(budgets) +
-         ": it has met few cells so far, or " +
-         (c.model.HasMetal()
-              ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
-              : "points make noise of it, and the load is wrong; try smaller cells, -xpic_fraction 0.02 or a smaller -cfl");
+  return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of their energy,{}: "
+                "contact covers few cells so far, or {}",
+                given, 100 * given / work, When(budgets),
+                c.model.HasMetal() ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+                                   : "its work becomes noise of the points, and the load is wrong; try smaller cells, "
+                                     "-xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
@@ -55,25 +58,25 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
   constexpr int kFirstSteps = 100;  // of contact, before which it is all first touch
   if (!c.model.indenter || budgets.contact_steps < kFirstSteps) return "";
   const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
-  const double work = std::max({watched.indenter_work, watched.had, std::abs(budgets.external_work), watched.floor});
+  const double work =
+      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
   if (taken <= kMaxLoss * work) return "";
-  return "-indenter: contact has taken " + FormatRounded(taken) + " J, " + FormatRounded(100 * taken / work) +
-         " % of what the bodies were to get or brought," + When(budgets) +
-         ": the surface has met the tip in blows, or let go of it and come back, and the load is wrong; try smaller cells, a "
-         "slower "
-         "indenter" +
-         (std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
+  return Format("-indenter: contact has taken {} J, {} % of the bodies' energy,{}: the surface has struck the tip, or has parted "
+                "from it and come back, and the load is wrong; try smaller cells, a slower indenter{}",
+                taken, 100 * taken / work, When(budgets),
+                std::isinf(c.model.contact.friction) ? " or a finite -indenter_friction" : "");
 }
 
-/// Motion of points that the grid cannot see softens flow: in metals it must stay small beside the work.
+/// Velocities of points that vary within a cell do not reach the grid and soften plastic flow: in metals their energy must stay
+/// small beside the work.
 std::string NoiseWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxNoise = 0.005;
   if (!c.model.HasMetal() || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || watched.noise <= kMaxNoise * watched.indenter_work) return "";
-  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * watched.noise / watched.indenter_work) + " % of the indenter's work" + When(budgets) +
-         ", which softens plastic flow: try a larger fraction or a slower indenter";
+  return Format("-xpic_fraction {}: noise of the points' velocities holds {} % of the indenter's work{}, which softens plastic "
+                "flow: try a larger fraction or a slower indenter",
+                FormatNumber(c.model.nodal.xpic_fraction), 100 * watched.noise / watched.indenter_work, When(budgets));
 }
 
 /// Steps that are too long make energy without limit. What contact gives is no part of it; in the middle of a blow a tenth is
@@ -84,8 +87,9 @@ std::string EnergyWarning(const Case &c, const Budgets &budgets, const Watched &
   if (watched.made <= kMaxGain * std::max(watched.given, kRoundings * watched.floor)) return "";
   const std::string option =
       c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
-  return option + ": the bodies have made " + FormatRounded(watched.made) + " J" + When(budgets) + ", where they had or got " +
-         FormatRounded(watched.given) + " J: steps are too long, and the results wrong; try a smaller one";
+  return Format(
+      "{}: the bodies have made {} J{}, where they had or got {} J: steps are too long, and the results wrong; try a smaller one",
+      option, watched.made, When(budgets), watched.given);
 }
 
 /// The same of bodies that fly, at the end: those that turn pass through the cells, and their motion becomes what nodes do not
@@ -95,9 +99,9 @@ std::string MotionWarning(const Case &c, const Budgets &budgets, const Watched &
   constexpr double kMaxNoise = 0.05;
   if (c.model.indenter || std::abs(watched.made) > kMaxNoise * watched.given) return "";
   if (budgets.noise_energy <= kMaxNoise * std::max(watched.given, kRoundings * watched.floor)) return "";
-  return "-bodies: noise of the points' velocities holds " + FormatRounded(budgets.noise_energy) + " J" + When(budgets) +
-         ", where the bodies had or got " + FormatRounded(watched.given) +
-         " J: bodies that turn, or collide, have too few cells for it, and lose their motion; try smaller cells";
+  return Format("-bodies: noise of the points' velocities holds {} J{}, where the bodies had or got {} J: bodies that turn, or "
+                "collide, have too few cells for it, and lose their motion; try smaller cells",
+                budgets.noise_energy, When(budgets), watched.given);
 }
 
 /// The same of elastic bodies, at the end: a surface that a tip slides along with friction feeds it, the more the smaller steps
@@ -110,21 +114,22 @@ std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Wat
   if (budgets.noise_energy <= kMinOfMotion * budgets.kinetic_energy || !MotionWarning(c, budgets, watched).empty()) return "";
   if (!EnergyWarning(c, budgets, watched).empty()) return "";
   if (budgets.contact_points == 0 && std::abs(watched.made) > kUnexplained * watched.given) return ""; // see LossWarning
-  return "-xpic_fraction " + FormatNumber(c.model.nodal.xpic_fraction) + ": noise of the points' velocities holds " +
-         FormatRounded(100 * budgets.noise_energy / budgets.strain_energy) + " % of the strain energy" + When(budgets) +
-         ": stresses and pressures are uneven; try " + (c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction") +
-         (c.model.indenter ? ", or a slower indenter" : "") + "; smaller steps alone make it worse";
+  return Format("-xpic_fraction {}: noise of the points' velocities holds {} % of the strain energy{}: stresses and pressures "
+                "are uneven; try {}{}; smaller steps alone make it worse",
+                FormatNumber(c.model.nodal.xpic_fraction), 100 * budgets.noise_energy / budgets.strain_energy, When(budgets),
+                c.model.nodal.xpic_fraction < 0.02 ? "0.02" : "a larger fraction",
+                c.model.indenter ? ", or a slower indenter" : "");
 }
 
-/// A slow test that is not slow.
+/// Inertia and damping add too much to a slow test.
 std::string SpeedWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   constexpr double kMaxKinetic = 0.01, kMaxAdded = 2; // of energy; of the tolerance
-  const double share = watched.slow.LoadShare(), kinetic = watched.slow.KineticShare();
+  const double share = watched.slow.SoFar().load_share, kinetic = watched.slow.SoFar().kinetic_share;
   if (share <= kMaxAdded * c.quasi_static.tolerance && kinetic <= std::max(kMaxKinetic, c.quasi_static.tolerance)) return "";
-  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": inertia and damping have added up to " +
-         FormatRounded(100 * share) + " % to the load, and kinetic energy was up to " + FormatRounded(100 * kinetic) +
-         " % of what the body has taken: try a smaller one, or less -damping where that was given";
+  return Format("-quasi_static_tolerance {}: inertia and damping have added up to {} % to the load, and kinetic energy was up to "
+                "{} % of the body's energy: try a smaller tolerance, or less -damping where that was given",
+                FormatNumber(c.quasi_static.tolerance), 100 * share, 100 * kinetic);
 }
 
 /// Whether an indenter presses in a test whose speed the user has chosen.
@@ -136,9 +141,9 @@ std::string DampingWarning(const Case &c, const Budgets &budgets, const Watched 
   constexpr double kMaxDamping = 0.2;
   if (!HasFastIndenter(c) || c.model.HasMetal()) return "";
   if (budgets.damping_work <= kMaxDamping * std::max(watched.given, watched.floor)) return "";
-  return "-damping " + FormatNumber(c.model.nodal.damping) + ": has taken " + FormatRounded(budgets.damping_work) + " J" +
-         When(budgets) + ", where the bodies had or got " + FormatRounded(watched.given) +
-         " J, and carries a part of the load: try less, or a slower indenter";
+  return Format("-damping {}: has taken {} J{}, where the bodies had or got {} J, and carries a part of the load: try less, or a "
+                "slower indenter",
+                FormatNumber(c.model.nodal.damping), budgets.damping_work, When(budgets), watched.given);
 }
 
 constexpr double kMaxOfMotion = 0.01; // of the load or the plastic work: a metal does not forget what drag and inertia did
@@ -148,18 +153,19 @@ std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.DragOfLoad();
   if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return "-damping " + FormatNumber(c.model.nodal.damping) + ": its drag adds some " + FormatRounded(100 * share) +
-         " % to the load at the largest depth: try less, or a slower indenter (-quasi_static chooses both)";
+  return Format("-damping {}: its drag adds some {} % to the load at the largest depth: try less, or a slower indenter "
+                "(-quasi_static chooses both)",
+                FormatNumber(c.model.nodal.damping), 100 * share);
 }
 
-/// An indenter whose speed sets a metal in motion.
+/// Inertia of a metal adds to the load, because the indenter is fast.
 std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.InertiaOfLoad();
   if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return std::string(c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities") + ": inertia carries some " +
-         FormatRounded(100 * share) +
-         " % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)";
+  return Format(
+      "{}: inertia carries some {} % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)",
+      c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities", 100 * share);
 }
 
 /// Pressures that are there before a metal has come to rest under them: it flows on by its motion, and does not come back.
@@ -167,19 +173,19 @@ std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watc
 {
   const double share = watched.motion.ShareOfPlasticWork();
   if (c.model.loads.empty() || c.model.indenter || !c.model.HasMetal() || share < kMaxOfMotion) return "";
-  return "-" + c.load_names[0] + "_pressures: the bodies' motion adds some " + FormatRounded(100 * share) +
-         " % to the plastic work, as they still move when pressures are at their largest: let these rise over a longer time, or "
-         "give -damping";
+  return Format("-{}_pressures: the bodies' motion adds some {} % to the plastic work, as they still move when pressures are at "
+                "their largest: let these rise over a longer time, or give -damping",
+                c.load_names[0], 100 * share);
 }
 
-/// A load that is still on its way at the end of a hold.
+/// The load, or the depth under load control, still changes at the end of a hold.
 std::string HoldWarning(const Case &c, const Budgets &, const Watched &watched)
 {
-  const double drift = watched.slow.HoldDrift();
+  const double drift = watched.slow.SoFar().hold_drift;
   if (!c.quasi_static.on || drift <= c.quasi_static.tolerance) return "";
-  return "-quasi_static_tolerance " + FormatNumber(c.quasi_static.tolerance) + ": the " +
-         (c.quasi_static.depth > 0 ? "load" : "depth") + " changes by " + FormatRounded(100 * drift) +
-         " % in the last transit of a hold, as waves still run: try a smaller one";
+  return Format("-quasi_static_tolerance {}: the {} changes by {} % in the last transit of a hold, because waves still run; try "
+                "a smaller tolerance",
+                FormatNumber(c.quasi_static.tolerance), c.quasi_static.depth > 0 ? "load" : "depth", 100 * drift);
 }
 
 /// Bodies whose points part or crumple, whose waves few cells see, or whose turning XPIC takes for noise, lose energy that no
@@ -188,13 +194,40 @@ std::string LossWarning(const Case &c, const Budgets &budgets, const Watched &wa
 {
   if (-watched.made <= kUnexplained * std::max(watched.given, kRoundings * watched.floor)) return "";
   if (!ElasticNoiseWarning(c, budgets, watched).empty()) return ""; // which has taken it
-  return "-bodies: energy balance: " + FormatRounded(-watched.made) + " J are missing" + When(budgets) +
-         ", where they had or got " + FormatRounded(watched.given) +
-         " J: cells are too few for how they turn and for their waves, or points have parted or crumpled; look at the last "
-         "frames, and try smaller cells or steps" +
-         (c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "") +
-         (c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
+  return Format(
+      "-bodies: energy balance: {} J are missing{}, where they had or got {} J: cells are too few for how they turn and for "
+      "their waves, or points have parted or crumpled; look at the last frames, and try smaller cells or steps{}{}",
+      -watched.made, When(budgets), watched.given, c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "",
+      c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
 }
+
+/// All warnings of a run. Each is printed once; those at the end have too little work to compare with before. Checkpoints know
+/// them by their places here, so new ones come last.
+enum Due { kEachRow, kAtEnd };
+constexpr struct {
+  std::string (*line)(const Case &, const Budgets &, const Watched &);
+  Due due;
+} kRunWarnings[] = {{PenetrationWarning, kEachRow},    // -cell_size: the surface lies more than a cell inside the indenter
+                    {ViscosityWarning, kEachRow},      // -short_wave_viscosity: it gives energy
+                    {ContactWarning, kAtEnd},          // -indenter: contact gives more work than the indenter
+                    {NoiseWarning, kAtEnd},            // -xpic_fraction: noise of the points softens a metal
+                    {SpeedWarning, kAtEnd},            // -quasi_static_tolerance: a slow test is too fast
+                    {WidestContactWarning, kEachRow},  // -levels: contact gets too wide for levels that follow it
+                    {NarrowestContactWarning, kAtEnd}, // -levels, -cell_size: few cells in the contact
+                    {EnergyWarning, kAtEnd},           // -cfl, -time_step: the bodies make energy
+                    {DampingWarning, kAtEnd},          // -damping: it carries a part of the load, elastic
+                    {LoadWarning, kAtEnd},             // -indenter_loads: the tip does not come to carry them
+                    {LossWarning, kAtEnd},             // -bodies: energy is missing
+                    {TouchWarning, kAtEnd},            // -indenter_tip: it has touched nothing
+                    {BorderWarning, kEachRow},         // -level_K_lower, _upper: contact crosses a border of levels
+                    {MotionWarning, kAtEnd},           // -bodies: motion of free bodies becomes noise
+                    {ElasticNoiseWarning, kAtEnd},     // -xpic_fraction: noise in elastic bodies
+                    {MirrorWarning, kEachRow},         // -indenter_tip: contact meets its mirror image
+                    {ContactLossWarning, kAtEnd},      // -indenter: contact takes work
+                    {DragWarning, kAtEnd},             // -damping: it adds to the load of a metal
+                    {InertiaWarning, kAtEnd},          // -indenter_velocities, _loads: inertia adds to the load of a metal
+                    {OvershootWarning, kAtEnd},        // -LOAD_pressures: motion adds to the plastic work
+                    {HoldWarning, kAtEnd}};            // -quasi_static_tolerance: the load still changes at the end of a hold
 
 } // namespace
 
@@ -207,67 +240,40 @@ void Warnings::Issue(MPI_Comm comm, const std::vector<std::string> &lines)
   }
 }
 
-void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
+/// Takes up a row of the history; returns the bodies' energy less all works, J.
+double Warnings::Record(const Case &c, const Budgets &budgets)
 {
-  constexpr struct {
-    std::string (*line)(const Case &, const Budgets &, const Watched &);
-    bool at_end; ///< while little work is done, there is little to compare with
-  } kAll[] = {{PenetrationWarning, false},
-              {ViscosityWarning, false},
-              {ContactWarning, true},
-              {NoiseWarning, true},
-              {SpeedWarning, true},
-              {WidestContactWarning, false},
-              {NarrowestContactWarning, true},
-              {EnergyWarning, true},
-              {DampingWarning, true},
-              {LoadWarning, true},
-              {LossWarning, true},
-              {TouchWarning, true},
-              {BorderWarning, false},
-              {MotionWarning, true},
-              {ElasticNoiseWarning, true},
-              {MirrorWarning, false},
-              {ContactLossWarning, true},
-              {DragWarning, true},
-              {InertiaWarning, true},
-              {OvershootWarning, true},
-              {HoldWarning, true}};
-  const auto raise = [this](Kept which, double value) { numbers_[which] = std::max(numbers_[which], value); };
+  const auto raise = [](double *largest, double value) { *largest = std::max(*largest, value); };
   const double energy = budgets.kinetic_energy + budgets.strain_energy;
   const double unexplained =
       energy + budgets.dissipated_energy - budgets.external_work - budgets.GivenByContact() - budgets.friction_work;
-  if (numbers_[kLooked] == 0) numbers_[kHadAtStart] = unexplained, numbers_[kGiven] = energy, numbers_[kLooked] = 1;
-  raise(kGiven, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
-  raise(kIndenterWork, std::abs(budgets.indenter_work));
-  raise(kNoise, budgets.noise_energy);
-  raise(kCarried, budgets.load);
+  if (state_.begun == 0) state_.had_at_start = unexplained, state_.given = energy, state_.begun = 1;
+  raise(&state_.given, std::max(std::abs(budgets.external_work), std::abs(budgets.contact_work)));
+  raise(&state_.indenter_work, std::abs(budgets.indenter_work));
+  raise(&state_.noise, budgets.noise_energy);
+  raise(&state_.carried, budgets.load);
   if (c.model.indenter && c.model.indenter->by_load)
-    raise(kAsked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
+    raise(&state_.asked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.time));
   double pressure = 0;
   for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
   motion_.Record(budgets, pressure);
+  return unexplained;
+}
+
+void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
+{
+  const double unexplained = Record(c, budgets);
   constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
-  const Watched watched = {slow,
-                           motion_,
-                           unexplained - numbers_[kHadAtStart],
-                           numbers_[kGiven],
-                           std::abs(numbers_[kHadAtStart]),
-                           numbers_[kIndenterWork],
-                           numbers_[kNoise],
-                           kRounding * stiffness,
-                           numbers_[kAsked],
-                           numbers_[kCarried],
-                           motion_.Deepest()};
-  for (std::size_t k = 0; k < std::size(kAll); ++k) {
+  const Watched watched = {state_, slow, motion_, unexplained - state_.had_at_start, kRounding * stiffness};
+  for (std::size_t k = 0; k < std::size(kRunWarnings); ++k) {
     const bool issued = std::any_of(issued_.begin(), issued_.end(), [k](const Issued &one) { return one.kind == k; });
-    if (issued || (kAll[k].at_end && !ended)) continue;
-    const std::string line = kAll[k].line(c, budgets, watched);
+    if (issued || (kRunWarnings[k].due == kAtEnd && !ended)) continue;
+    const std::string line = kRunWarnings[k].line(c, budgets, watched);
     if (line.empty()) continue;
-    issued_.push_back({k, kAll[k].at_end, line});
+    issued_.push_back({k, kRunWarnings[k].due == kAtEnd, line});
     Warn(comm, line);
   }
 }
@@ -289,29 +295,30 @@ std::vector<std::string> Warnings::KeptLines() const
 
 std::vector<double> Warnings::State() const
 {
-  std::vector<double> state = numbers_;
-  const std::vector<double> motion = motion_.State();
+  std::vector<double> state = ToNumbers(state_);
+  const std::vector<double> motion = ToNumbers(motion_.Now());
   state.insert(state.end(), motion.begin(), motion.end());
   for (const Issued &one : issued_)
     if (!one.at_end) state.push_back(static_cast<double>(one.kind));
   return state;
 }
 
+static constexpr std::size_t kOwn = kNumbersOf<WarningState>, kFirstKind = kOwn + kNumbersOf<MotionWatch::State>;
+
 void Warnings::SetState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
-  numbers_.assign(state.begin(), state.begin() + kNumbers);
-  motion_.SetState(state.data() + kNumbers);
+  state_ = FromNumbers<WarningState>(state.data());
+  motion_.SetState(FromNumbers<MotionWatch::State>(&state[kOwn]));
   issued_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k)
-    issued_.push_back({static_cast<std::size_t>(state[kNumbers + MotionWatch::kSize + k]), false, lines[k]});
+    issued_.push_back({static_cast<std::size_t>(state[kFirstKind + k]), false, lines[k]});
 }
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
   constexpr double kMaxKinds = kAtStart + 1;
   const auto is_kind = [](double kind) { return kind >= 0 && kind < kMaxKinds && kind == std::floor(kind); };
-  constexpr std::size_t kFirst = kNumbers + MotionWatch::kSize;
-  return state.size() == kFirst + lines.size() && std::all_of(state.begin() + kFirst, state.end(), is_kind);
+  return state.size() == kFirstKind + lines.size() && std::all_of(state.begin() + kFirstKind, state.end(), is_kind);
 }
 
 } // namespace mlgimp

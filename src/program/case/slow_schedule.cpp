@@ -30,30 +30,30 @@ void SlowSchedule::Ramp(double to, double duration)
   speeds_.back() = to; // without rounding
 }
 
-/// Goes on for a way at the speed of now, which has its sign.
-void SlowSchedule::Cruise(double way)
+/// Goes on over a distance, which has the sign of the speed now.
+void SlowSchedule::Cruise(double distance)
 {
-  const double duration = way / speeds_.back();
+  const double duration = distance / speeds_.back();
   if (!(duration > 1e-9 * times_.back())) return; // rounding
   times_.push_back(times_.back() + duration);
   speeds_.push_back(speeds_.back());
 }
 
-/// From rest to rest; a short way does not reach the speed.
-void SlowSchedule::Leg(double way, double speed, double ramp)
+/// From rest to rest; over a short distance the speed is not reached.
+void SlowSchedule::Leg(double distance, double speed, double ramp)
 {
-  const double top = std::copysign(std::min(speed, std::abs(way) / ramp), way);
+  const double top = std::copysign(std::min(speed, std::abs(distance) / ramp), distance);
   Ramp(top, ramp);
-  Cruise(way - top * ramp);
+  Cruise(distance - top * ramp);
   Ramp(0, ramp);
 }
 
-/// Back by a way, at first slowly.
-void SlowSchedule::Unload(double way, double first, double slow, double fast, double ramp)
+/// Back over a distance, slowly at first.
+void SlowSchedule::Unload(double distance, double first, double slow, double fast, double ramp)
 {
-  const double rest = way - first, change = 0.5 * (slow + fast) * ramp, stop = 0.5 * fast * ramp;
+  const double rest = distance - first, change = 0.5 * (slow + fast) * ramp, stop = 0.5 * fast * ramp;
   if (!(fast > slow) || rest < change + stop) {
-    Leg(-way, slow, ramp);
+    Leg(-distance, slow, ramp);
     return;
   }
   Ramp(-slow, ramp);
@@ -67,17 +67,17 @@ SlowSchedule::SlowSchedule(const SlowPace &pace, const std::vector<double> &turn
 {
   if (pace.start > 0) times_.push_back(pace.start), speeds_.push_back(0);
   const double duration = pace.transits * pace.transit, ramp = SlowPace::kRamp * duration;
-  const auto speed = [&](double x) { return std::min(pace.most_speed, x / (duration - ramp)); };
+  const auto speed = [&](double x) { return std::min(pace.max_speed, x / (duration - ramp)); };
   for (std::size_t k = 1; k < turns.size(); ++k) {
-    const double from = turns[k - 1], to = turns[k], way = to - from;
-    if (way > 0) {
-      Leg(way, speed(to > surface ? to - surface : way), ramp);
+    const double from = turns[k - 1], to = turns[k], distance = to - from;
+    if (distance > 0) {
+      Leg(distance, speed(to > surface ? to - surface : distance), ramp);
       holds_.emplace_back(times_.back(), times_.back() + SlowPace::kHold * pace.transit);
       times_.push_back(holds_.back().second);
       speeds_.push_back(0);
     } else {
-      const double reached = from > surface ? from - surface : -way, first = pace.spring_back * reached;
-      Unload(-way, first, speed(first), speed(reached), ramp);
+      const double reached = from > surface ? from - surface : -distance, first = pace.spring_back * reached;
+      Unload(-distance, first, speed(first), speed(reached), ramp);
     }
   }
 }

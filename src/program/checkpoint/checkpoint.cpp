@@ -121,7 +121,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.Open(hierarchy.Comm(), CheckpointPath(directory, state.step), true);
   file.Attribute("/", "format_version", {double(kFormatVersion)});
   file.Text("/identity", RankIn(hierarchy.Comm()) == 0 ? Join(identity, "\n") : ""); // of any length, as no attribute may be
-  file.Attribute("/", "state", StateAsNumbers(state));
+  file.Attribute("/", "state", ToNumbers(state));
   file.Attribute("/", "copies",
                  {double(copies.ready), copies.momentum_left[0], copies.momentum_left[1], copies.momentum_left[2]});
   file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), MakeSlab(hierarchy.Comm(), 1), totals.data());

@@ -3,6 +3,7 @@
 
 #include "base/exchange.hpp"
 #include "base/text.hpp"
+#include "program/system/numbers.hpp"
 
 #include <algorithm>
 #include <climits>
@@ -15,9 +16,6 @@ namespace mlgimp
 
 namespace
 {
-
-constexpr double kOnLine = 1e-4;                   ///< cells, within which a place counts as on a grid line
-constexpr double kLargestWhole = 9007199254740992; ///< 2^53: whole numbers up to it are exact
 
 bool IsWhole(double x, double least, double most) { return x >= least && x <= most && x == std::floor(x); }
 
@@ -67,7 +65,7 @@ std::string WrongValues(const PointArrays &points, int bodies)
   for (int p = 0; p < points.count; ++p) {
     const char *what = WrongPoint(points, p, bodies);
     if (!what) continue;
-    return "point " + std::to_string(points.id[p]) + " at " + FormatPlace(points.Position(p), points.dim) + " has " + what;
+    return Format("point {} at {} has {}", points.id[p], FormatPlace(points.Position(p), points.dim), what);
   }
   return "";
 }
@@ -86,7 +84,7 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
     for (int p = 0; p < points.count; ++p) {
       const double node = std::floor((points.Position(p)[axis] - grid.Geometry().lower[axis]) / grid.Geometry().spacing + 0.5);
       if (!(node >= allowed.lower[axis] && node < allowed.upper[axis]))
-        return "point " + std::to_string(points.id[p]) + " is not on its part of the grid";
+        return Format("point {} is not on its part of the grid", points.id[p]);
     }
   }
   return "";
@@ -100,12 +98,11 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
     if (!std::isfinite(n[k]) && !(k == 2 && n[k] == HUGE_VAL)) return "its state has a value that is not finite";
   if (!(time > 0 && time_step > 0 && end_time > 0 && given_step >= 0 && cfl > 0 && cfl <= kLargestCfl && wave_speed > 0 &&
         time_step * wave_speed <= (1 + kRounding) * kLargestCfl * settings.cell_size))
-    return "its times are not those of a run";
-  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMaxFrames))
-    return "its counts of steps and frames are not those of a run";
+    return "its times are inconsistent";
+  if (!IsWhole(n[6], 1, kLargestWhole) || !IsWhole(n[7], 0, kMaxFrames)) return "its counts of steps and frames are inconsistent";
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
-    return "its initial mass and points are not those of a run";
-  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is not that of a run";
+    return "its initial mass and points are inconsistent";
+  if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is inconsistent";
   return "";
 }
 
@@ -114,7 +111,7 @@ std::string WrongTip(const std::vector<double> &n, std::size_t count, double tim
   constexpr double kRounding = 1e-9;
   const bool right = n.size() == count && AllFinite(n.data(), n.size()) &&
                      (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
-  return right ? "" : "its tip of the indenter is not that of a run";
+  return right ? "" : "its tip of the indenter is inconsistent";
 }
 
 std::string WrongBoxes(const FollowState &now, const Case &settings)
@@ -127,13 +124,14 @@ std::string WrongBoxes(const FollowState &now, const Case &settings)
     for (int axis = 0; right && axis < rules.dim; ++axis) {
       const double cell = rules.CellSize(std::max(0, l - 1)), first = rules.domain.lower[axis];
       const double from = (now.plan.boxes[l].lower[axis] - first) / cell, to = (now.plan.boxes[l].upper[axis] - first) / cell;
-      right = to >= from + 1 && std::abs(from - std::round(from)) < kOnLine && std::abs(to - std::round(to)) < kOnLine;
+      right =
+          to >= from + 1 && std::abs(from - std::round(from)) < kMovedOffLine && std::abs(to - std::round(to)) < kMovedOffLine;
       if (kind == FollowKind::kNone || l == 0)
         right = right && now.plan.boxes[l].lower[axis] == settings.boxes[l].lower[axis] &&
                 now.plan.boxes[l].upper[axis] == settings.boxes[l].upper[axis];
     }
   right = right && (kind == FollowKind::kNone || FindMisplaced(rules, now.plan.boxes) == 0);
-  return right ? "" : "its boxes are not those of a run";
+  return right ? "" : "its boxes are inconsistent with this case";
 }
 
 std::string WrongClock(const std::vector<double> &n, long step, const Case &settings, int l)
@@ -143,8 +141,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
   const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
   const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
   const bool places = AllWhole({n.begin() + 4, n.end()}, INT_MIN, INT_MAX); // of nodes
-  return whole && drifts && places && IsWhole(n[3], 0, 1) ? ""
-                                                          : "the steps of level " + std::to_string(l) + " are not those of a run";
+  return whole && drifts && places && IsWhole(n[3], 0, 1) ? "" : Format("the steps of level {} are inconsistent", l);
 }
 
 std::string WrongCounts(const std::vector<double> &counts, std::size_t ranks, double rows)
@@ -179,7 +176,7 @@ std::string WrongPressures(const std::vector<double> &keys, const std::vector<do
   for (std::size_t k = 0; right && k < keys.size(); ++k)
     right = std::isfinite(pressures[k]) && (pressures[k] >= 0 || static_cast<std::int64_t>(keys[k]) % per_column != 0);
   right = right && std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
-  return right ? "" : "its contact pressures are not those of a run";
+  return right ? "" : "its contact pressures are inconsistent";
 }
 
 std::string NotFinite(const std::vector<double> &numbers, const std::string &name)
@@ -192,7 +189,7 @@ std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids)
   ExitOnError(ExchangeRecords(comm, &ids, [ranks = RanksOf(comm)](std::int64_t id) { return static_cast<int>(id % ranks); }));
   std::sort(ids.begin(), ids.end());
   const auto twice = std::adjacent_find(ids.begin(), ids.end());
-  return twice == ids.end() ? "" : "two points have the number " + std::to_string(*twice);
+  return twice == ids.end() ? "" : Format("two points have the number {}", *twice);
 }
 
 } // namespace mlgimp

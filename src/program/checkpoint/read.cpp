@@ -36,14 +36,14 @@ private:
   void CheckWhole(const RunState &state);
   void AgreeOnError(const char *place);
 
-  void Note(const std::string &wrong)
+  void Record(const std::string &wrong)
   {
     if (wrong_.empty()) wrong_ = wrong;
   }
   /// Notes what is not there, or not as it should be.
   bool Found(bool found, const std::string &name)
   {
-    if (!found) Note("parts of it are missing or damaged: " + name);
+    if (!found) Record("parts of it are missing or damaged: " + name);
     return found;
   }
   bool FoundList(const std::string &name, std::vector<double> *values) { return Found(file_.List(name, values), name); }
@@ -68,8 +68,7 @@ void CheckpointReader::AgreeOnError(const char *place)
 {
   wrong_ = Agree(comm_, place, wrong_);
   if (!wrong_.empty())
-    Refuse("-restart " + Shortened(case_.output.restart) + ": must be a whole checkpoint" + (wrong_[0] == ' ' ? "" : "; ") +
-           wrong_);
+    Refuse("-restart {}: must be a whole checkpoint{}{}", Shortened(case_.output.restart), wrong_[0] == ' ' ? "" : "; ", wrong_);
 }
 
 /// The first option that two runs do not share, as a message; empty where there is none.
@@ -77,12 +76,12 @@ std::string FirstDifference(const std::vector<std::string> &now, const std::vect
 {
   for (std::size_t k = 0; k < std::max(now.size(), then.size()); ++k) {
     const std::string a = k < now.size() ? now[k] : "nothing", b = k < then.size() ? then[k] : "nothing";
-    if (a != b) return "this run has '" + Shortened(a) + "' where the checkpoint has '" + Shortened(b) + "'";
+    if (a != b) return Format("this run has '{}' where the checkpoint has '{}'", Shortened(a), Shortened(b));
   }
   return "";
 }
 
-/// The first rank looks first: most of what is wrong with a file it finds alone.
+/// The first rank opens the file before the others: most errors are found there, with one message.
 void CheckpointReader::Open()
 {
   const std::string &path = case_.output.restart;
@@ -103,36 +102,35 @@ void CheckpointReader::Open()
   AgreeOnError("checkpoint_format");
   MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_);
   if (version[0] != kFormatVersion)
-    Refuse("-restart " + Shortened(path) + ": must have format version " + std::to_string(kFormatVersion) + "; it has " +
-           FormatNumber(version[0]));
+    Refuse("-restart {}: must have format version {}; it has {}", Shortened(path), kFormatVersion, FormatNumber(version[0]));
   if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
   AgreeOnError("checkpoint_open");
 }
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = StateAsNumbers({}), copies(4), tip, watch, watched, drift(1);
+  std::vector<double> numbers = ToNumbers(RunState()), copies(4), tip, watch, watched, drift(1);
   std::string then, lines, difference;
   std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
   if (Found(file_.Text("/identity", &then), "identity")) difference = FirstDifference(case_.identity, Split(then, '\n'));
   AgreeOnError("checkpoint_identity");
   difference = Agree(comm_, "checkpoint_case", difference);
-  if (!difference.empty()) Refuse("-restart " + Shortened(case_.output.restart) + ": must be of the same case; " + difference);
-  if (Found(file_.Attribute("/", "state", &numbers), "state")) Note(WrongState(numbers, case_));
+  if (!difference.empty()) Refuse("-restart {}: must be of the same case; {}", Shortened(case_.output.restart), difference);
+  if (Found(file_.Attribute("/", "state", &numbers), "state")) Record(WrongState(numbers, case_));
   if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
-    if (copies[0] != (with_copies ? 1 : 0)) Note("its copies of points are not those of a run");
-    Note(NotFinite(copies, "copies"));
+    if (copies[0] != (with_copies ? 1 : 0)) Record("its copies of points are inconsistent");
+    Record(NotFinite(copies, "copies"));
   }
   if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SurfaceOf().SetDrift(drift[0]);
-  if (FoundList("/tip", &tip)) Note(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
-  if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Note(NotFinite(watch, "quasi_static"));
+  if (FoundList("/tip", &tip)) Record(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
+  if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Record(NotFinite(watch, "quasi_static"));
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
   if (Found(file_.Text("/warnings", &lines), "warnings") && !lines.empty()) warnings = Split(lines, '\n');
-  if (FoundList("/watched", &watched)) Note(NotFinite(watched, "watched"));
+  if (FoundList("/watched", &watched)) Record(NotFinite(watched, "watched"));
   Found(Warnings::IsState(watched, warnings), "watched");
   AgreeOnError("checkpoint_state");
-  *state = StateFromNumbers(numbers);
+  *state = FromNumbers<RunState>(numbers.data());
   state->quasi_static = watch;
   state->watched = watched;
   state->warnings = warnings;
@@ -146,10 +144,11 @@ void CheckpointReader::ReadFollowing(RunState *state)
   std::vector<double> numbers;
   FollowState following;
   if (FoundList("/following", &numbers)) {
-    Note(NotFinite(numbers, "following"));
-    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves)) Note("its boxes are not those of a run");
+    Record(NotFinite(numbers, "following"));
+    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves))
+      Record("its boxes are inconsistent with this case");
   }
-  if (wrong_.empty()) Note(WrongBoxes(following, case_));
+  if (wrong_.empty()) Record(WrongBoxes(following, case_));
   AgreeOnError("checkpoint_following");
   if (Follows()) ExitOnError(hierarchy_.RestoreFollowing(following));
 }
@@ -166,7 +165,7 @@ void CheckpointReader::ReadTotals()
             "totals")) {
     all.resize(writers * count);
     Found(file_.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), {0, writers, writers}, all.data()), "totals");
-    Note(NotFinite(all, "totals"));
+    Record(NotFinite(all, "totals"));
   }
   AgreeOnError("checkpoint_totals");
   writers_ = writers;
@@ -176,12 +175,12 @@ void CheckpointReader::ReadTotals()
     const double *next = &all[r * count];
     for (Budgets *part : hierarchy_.Parts())
       if (next && static_cast<int>(same_ranks_ ? r : 0) == rank) next = part->AddKept(next);
-    if (!next) Note("totals has a count that is none");
+    if (!next) Record("totals has a count that is none");
   }
   AgreeOnError("checkpoint_counts");
 }
 
-/// Before memory is taken for them, points must be as many as the run had and made.
+/// Checks that the file has as many points as the run had and created, before memory is allocated for them.
 void CheckpointReader::CountPoints(const RunState &state)
 {
   double points = 0;
@@ -191,13 +190,13 @@ void CheckpointReader::CountPoints(const RunState &state)
     std::vector<double> counts;
     const std::string name = LevelName(l) + "/id";
     if (Found(file_.Rows(name, H5T_NATIVE_INT64, 1, &rows), name) && FoundList(LevelName(l) + "/counts", &counts))
-      Note(WrongCounts(counts, writers_, static_cast<double>(rows)));
+      Record(WrongCounts(counts, writers_, static_cast<double>(rows)));
     points += static_cast<double>(rows);
   }
   ExitOnError(hierarchy_.ReduceBudgets(&budgets)); // of totals only: there are no points yet
   const double expected = state.initial_points + Case::PointsCreated(budgets) - state.initial_created;
   if (KeepsPoints() && points != expected)
-    Note("it has " + FormatNumber(points) + " points where the run had " + FormatNumber(expected));
+    Record(Format("it has {} points where the run had {}", FormatNumber(points), FormatNumber(expected)));
   AgreeOnError("checkpoint_points");
 }
 
@@ -222,7 +221,7 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
   std::vector<double> counts;
   hsize_t total = 0;
   if (FoundList(group + "/counts", &counts) && Found(file_.Rows(group + "/id", H5T_NATIVE_INT64, 1, &total), group + "/id"))
-    Note(WrongCounts(counts, writers_, static_cast<double>(total)));
+    Record(WrongCounts(counts, writers_, static_cast<double>(total)));
   for (const PointFieldInfo &field : points.Table()) {
     hsize_t rows = 0;
     const std::string name = group + "/" + field.name;
@@ -240,8 +239,8 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
   }
   AgreeOnError("checkpoint_fields");
   const PointArrays arrays = points.Arrays();
-  Note(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
-  Note(WrongPlaces(arrays, level, same_ranks_));
+  Record(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
+  Record(WrongPlaces(arrays, level, same_ranks_));
   AgreeOnError("checkpoint_values");
 }
 
@@ -253,7 +252,7 @@ void CheckpointReader::ReadLayout(int l)
   std::vector<double> ranks;
   bool found = FoundList(group + "/ranks", &ranks);
   for (int axis = 0; axis < 3; ++axis) found = FoundList(group + kWidthNames[axis], &widths[axis]) && found;
-  if (found) Note(WrongLayout(widths, ranks, hierarchy_.At(l).Geometry().grid, writers_));
+  if (found) Record(WrongLayout(widths, ranks, hierarchy_.At(l).Geometry().grid, writers_));
   AgreeOnError("checkpoint_layout");
   if (!same_ranks_) return;
   GridLayout layout;
@@ -269,9 +268,9 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   std::vector<double> clock(kOfClock), keys, values;
   ContactPressures pressures;
   if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
-    Note(WrongClock(clock, state.step, case_, l));
+    Record(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
-    Note(WrongPressures(keys, values, KeptOfEach(case_.model.contact)));
+    Record(WrongPressures(keys, values, KeptOfEach(case_.model.contact)));
   AgreeOnError("checkpoint_pace");
   ReadLayout(l);
   ReadPoints(group, level, level.PointStore());
@@ -295,7 +294,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
 void CheckpointReader::ReadPatches(const std::string &group, int l)
 {
   std::vector<double> patches;
-  if (FoundList(group + "/patches", &patches)) Note(NotFinite(patches, group + "/patches"));
+  if (FoundList(group + "/patches", &patches)) Record(NotFinite(patches, group + "/patches"));
   Found(patches.size() % SurfaceOwners::kOfPatch == 0, group + "/patches");
   AgreeOnError("checkpoint_patches");
   ExitOnError(hierarchy_.SurfaceOf().Restore(l, patches));
@@ -305,7 +304,7 @@ void CheckpointReader::ReadBorder(int b)
 {
   std::vector<double> state;
   const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
-  if (FoundList(BorderName(b), &state)) Note(NotFinite(state, BorderName(b)));
+  if (FoundList(BorderName(b), &state)) Record(NotFinite(state, BorderName(b)));
   Found(state.size() == size || (Follows() && state.empty()), BorderName(b)); // a border that has just moved has none
   AgreeOnError("checkpoint_border");
   ExitOnError(hierarchy_.RestoreInterfaceState(b, state));
@@ -322,10 +321,10 @@ void CheckpointReader::CheckWhole(const RunState &state)
     ids.insert(ids.end(), points.id, points.id + points.count);
   }
   ExitOnError(hierarchy_.ReduceBudgets(&budgets));
-  if (!std::isfinite(budgets.kinetic_energy) || !std::isfinite(budgets.strain_energy)) Note("its energies are not finite");
+  if (!std::isfinite(budgets.kinetic_energy) || !std::isfinite(budgets.strain_energy)) Record("its energies are not finite");
   if (KeepsPoints()) {
-    if (!(std::abs(budgets.mass / state.initial_mass - 1) <= kMassError)) Note("its mass is not that of the run");
-    Note(FindRepeated(comm_, std::move(ids)));
+    if (!(std::abs(budgets.mass / state.initial_mass - 1) <= kMassError)) Record("its mass is not that of the run");
+    Record(FindRepeated(comm_, std::move(ids)));
   }
   AgreeOnError("checkpoint_whole");
 }

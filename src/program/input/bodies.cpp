@@ -20,8 +20,7 @@ int FindName(OptionReader &reader, const std::string &option, const std::vector<
              const std::string &name)
 {
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end() && !reader.Help())
-    reader.Refuse(option, name, "one of the names in " + list + ": " + Join(names, ", "));
+  if (found == names.end() && !reader.Help()) reader.Refuse(option, name, "one of the names in {}: {}", list, Join(names, ", "));
   return found == names.end() ? 0 : static_cast<int>(found - names.begin());
 }
 
@@ -37,7 +36,7 @@ void ReadBox(OptionReader &reader, const std::string &prefix, std::unique_ptr<Re
   reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper);
   for (int axis = 0; axis < reader.Dim() && !reader.Help(); ++axis)
     if (!(box.upper[axis] > box.lower[axis]))
-      reader.Refuse(prefix + "upper", reader.Text(box.upper), "above " + prefix + "lower " + reader.Text(box.lower));
+      reader.Refuse(prefix + "upper", reader.Text(box.upper), "above {}lower {}", prefix, reader.Text(box.lower));
   *region = CreateBoxRegion(box);
 }
 
@@ -46,7 +45,7 @@ void ReadPolygon(OptionReader &reader, const std::string &prefix, std::unique_pt
   std::vector<double> numbers;
   std::vector<Vec3> vertices;
   reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers);
-  if (numbers.size() % 2) reader.Refuse(prefix + "vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs");
+  if (numbers.size() % 2) reader.Refuse(prefix + "vertices", Format("{} numbers", numbers.size()), "x,y pairs");
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
   if (reader.Help()) return;
   if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
@@ -89,8 +88,8 @@ void CutAtHeldSides(const Case &c, std::unique_ptr<Region> *region)
   if (cuts) *region = CreatePartOf(std::move(*region), part);
 }
 
-/// A place inside both regions: of two boxes found exactly, else looked for on a lattice over the common part of their bounds,
-/// with places a tenth of a cell apart where that is not too many.
+/// Whether two regions overlap: exact for two boxes; otherwise a lattice over the common part of their bounds is tested, with
+/// points a tenth of a cell apart, up to kMaxPlaces along an axis.
 bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
 {
   const double kPlaces = 10, kMinPlaces = dim == 3 ? 32 : 64, kMaxPlaces = dim == 3 ? 100 : 500; // in a cell; along an axis
@@ -130,17 +129,18 @@ void CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std
     for (const bool upper : {false, true}) {
       const double beyond = upper ? bounds.upper[d] - c.domain.upper[d] : c.domain.lower[d] - bounds.lower[d];
       if (beyond <= tolerance) continue;
-      const std::string option = "-" + body.name + "_" + PlaceOption(shape, upper);
+      const std::string option = Format("-{}_{}", body.name, PlaceOption(shape, upper));
       reader.Refuse(option, shape == "box" ? reader.Text(upper ? bounds.upper : bounds.lower) : "",
-                    "inside the domain, " + reader.Text(c.domain.lower) + " to " + reader.Text(c.domain.upper) + "; body " +
-                        body.name + " reaches from " + reader.Text(bounds.lower) + " to " + reader.Text(bounds.upper));
+                    "inside the domain, {} to {}; body {} reaches from {} to {}", reader.Text(c.domain.lower),
+                    reader.Text(c.domain.upper), body.name, reader.Text(bounds.lower), reader.Text(bounds.upper));
     }
   if (c.model.geometry.HasHoop() && body.region->Bounds().lower[0] <= 0 && body.velocity[0] != 0)
-    reader.Refuse("-" + body.name + "_velocity", reader.Text(body.velocity), "0 along x: the body reaches the axis, which stays");
+    reader.Refuse(Format("-{}_velocity", body.name), reader.Text(body.velocity),
+                  "0 along x: the body reaches the axis, which stays");
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
     if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1), c.Dim()))
-      reader.Refuse("-bodies", body.name, "clear of body " + other.name + ": they overlap");
+      reader.Refuse("-bodies", body.name, "clear of body {}: they overlap", other.name);
   }
   WarnOfGaps(reader, c, body);
 }
@@ -159,7 +159,7 @@ void KeepMaterialsOfBodies(OptionReader &reader, const std::vector<std::string> 
     body.material = to;
   }
   for (std::size_t m = 0; m < names.size(); ++m)
-    if (place[m] < 0) reader.WarnLater("-materials " + names[m] + ": no body has it, and it has no effect");
+    if (place[m] < 0) reader.WarnLater("-materials {}: no body has it, and it has no effect", names[m]);
   model->materials = std::move(kept);
 }
 
@@ -176,7 +176,7 @@ void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKi
   }
   reader.Choice(option, all, value);
   if (std::find(here.begin(), here.end(), *value) == here.end())
-    reader.Refuse(option.name, *value, "one of " + Join(here, ", ") + " in -geometry " + kGeometryNames[place]);
+    reader.Refuse(option.name, *value, "one of {} in -geometry {}", Join(here, ", "), kGeometryNames[place]);
 }
 
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names)
@@ -217,8 +217,7 @@ void ReadHistory(OptionReader &reader, const std::string &times_name, const Opti
   reader.Numbers(values_text, range, 1, 0, true, &values);
   if (reader.Help()) return;
   if (times.size() != values.size())
-    reader.Refuse(values_text.name, std::to_string(values.size()) + " values",
-                  "as many as " + times_name + " has: " + std::to_string(times.size()));
+    reader.Refuse(values_text.name, Format("{} values", values.size()), "as many as {} has: {}", times_name, times.size());
   *history = PiecewiseLinear(times, values);
 }
 

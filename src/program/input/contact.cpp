@@ -18,10 +18,10 @@ void ReadFriction(OptionReader &reader, ContactSettings *contact)
                           kNotNegative, &friction);
   if (friction > 0 && contact->method != "pressure")
     reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
-  constexpr double kLargest = 3; // of dry surfaces; more is meant in per cent
-  if (friction > kLargest && std::isfinite(friction))
-    reader.WarnLater("-indenter_friction " + FormatNumber(friction) +
-                     ": is Coulomb's coefficient, not per cent; surfaces hardly slip with as much");
+  constexpr double kMaxFriction = 3; // of dry surfaces; more is meant in per cent
+  if (friction > kMaxFriction && std::isfinite(friction))
+    reader.WarnLater("-indenter_friction {}: is Coulomb's coefficient, not per cent; surfaces hardly slip with as much",
+                     FormatNumber(friction));
   contact->friction = friction;
 }
 
@@ -43,13 +43,13 @@ void CheckType(OptionReader &reader, const std::string &option, const std::vecto
 /// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
 void CheckContactSolver(OptionReader &reader)
 {
-  constexpr double kLoosest = 1e-3; // with 0.01 loads are 1 % off, with 0.3 a fifth
+  constexpr double kMaxTolerance = 1e-3; // with 0.01 loads are 1 % off, with 0.3 a fifth
   double tolerance = 1e-10;
   int iterations = 10000;
   reader.Identify(false);
   CheckType(reader, "-contact_ksp_type", kSolvers);
   CheckType(reader, "-contact_pc_type", kPreconditioners);
-  reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, {0, kLoosest, true, false}, false,
+  reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, {0, kMaxTolerance, true, false}, false,
                 &tolerance);
   reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
   reader.Identify(true);

@@ -7,7 +7,7 @@
 namespace mlgimp
 {
 
-static std::string LevelOption(int k, const char *name) { return "-level_" + std::to_string(k) + name; }
+static std::string LevelOption(int k, const char *name) { return Format("-level_{}{}", k, name); }
 
 static void ReadContactFollowing(OptionReader &reader, Case *c)
 {
@@ -19,8 +19,8 @@ static void ReadContactFollowing(OptionReader &reader, Case *c)
                 &follow.cells_min);
   if (!reader.Help() && follow.cells_max < (c->hierarchy.ratio + 1) * follow.cells_min)
     reader.Refuse("-level_cells_max", FormatNumber(follow.cells_max),
-                  ">= " + FormatNumber((c->hierarchy.ratio + 1) * follow.cells_min) +
-                      ", (-refinement_ratio + 1) times -level_cells_min, or levels would come and go");
+                  ">= {}, (-refinement_ratio + 1) times -level_cells_min, or levels would come and go",
+                  FormatNumber((c->hierarchy.ratio + 1) * follow.cells_min));
   for (int k = 1; k <= (reader.Help() ? 1 : c->levels - 1); ++k) {
     std::vector<double> margin;
     const OptionText text = {LevelOption(k, "_margin"),
@@ -40,9 +40,8 @@ static void ReadPath(OptionReader &reader, Case *c, int k)
   const bool timed = ReadTimes(reader, LevelOption(k, "_times"), moves, &times);
   if (reader.Help() || (!moves && !timed)) return; // it stays
   if (path.size() != dim * times.size())
-    reader.Refuse(name, std::to_string(path.size()) + " numbers",
-                  std::to_string(dim) + " for each time in " + LevelOption(k, "_times") + ": " +
-                      std::to_string(dim * times.size()));
+    reader.Refuse(name, Format("{} numbers", path.size()), "{} for each time in {}: {}", dim, LevelOption(k, "_times"),
+                  dim * times.size());
   for (std::size_t axis = 0; axis < dim; ++axis) {
     std::vector<double> values;
     for (std::size_t t = 0; t < times.size(); ++t) values.push_back(path[dim * t + axis]);
@@ -85,10 +84,9 @@ void CheckPaths(OptionReader &reader, const Case &c)
     if (k == 0) continue;
     const double room = c.hierarchy.rules.Border(k - 1);
     reader.Refuse(LevelOption(k, "_path"), "",
-                  "such that the level's box stays " + (room > 0 ? FormatRounded(room) + " m " : "") + "within level " +
-                      std::to_string(k - 1) + "; on cell lines it is " + reader.Text(at.boxes[k].lower) + " to " +
-                      reader.Text(at.boxes[k].upper) + " at time " + FormatRounded(at.time) + " s, in " +
-                      reader.Text(at.boxes[k - 1].lower) + " to " + reader.Text(at.boxes[k - 1].upper));
+                  "such that the level's box stays {}within level {}; on cell lines it is {} to {} at time {} s, in {} to {}",
+                  room > 0 ? Format("{} m ", room) : "", k - 1, reader.Text(at.boxes[k].lower), reader.Text(at.boxes[k].upper),
+                  at.time, reader.Text(at.boxes[k - 1].lower), reader.Text(at.boxes[k - 1].upper));
   }
 }
 

@@ -39,7 +39,7 @@ void ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
   *vertices = CornersOf(*vertices);
   if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
-    reader.Refuse("-indenter_vertices", std::to_string(numbers.size()) + " numbers", "x,y pairs of a convex polygon");
+    reader.Refuse("-indenter_vertices", Format("{} numbers", numbers.size()), "x,y pairs of a convex polygon");
 }
 
 /// Sizes of a wedge, a cone or a pyramid, angles in degrees.
@@ -145,8 +145,7 @@ void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *
     if (!given) continue;
     if (geometry == GeometryKind::kAxisymmetric) reader.Refuse(name, "", "left out with -geometry axisymmetric");
     if (speeds.size() != times.size())
-      reader.Refuse(name, std::to_string(speeds.size()) + " values",
-                    "as many as -indenter_times has: " + std::to_string(times.size()));
+      reader.Refuse(name, Format("{} values", speeds.size()), "as many as -indenter_times has: {}", times.size());
     if (c->MirrorsTip(axis))
       reader.Refuse(name, "", "left out where the tip is on a side of symmetry: the indenter's other half would move against it");
     c->model.indenter->sideways[axis] = PiecewiseLinear(times, speeds);
@@ -191,17 +190,16 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
   if (!has_depth || reader.Help()) return;
   const double travel = depth + indenter.tip[indenter.up] - indenter.initial_surface;
   if (travel <= 0)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
-                  std::string("above ") + "xyz"[indenter.up] + " = " + FormatNumber(indenter.initial_surface - depth) +
-                      ", the depth that -indenter_max_depth gives");
+    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above {} = {}, the depth that -indenter_max_depth gives",
+                  "xyz"[indenter.up], FormatNumber(indenter.initial_surface - depth));
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {
     if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0)
       reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given");
     if (std::isfinite(c->time.end_time))
-      reader.WarnLater("-end_time " + FormatNumber(c->time.end_time) + ": comes before the tip reaches -indenter_max_depth " +
-                       FormatNumber(depth) + (has_unload ? ", so that it is never unloaded" : ""));
+      reader.WarnLater("-end_time {}: comes before the tip reaches -indenter_max_depth {}{}", FormatNumber(c->time.end_time),
+                       FormatNumber(depth), has_unload ? ", so that it is never unloaded" : "");
     return;
   }
   if (has_unload) {

@@ -11,19 +11,16 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kOnLine = 1e-6;  ///< cells, within which a place counts as on a grid line
-constexpr double kOffLine = 1e-5; ///< cells, by which a box may be off: so much its grid is shifted
-
 /// One corner of a level's box must lie on the cell lines of the next coarser level.
 void CheckLines(OptionReader &reader, const Case &c, const std::string &option, Vec3 corner, double cell)
 {
   for (int axis = 0; axis < c.Dim(); ++axis) {
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
-    if (std::abs(cells - std::round(cells)) > kOffLine && !at_side)
+    if (std::abs(cells - std::round(cells)) > kGivenOffLine && !at_side)
       reader.Refuse(option, reader.Text(corner),
-                    "on cell lines of the next coarser level, whole cells of " + FormatRounded(cell) + " from -domain_lower " +
-                        reader.Text(c.domain.lower));
+                    "on cell lines of the next coarser level, whole cells of {} from -domain_lower {}", cell,
+                    reader.Text(c.domain.lower));
   }
 }
 
@@ -44,19 +41,18 @@ void CheckNesting(OptionReader &reader, const Case &c, int k)
   const Box &box = c.boxes[k];
   for (const Side side : SidesOf{c.Dim()}) {
     const bool upper = SignOf(side) > 0;
-    const std::string option = "-level_" + std::to_string(k) + (upper ? "_upper" : "_lower");
+    const std::string option = Format("-level_{}{}", k, upper ? "_upper" : "_lower");
     const Vec3 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
-      reader.Refuse(option, reader.Text(corner),
-                    "at least " + FormatRounded(needed) + " inside level " + std::to_string(k - 1) + " at its side " +
-                        kSideNames[side] + "; it is " + FormatRounded(depth));
+      reader.Refuse(option, reader.Text(corner), "at least {} inside level {} at its side {}; it is {}", needed, k - 1,
+                    kSideNames[side], depth);
   }
 }
 
 void ReadBox(OptionReader &reader, Case *c, int k)
 {
-  const std::string name = "-level_" + std::to_string(k);
+  const std::string name = Format("-level_{}", k);
   const double coarse = c->CellSize(k - 1);
   Box box;
   reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower);
@@ -66,23 +62,21 @@ void ReadBox(OptionReader &reader, Case *c, int k)
   CheckLines(reader, *c, name + "_upper", box.upper, coarse);
   for (int axis = 0; axis < c->Dim(); ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      reader.Refuse(name + "_upper", reader.Text(box.upper),
-                    "at least two coarser cells, " + FormatRounded(2 * coarse) + ", above " + name + "_lower " +
-                        reader.Text(box.lower));
+      reader.Refuse(name + "_upper", reader.Text(box.upper), "at least two coarser cells, {}, above {}_lower {}", 2 * coarse,
+                    name, reader.Text(box.lower));
   box = OnNearestLines(c->hierarchy.rules, box, coarse);
   c->boxes.push_back(box);
   CheckNesting(reader, *c, k);
   if (const double r = box.lower[0]; c->model.geometry.HasHoop() && r > 0 && r < 4 * coarse)
-    reader.Refuse(name + "_lower", reader.Text(box.lower),
-                  "at x = 0, the axis, or at least four coarser cells, " + FormatRounded(4 * coarse) + ", from it");
+    reader.Refuse(name + "_lower", reader.Text(box.lower), "at x = 0, the axis, or at least four coarser cells, {}, from it",
+                  4 * coarse);
   const double cell = c->CellSize(k);
-  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const int max_nodes = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
-  if (nodes > most)
-    reader.Refuse("-levels", std::to_string(c->levels),
-                  "such that each grid has at most " + FormatNumber(most) + " nodes; level " + std::to_string(k) +
-                      " would have " + FormatNumber(nodes));
+  if (nodes > max_nodes)
+    reader.Refuse("-levels", std::to_string(c->levels), "such that each grid has at most {} nodes; level {} would have {}",
+                  FormatNumber(max_nodes), k, FormatNumber(nodes));
 }
 
 void ReadNodeCoupling(OptionReader &reader, Case *c)
@@ -90,8 +84,8 @@ void ReadNodeCoupling(OptionReader &reader, Case *c)
   HierarchySettings &settings = c->hierarchy;
   double width = kBlendWidth;
   const bool given = reader.Number({"-blend_width",
-                                    "nodes: band inside a level's border where it passes into the coarser one, in coarser cells; "
-                                    "where it is not given and boxes lie closer, less, down to 2",
+                                    "nodes: width of the band inside a level's border in which levels blend, in coarser cells; "
+                                    "the default is reduced down to 2 where boxes are closer",
                                     ""},
                                    Closed(0, 64), false, &width);
   settings.rules.blend_widths.assign(c->levels - 1, width);
@@ -128,7 +122,7 @@ void ReadCoupling(OptionReader &reader, Case *c)
   reader.Choice({"-level_coupling", "how neighbouring levels act on each other: through nodes, or copies of points"},
                 {"nodes", "points"}, &coupling);
   if (coupling == "points" && c->model.geometry.kind != GeometryKind::kPlaneStrain)
-    reader.Refuse("-level_coupling", coupling, "nodes but in plane strain");
+    reader.Refuse("-level_coupling", coupling, "nodes, as points is for plane strain alone");
   if (coupling == "points") c->hierarchy.coupling = LevelCoupling::kPoints;
   if (coupling == "nodes" || reader.Help()) ReadNodeCoupling(reader, c);
   if (coupling == "points" || reader.Help()) ReadPointCoupling(reader, c);
@@ -140,8 +134,8 @@ void FitBlendWidths(Case *c)
   std::vector<double> &widths = c->hierarchy.rules.blend_widths;
   for (int k = 1; k + 1 < c->levels && !widths.empty(); ++k)
     for (const Side side : SidesOf{c->Dim()}) {
-      const double room = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
-      if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], room));
+      const double free_cells = (DepthInside(*c, k + 1, side) - kBorderCells * c->CellSize(k)) / c->CellSize(k - 1);
+      if (c->IsBorder(k, side)) widths[k - 1] = std::max(c->least_blend_width, std::min(widths[k - 1], free_cells));
     }
 }
 

@@ -28,8 +28,7 @@ void ReadTable(OptionReader &reader, const std::string &prefix, Constants *c)
   const auto &strain = c->plastic_strains, &stress = c->flow_stresses;
   if (strain[0] != 0) reader.Refuse(strains, FormatNumber(strain[0]), "0 at first: the initial yield stress is there");
   if (stress.size() != strain.size())
-    reader.Refuse(stresses, std::to_string(stress.size()) + " values",
-                  "as many as " + strains + " has: " + std::to_string(strain.size()));
+    reader.Refuse(stresses, Format("{} values", stress.size()), "as many as {} has: {}", strains, strain.size());
   for (std::size_t k = 1; k < strain.size(); ++k) {
     if (!(strain[k] > strain[k - 1])) reader.Refuse(strains, FormatNumber(strain[k]), "rising");
     if (stress[k] < stress[k - 1]) reader.Refuse(stresses, FormatNumber(stress[k]), "at least the one before it");
@@ -41,26 +40,26 @@ void ReadTable(OptionReader &reader, const std::string &prefix, Constants *c)
 void CheckHardening(const OptionReader &reader, const std::string &prefix, const Constants &c)
 {
   if (c.saturation_stress < c.yield_stress)
-    reader.Refuse(prefix + "saturation_stress", FormatNumber(c.saturation_stress),
-                  "at least " + prefix + "yield_stress " + FormatNumber(c.yield_stress));
+    reader.Refuse(prefix + "saturation_stress", FormatNumber(c.saturation_stress), "at least {}yield_stress {}", prefix,
+                  FormatNumber(c.yield_stress));
   if (c.melting_temperature <= c.initial_temperature)
     reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
                   "above -initial_temperature " + FormatNumber(c.initial_temperature));
   if (c.melting_temperature <= c.reference_temperature)
-    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
-                  "above " + prefix + "reference_temperature " + FormatNumber(c.reference_temperature));
-  if (c.adiabatic && std::isnan(c.heat_capacity))
-    reader.Refuse(prefix + "heat_capacity", "", "given with " + prefix + "adiabatic");
+    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature), "above {}reference_temperature {}", prefix,
+                  FormatNumber(c.reference_temperature));
+  if (c.adiabatic && std::isnan(c.heat_capacity)) reader.Refuse(prefix + "heat_capacity", "", "given with {}adiabatic", prefix);
 }
 
-/// K is meant.
+/// Warns of a temperature that is probably in degrees Celsius; it must be in K.
 void WarnIfCelsius(OptionReader &reader, const std::string &option, double temperature)
 {
   constexpr double kColdest = 60; // K; oxygen boils at 90
-  if (temperature < kColdest) reader.WarnLater(option + " " + FormatNumber(temperature) + ": is it in K? 20 degrees are 293");
+  if (temperature < kColdest) reader.WarnLater("{} {}: is it in K? 20 degrees are 293", option, FormatNumber(temperature));
 }
 
-/// Another unit than Pa would be a metal that flows away, one that never flows or one that does not harden, without a word.
+/// Warns of constants that are probably in another unit: without a warning such a metal would flow away, never flow, or not
+/// harden.
 void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
 {
   constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
@@ -73,8 +72,8 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
   for (const auto &[name, stress] : stresses) {
     const bool soft = stress > 0 && stress < kSoftest * c.youngs_modulus;
     if (soft || stress >= c.youngs_modulus)
-      reader.WarnLater(prefix + name + " " + FormatNumber(stress) + ": is " +
-                       (soft ? "less than a millionth of" : "no less than") + " Young's modulus; is it in Pa?");
+      reader.WarnLater("{}{} {}: is {} Young's modulus; is it in Pa?", prefix, name, FormatNumber(stress),
+                       soft ? "less than a millionth of" : "no less than");
   }
   constexpr double kLargestStrain = 5, kMaxSensitive = 0.5, kMinHeat = 50,
                    kMaxHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
@@ -83,18 +82,18 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
                                                      {"hardening_strain", c.hardening_strain}}; // NaN where not given
   for (const auto &[name, strain] : strains)
     if (strain > kLargestStrain)
-      reader.WarnLater(prefix + name + " " + FormatNumber(strain) + ": is a strain of 500 per cent or more; 0.1 is 10");
+      reader.WarnLater("{}{} {}: is a strain of 500 per cent or more; 0.1 is 10", prefix, name, FormatNumber(strain));
   if (c.rate_sensitivity > kMaxSensitive)
-    reader.WarnLater(prefix + "rate_sensitivity " + FormatNumber(c.rate_sensitivity) +
-                     ": adds half of the flow stress and more at three times the rate; 0.01 is one per cent");
+    reader.WarnLater("{}rate_sensitivity {}: adds half of the flow stress and more at three times the rate; 0.01 is one per cent",
+                     prefix, FormatNumber(c.rate_sensitivity));
   constexpr double kSlowest = 1e-5; // 1/s; those of creep are slower, but not those of this law
   if (c.reference_rate < kSlowest)
-    reader.WarnLater(prefix + "reference_rate " + FormatNumber(c.reference_rate) + ": is slower than tests are; is it in 1/s?");
+    reader.WarnLater("{}reference_rate {}: is slower than tests are; is it in 1/s?", prefix, FormatNumber(c.reference_rate));
   WarnIfCelsius(reader, prefix + "reference_temperature", c.reference_temperature);
   if (!c.adiabatic && !std::isnan(c.heat_capacity))
-    reader.WarnLater(prefix + "heat_capacity: nothing is heated without " + prefix + "adiabatic");
+    reader.WarnLater("{}heat_capacity: nothing is heated without {}adiabatic", prefix, prefix);
   if (c.heat_capacity < kMinHeat || c.heat_capacity > kMaxHeat)
-    reader.WarnLater(prefix + "heat_capacity " + FormatNumber(c.heat_capacity) + ": is that of no metal; is it in J/(kg K)?");
+    reader.WarnLater("{}heat_capacity {}: is that of no metal; is it in J/(kg K)?", prefix, FormatNumber(c.heat_capacity));
 }
 
 /// Refuses constants that the user gave and that the material's law does not read.
@@ -102,26 +101,26 @@ void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &com
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
   if (common.rate_scale > 1 && !none([](const auto &material) { return material->RateScale() > 0; }))
-    reader.WarnLater(
-        "-rate_scale " + FormatNumber(common.rate_scale) +
-        ": the simulation is slower than the test; is it its time over that of the test? 1e-8 where 100 ns stand for 10 s");
+    reader.WarnLater("-rate_scale {}: the simulation is slower than the test; is it its time over that of the test? 1e-8 where "
+                     "100 ns stand for 10 s",
+                     FormatNumber(common.rate_scale));
   if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->RateScale() > 0; }))
-    reader.WarnLater("-rate_scale " + FormatNumber(common.rate_scale) + ": changes nothing, as no material knows a rate");
+    reader.WarnLater("-rate_scale {}: changes nothing, as no material knows a rate", FormatNumber(common.rate_scale));
   if (common.initial_temperature != Constants().initial_temperature &&
       none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
-    reader.WarnLater("-initial_temperature " + FormatNumber(common.initial_temperature) +
-                     ": changes nothing, as no material knows a temperature");
+    reader.WarnLater("-initial_temperature {}: changes nothing, as no material knows a temperature",
+                     FormatNumber(common.initial_temperature));
   WarnIfCelsius(reader, "-initial_temperature", common.initial_temperature);
 }
 
-/// Waves that no solid has, which make a run slow and each of its times wrong.
+/// Warns of a wave speed that no solid has: it makes the run slow and all its times wrong.
 void WarnOfWaveSpeed(OptionReader &reader, const std::string &prefix, double poissons_ratio, const Material &material)
 {
   constexpr double kFastest = 30e3; // m/s; diamond has 18e3
   const double speed = material.SpeedOfSound();
   if (speed > kFastest && std::isfinite(speed) && poissons_ratio < 0.49) // a nearly incompressible one is fast by its ratio
-    reader.WarnLater(prefix + "density " + FormatNumber(material.Density()) + ": waves have " + FormatRounded(speed) +
-                     " m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?");
+    reader.WarnLater("{}density {}: waves have {} m/s, more than in any solid; is it in kg/m3, and Young's modulus in Pa?",
+                     prefix, FormatNumber(material.Density()), speed);
 }
 
 /// Cells of a body that hardly changes its volume lock: a cylinder on one cell of contact meets 1.6 times the load at a ratio of
@@ -130,9 +129,9 @@ void WarnOfLocking(OptionReader &reader, const std::string &prefix, double poiss
 {
   constexpr double kNearlyIncompressible = 0.49;
   if (poissons_ratio >= kNearlyIncompressible && !average)
-    reader.WarnLater(prefix + "poissons_ratio " + FormatNumber(poissons_ratio) +
-                     ": cells of a body that hardly changes its volume lock, and loads under a tip are too large; add " + prefix +
-                     "volume_average");
+    reader.WarnLater("{}poissons_ratio {}: cells of a body that hardly changes its volume lock, and loads under a tip are too "
+                     "large; add {}volume_average",
+                     prefix, FormatNumber(poissons_ratio), prefix);
 }
 
 void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)

@@ -1,6 +1,8 @@
 // Compares all pairs of edges: cases have some thousand vertices at most.
 #include "program/input/polygon.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +15,7 @@ namespace
 constexpr double kRounding = 1e-12; ///< of a product of lengths: written vertices are on a line no better
 
 /// Sign of the area of a triangle: 1 where c lies to the left of the line from a to b, 0 where it lies on it.
-int Turn(Vec3 a, Vec3 b, Vec3 c)
+int Orientation(Vec3 a, Vec3 b, Vec3 c)
 {
   const Vec3 u = b - a, v = c - a;
   const double area = u[0] * v[1] - u[1] * v[0], size = Norm(u) * Norm(v);
@@ -30,13 +32,13 @@ bool Between(Vec3 a, Vec3 b, Vec3 x)
 /// Whether two edges without a common vertex meet.
 bool Meet(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
 {
-  const int abc = Turn(a, b, c), abd = Turn(a, b, d), cda = Turn(c, d, a), cdb = Turn(c, d, b);
+  const int abc = Orientation(a, b, c), abd = Orientation(a, b, d), cda = Orientation(c, d, a), cdb = Orientation(c, d, b);
   if (abc * abd < 0 && cda * cdb < 0) return true;
   return (abc == 0 && Between(a, b, c)) || (abd == 0 && Between(a, b, d)) || (cda == 0 && Between(c, d, a)) ||
          (cdb == 0 && Between(c, d, b));
 }
 
-std::string Two(std::size_t a, std::size_t b) { return std::to_string(a + 1) + " and " + std::to_string(b + 1); }
+std::string Two(std::size_t a, std::size_t b) { return Format("{} and {}", a + 1, b + 1); }
 
 /// Vertices in units of the polygon's size, so that products of lengths are numbers.
 std::vector<Vec3> Scaled(const std::vector<Vec3> &vertices)
@@ -58,15 +60,17 @@ std::string WrongPolygon(const std::vector<Vec3> &vertices)
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return vertices[a] < vertices[b]; });
   for (std::size_t k = 1; k < n; ++k)
     if (vertices[order[k - 1]] == vertices[order[k]])
-      return "vertices " + Two(std::min(order[k - 1], order[k]), std::max(order[k - 1], order[k])) + " are the same";
+      return Format("vertices {} are the same", Two(std::min(order[k - 1], order[k]), std::max(order[k - 1], order[k])));
   const std::vector<Vec3> v = Scaled(vertices);
-  if (std::all_of(v.begin(), v.end(), [&](Vec3 x) { return Turn(v[0], v[1], x) == 0; })) return "all vertices are on a line";
+  if (std::all_of(v.begin(), v.end(), [&](Vec3 x) { return Orientation(v[0], v[1], x) == 0; }))
+    return "all vertices are on a line";
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 a = v[i], b = v[(i + 1) % n], next = v[(i + 2) % n];
-    if (Turn(a, b, next) == 0 && Dot(next - b, a - b) > 0)
-      return "its outline turns back at vertex " + std::to_string((i + 1) % n + 1);
+    if (Orientation(a, b, next) == 0 && Dot(next - b, a - b) > 0)
+      return Format("its outline turns back at vertex {}", (i + 1) % n + 1);
     for (std::size_t j = i + 2; j < n; ++j)
-      if (!(i == 0 && j == n - 1) && Meet(a, b, v[j], v[(j + 1) % n])) return "the edges from vertices " + Two(i, j) + " meet";
+      if (!(i == 0 && j == n - 1) && Meet(a, b, v[j], v[(j + 1) % n]))
+        return Format("the edges from vertices {} meet", Two(i, j));
   }
   return "";
 }

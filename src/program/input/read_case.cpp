@@ -23,13 +23,13 @@ const Range kCellSizes = Closed(1e-100, 1e100); ///< m
 
 void ReadGeometry(OptionReader &reader, Geometry *geometry)
 {
-  const std::vector<std::string> kinds = {"plane_strain", "axisymmetric", "3d"};
+  const std::vector<std::string> kinds(std::begin(kGeometryNames), std::end(kGeometryNames));
   std::string kind = kinds[0];
   geometry->kind = static_cast<GeometryKind>(
       reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis"}, kinds, &kind));
   if (reader.Number({"-thickness", "plane_strain: out-of-plane thickness", "m"}, kPositive, false, &geometry->thickness) &&
       geometry->kind != GeometryKind::kPlaneStrain)
-    reader.Refuse("-thickness", FormatNumber(geometry->thickness), "left out with -geometry " + kind + ": it is of plane strain");
+    reader.Refuse("-thickness", FormatNumber(geometry->thickness), "left out with -geometry {}: it is of plane strain", kind);
   reader.SetDim(geometry->Dim());
 }
 
@@ -42,8 +42,8 @@ void CheckAxis(OptionReader &reader, Case *c)
   if (!c->model.geometry.HasHoop()) return;
   if (lower < 0) reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x >= 0, the radius; the axis is x = 0");
   if (lower > 0 && lower < 2 * c->cell_size)
-    reader.Refuse("-domain_lower", reader.Text(c->domain.lower),
-                  "at x = 0, the axis, or at least two cells, " + FormatRounded(2 * c->cell_size) + ", from it");
+    reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x = 0, the axis, or at least two cells, {}, from it",
+                  2 * c->cell_size);
   if (lower > 0) return;
   const BoundaryKind kind = c->model.sides[kXLower];
   if (kind != BoundaryKind::kSymmetry)
@@ -73,18 +73,17 @@ void ReadGrid(OptionReader &reader, Case *c)
     const double whole = std::max(1.0, std::round(cells));
     if (std::abs(cells - whole) > 1e-6 * std::max(1.0, cells))
       reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                    "a whole fraction of the domain's edges " + reader.Text(c->domain.upper - c->domain.lower) +
-                        " to a millionth; " + FormatNumber(whole) + " cells along " + "xyz"[axis] + " have " +
-                        FormatNumber(edge / whole));
+                    "a whole fraction of the domain's edges {} to a millionth; {} cells along {} have {}",
+                    reader.Text(c->domain.upper - c->domain.lower), FormatNumber(whole), "xyz"[axis], FormatNumber(edge / whole));
   }
   CheckAxis(reader, c);
   // Nodal values are counted by ints, also by PETSc; four more nodes an axis leave room for the grid's padding.
-  const int most = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
+  const int max_nodes = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
-  if (nodes > most)
-    reader.Refuse("-cell_size", FormatNumber(c->cell_size),
-                  "such that the grid has at most " + FormatNumber(most) + " nodes; it would have " + FormatNumber(nodes));
+  if (nodes > max_nodes)
+    reader.Refuse("-cell_size", FormatNumber(c->cell_size), "such that the grid has at most {} nodes; it would have {}",
+                  FormatNumber(max_nodes), FormatNumber(nodes));
 }
 
 void ReadMethod(OptionReader &reader, Case *c)
@@ -109,10 +108,10 @@ void ReadMethod(OptionReader &reader, Case *c)
     if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, 0.02);
     if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu()) model.nodal.xpic_fraction = 0.05;
   }
-  c->quasi_static.own_xpic = !reader.Number(
-      {"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or -quasi_static, "
-                         "0.05 with levels and a Poisson's ratio of 0.4)"},
-      Closed(0, 1), false, &model.nodal.xpic_fraction);
+  c->quasi_static.own_xpic =
+      !reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or "
+                                        "-quasi_static, 0.05 with levels and a Poisson's ratio of 0.4)"},
+                     Closed(0, 1), false, &model.nodal.xpic_fraction);
   reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC"}, Closed(1, 2), &model.nodal.xpic_order);
   c->quasi_static.own_damping = !reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"},
                                                kNotNegative, false, &model.nodal.damping);
@@ -144,8 +143,7 @@ bool OnTerminal(MPI_Comm comm)
 void ReadViewers(OptionReader &reader, int levels)
 {
   for (int l = 0; l < levels; ++l) {
-    const std::string start = "-level_" + std::to_string(l) + "_",
-                      end = " of the level at the end of the run, to one of PETSc's viewers";
+    const std::string start = Format("-level_{}_", l), end = " of the level at the end of the run, to one of PETSc's viewers";
     reader.Viewer({start + "dm_view", "the grid" + end});
     reader.Viewer({start + "points_view", "the points" + end});
     reader.Viewer({start + "nodes_view", "mass, momentum, velocity and force on the nodes" + end});

@@ -42,13 +42,13 @@ std::string Printable(std::string text)
 /// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
 bool ReadAll(const std::string &path, std::string *text)
 {
-  constexpr int kPatience = 5000; // ms
+  constexpr int kTimeout = 5000; // ms
   constexpr std::size_t kMaxBytes = 100000000;
   char buffer[1 << 16];
   Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC), close); // a pipe without a writer would be waited for
   while (file.Valid() && text->size() < kMaxBytes) {
     pollfd ready{file, POLLIN, 0};
-    if (poll(&ready, 1, kPatience) == 0) return false;
+    if (poll(&ready, 1, kTimeout) == 0) return false;
     const ssize_t count = read(file, buffer, sizeof buffer);
     if (count > 0) text->append(buffer, static_cast<std::size_t>(count));
     if (count == 0) return true;
@@ -62,9 +62,9 @@ std::string WrongCharacters(const std::string &line)
 {
   if (line.rfind("\xef\xbb\xbf", 0) == 0) return "must be text without a byte-order mark; save the file as plain UTF-8";
   if (line.find("\xc2\xa0") != std::string::npos)
-    return "must have plain blanks, found a no-break space in '" + Shortened(Printable(line)) + "'";
+    return Format("must have plain blanks, found a no-break space in '{}'", Shortened(Printable(line)));
   if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
-    return "must be text, found '" + Shortened(Printable(line)) + "'";
+    return Format("must be text, found '{}'", Shortened(Printable(line)));
   return "";
 }
 
@@ -74,11 +74,11 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
   std::string text, line;
   std::set<std::string> seen;
   if (path.size() > 5 && path.substr(path.size() - 5) == ".yaml")
-    return "-options_file " + path + ": must hold lines '-name value'; YAML is not read";
-  if (!ReadAll(path, &text) || text.empty()) return "-options_file " + path + ": must be a readable file with options";
+    return Format("-options_file {}: must hold lines '-name value'; YAML is not read", path);
+  if (!ReadAll(path, &text) || text.empty()) return Format("-options_file {}: must be a readable file with options", path);
   std::istringstream lines(text);
   for (int number = 1; std::getline(lines, line); ++number) {
-    const std::string place = "-options_file " + path + ": line " + std::to_string(number) + ": ";
+    const std::string place = Format("-options_file {}: line {}: ", path, number);
     if (const std::size_t end = line.find('\r'); end != std::string::npos && end + 1 < line.size())
       return place + "must end in a line feed; a carriage return alone ends no line";
     line = line.substr(0, line.find('#'));
@@ -88,16 +88,16 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
     const std::string wrong = WrongCharacters(line);
     if (!wrong.empty()) return place + wrong;
     if (name.size() + value.size() > kLongestValue)
-      return place + "must not be longer than " + std::to_string(kLongestValue) + " characters";
+      return Format("{}must not be longer than {} characters", place, kLongestValue);
     if (name.empty()) continue;
-    if (!IsOptionName(name)) return place + "must be '-name value', found '" + Shortened(Printable(name)) + "'";
+    if (!IsOptionName(name)) return Format("{}must be '-name value', found '{}'", place, Shortened(Printable(name)));
     if (LowerCase(name) == "-options_file") return place + "must not name another options file; give both on the command line";
-    if (!more.empty()) return place + "must be '-name value' with no blanks in the value, found '" + Shortened(more) + "'";
+    if (!more.empty()) return Format("{}must be '-name value' with no blanks in the value, found '{}'", place, Shortened(more));
     if (IsOptionName(value))
-      return place + "must be '-name value', found the name of an option as the value '" + Shortened(value) + "'";
+      return Format("{}must be '-name value', found the name of an option as the value '{}'", place, Shortened(value));
     if (!seen.insert(LowerCase(name)).second)
-      return name + " " + Shortened(value) + ": must be given once, found again in line " + std::to_string(number) + " of " +
-             path + " (capitals make no difference)";
+      return Format("{} {}: must be given once, found again in line {} of {} (capitals make no difference)", name,
+                    Shortened(value), number, path);
     options->push_back(name);
     if (!value.empty()) options->push_back(value);
   }
@@ -118,8 +118,7 @@ std::string Parse(int argc, char **argv, CommandLine *line)
   std::set<std::string> names;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
-    if (word.size() > kLongestValue)
-      return "'" + Shortened(word) + "': must not be longer than " + std::to_string(kLongestValue) + " characters";
+    if (word.size() > kLongestValue) return Format("'{}': must not be longer than {} characters", Shortened(word), kLongestValue);
     if (LowerCase(word) == "-options_file") {
       const std::string path = ++k < argc ? argv[k] : "";
       if (std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
@@ -127,18 +126,18 @@ std::string Parse(int argc, char **argv, CommandLine *line)
       continue;
     }
     if (!IsOptionName(word) && (k == 1 || !IsOptionName(argv[k - 1])))
-      return "'" + word + "': must follow an option that takes it; options begin with a dash" +
-             (access(word.c_str(), R_OK) == 0 ? ", and a file of options follows -options_file" : "");
+      return Format("'{}': must follow an option that takes it; options begin with a dash{}", word,
+                    access(word.c_str(), R_OK) == 0 ? ", and a file of options follows -options_file" : "");
     if (IsOptionName(word))
       if (const auto known = spelt.emplace(LowerCase(word), word).first; known->second != word)
-        return word + ": must be spelt as " + known->second + ", which is given too: capitals make no difference";
+        return Format("{}: must be spelt as {}, which is given too: capitals make no difference", word, known->second);
     line->words.push_back(word);
   }
   for (const std::string &word : line->words)
     if (IsOptionName(word)) names.insert(LowerCase(word));
   if (names.size() > kMaxOptions)
-    return std::to_string(names.size()) + " options: must be at most " + std::to_string(kMaxOptions) +
-           ", as many as PETSc takes; polygons need fewer than boxes";
+    return Format("{} options: must be at most {}, as many as PETSc takes; polygons need fewer than boxes", names.size(),
+                  kMaxOptions);
   return "";
 }
 
@@ -175,16 +174,16 @@ static std::string InShare(const fs::path &file)
 
 std::string Usage(const std::string &program)
 {
-  return "a first case, with results in output/:   " + program + " -options_file " + InShare("options/wedge_500nm.opts") +
-         "\nevery option with its unit and default:  " + program +
-         " -help\nfrom there to a case of your own:        " + InShare("docs/tutorial.md") + "\n";
+  return Format("a first case, with results in output/:   {} -options_file {}\nevery option with its unit and default:  {} "
+                "-help\nfrom there to a case of your own:        {}\n",
+                program, InShare("options/wedge_500nm.opts"), program, InShare("docs/tutorial.md"));
 }
 
 std::string HelpHead(const std::string &program)
 {
-  const std::string command = program + " -options_file " + InShare("options/NAME.opts");
-  return "mlgimp: explicit GIMP simulation of indentation and contact.\n\n  " + command +
-         " [-option value ...]\n  mpiexec -n N " + command + "\n\n";
+  const std::string command = Format("{} -options_file {}", program, InShare("options/NAME.opts"));
+  return Format("mlgimp: explicit GIMP simulation of indentation and contact.\n\n  {} [-option value ...]\n  mpiexec -n N {}\n\n",
+                command, command);
 }
 
 CommandLine ReadCommandLine(int argc, char **argv)

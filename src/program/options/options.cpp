@@ -10,28 +10,6 @@
 namespace mlgimp
 {
 
-std::string FormatNumber(double x)
-{
-  char buffer[32];
-  for (int digits : {6, 12, 17}) { // the shortest that reads back as x
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, x);
-    if (std::strtod(buffer, nullptr) == x) break;
-  }
-  return buffer;
-}
-
-std::string FormatRounded(double x)
-{
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
-
-std::string FormatVector(Vec3 x, int dim)
-{
-  return FormatNumber(x[0]) + "," + FormatNumber(x[1]) + (dim == 3 ? "," + FormatNumber(x[2]) : "");
-}
-
 std::string Join(const std::vector<std::string> &words, const std::string &separator)
 {
   std::string text;
@@ -55,14 +33,13 @@ std::string Range::Text() const
 {
   if (lower == -HUGE_VAL && upper == HUGE_VAL) return "a number";
   if (upper == HUGE_VAL) return (lower_open ? "> " : ">= ") + FormatNumber(lower);
-  return std::string("in ") + (lower_open ? "(" : "[") + FormatNumber(lower) + ", " + FormatNumber(upper) +
-         (upper_open ? ")" : "]");
+  return Format("in {}{}, {}{}", lower_open ? "(" : "[", FormatNumber(lower), FormatNumber(upper), upper_open ? ")" : "]");
 }
 
 std::string Shortened(const std::string &value)
 {
   constexpr std::size_t kMaxShown = 200;
-  return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "... (" + std::to_string(value.size()) + " characters)";
+  return value.size() <= kMaxShown ? value : Format("{}... ({} characters)", value.substr(0, kMaxShown), value.size());
 }
 
 std::string LowerCase(std::string name)
@@ -80,7 +57,7 @@ static bool ParseNumber(const std::string &text, double *value)
 
 void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  throw InputRefused(name + (value.empty() ? "" : " " + Shortened(value)) + ": must be " + allowed);
+  throw InputRefused(Format("{}{}: must be {}", name, value.empty() ? "" : " " + Shortened(value), allowed));
 }
 
 bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)
@@ -88,7 +65,7 @@ bool OptionReader::Raw(const OptionText &option, const std::string &fallback, st
   std::vector<char> buffer(kLongestValue + 1);
   PetscBool given = PETSC_FALSE;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
-    Refuse(option.name, "", "an option of one meaning; give the body, material or load another name");
+    Refuse(option.name, "", "an option of one body, material or load; rename one of those that it belongs to");
   const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
   auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
   if (!learns_)
@@ -141,10 +118,11 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   std::string text;
   double number;
   Raw(option, std::to_string(*value), &text);
-  constexpr double kLargest = 2e9; // an int
-  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargest)
-    Refuse(option.name, text.empty() ? "(nothing)" : text,
-           "a whole number " + range.Text() + (number > kLargest && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
+  constexpr double kLargestInt = 2e9;
+  if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargestInt)
+    Refuse(
+        option.name, text.empty() ? "(nothing)" : text,
+        Format("a whole number {}{}", range.Text(), number > kLargestInt && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
   *value = static_cast<int>(number);
 }
 
@@ -194,13 +172,13 @@ bool OptionReader::Numbers(const OptionText &option, const Range &range, std::si
     double value = 0;
     const bool number = ParseNumber(word, &value);
     if (!number && strange.empty() && !text.empty())
-      strange = "; " + (word.empty() ? "(nothing)" : Shortened(word)) + " is no finite number";
+      strange = Format("; {} is no finite number", word.empty() ? "(nothing)" : Shortened(word));
     allowed = allowed && number && range.Contains(value);
     values->push_back(value);
   }
-  if (most == 1 && values->size() > 1) strange = "; one number, and not " + std::to_string(values->size()) + " with commas";
+  if (most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
   const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
-  const std::string count = most == 1 ? "" : fewest + (least > 1 ? std::to_string(least) + " " : "") + "numbers ";
+  const std::string count = most == 1 ? "" : Format("{}{}numbers ", fewest, least > 1 ? Format("{} ", least) : "");
   if (!allowed || values->size() < least || (most && values->size() > most))
     Refuse(option.name, text.empty() ? "(nothing)" : text,
            count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas") + strange);
@@ -261,7 +239,7 @@ static std::size_t EditDistance(const std::string &a, const std::string &b)
   return row.back();
 }
 
-/// Options that nothing has read.
+/// Options that the program has not read.
 static std::vector<std::string> FindUnused()
 {
   PetscInt count = 0;
@@ -297,7 +275,7 @@ static const std::string &Nearest(const std::string &option, const std::vector<s
                            [&](const auto &a, const auto &b) { return EditDistance(option, a) < EditDistance(option, b); });
 }
 
-/// Options of earlier versions, and why nothing reads them.
+/// Options of earlier versions, and why they are gone.
 struct RetiredOption {
   const char *name, *reason;
 };
@@ -312,8 +290,8 @@ constexpr RetiredOption kRetired[] = {
   if (option.find('=') != std::string::npos)
     Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
   for (const RetiredOption &retired : kRetired)
-    if (option == retired.name) Refuse(option + ": is not an option any more: " + retired.reason);
-  Refuse(Shortened(option) + ": nothing reads this option in this case; the nearest known name is " + Nearest(option, known));
+    if (option == retired.name) Refuse("{}: is not an option any more: {}", option, retired.reason);
+  Refuse("{}: unknown or unused option in this case; the nearest known name is {}", Shortened(option), Nearest(option, known));
 }
 
 void OptionReader::RefuseUnused() const
@@ -363,7 +341,7 @@ void OptionReader::WarnUnused() const
   const std::set<std::string> late = {"-options_left", "-options_view", "-objects_dump",
                                       "-malloc_dump",  "-memory_view",  "-log_view_memory"};
   for (const std::string &unused : FindUnused())
-    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": nothing has read this option");
+    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": unused option");
 }
 
 } // namespace mlgimp

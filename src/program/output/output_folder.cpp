@@ -1,4 +1,4 @@
-// Looking at, locking and clearing the folder of a run; the first rank does it for all.
+// Checks, locks and clears the folder of a run; the first rank does it for all ranks.
 #include "program/output/output_folder.hpp"
 
 #include "program/system/agree.hpp"
@@ -84,17 +84,17 @@ bool OutputFolder::HoldsRestart(const std::vector<std::string> &names) const
 /// What is wrong with the folder as it is; empty where nothing is, or where there is none yet.
 std::string OutputFolder::Check()
 {
-  const std::string option = "-output_dir " + Shortened(settings_.directory) + ": must ";
+  const std::string option = Format("-output_dir {}: must ", Shortened(settings_.directory));
   std::vector<std::string> files, folders;
   std::error_code error, unknown;
   goes_on_ = false;
   const fs::file_status status = fs::status(settings_.directory, unknown);
-  if (status.type() == fs::file_type::unknown) return option + "be a folder that can be reached: " + unknown.message();
+  if (status.type() == fs::file_type::unknown) return Format("{}be a folder that can be reached: {}", option, unknown.message());
   if (!fs::exists(status)) return "";
   if (!fs::is_directory(status)) return option + "be a folder; it is a file";
   if (!ListResults(settings_.directory, &files, &folders, &error))
-    return option + "be a folder that can be listed: " + error.message();
-  if (!folders.empty()) return option + "hold no folder " + folders[0] + ", the name of a result";
+    return Format("{}be a folder that can be listed: {}", option, error.message());
+  if (!folders.empty()) return Format("{}hold no folder {}, the name of a result", option, folders[0]);
   goes_on_ = HoldsRestart(files);
   if (!files.empty() && !goes_on_ && !settings_.overwrite) return option + "hold no results, or -overwrite be given";
   return "";
@@ -103,7 +103,7 @@ std::string OutputFolder::Check()
 /// Locks a file of its own, since the results are replaced by renaming. A file that a killed run left is not locked any more.
 std::string OutputFolder::Lock()
 {
-  const std::string path = PathOf(kLockName), option = "-output_dir " + Shortened(settings_.directory) + ": ";
+  const std::string path = PathOf(kLockName), option = Format("-output_dir {}: ", Shortened(settings_.directory));
   do {
     lock_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666), close);
     if (!lock_.Valid()) return ""; // where no file can be made, the first result says why
@@ -113,8 +113,9 @@ std::string OutputFolder::Lock()
       lock_.Close();
       return option + "must be used by one run at a time; another is writing there";
     }
-    warning_ = option + "the file system gives no locks (" + std::strerror(error) +
-               "): two runs in this folder at once would not be noticed, and on NFS all ranks must be on one machine";
+    warning_ = Format("{}the file system gives no locks ({}): two runs in this folder at once would not be noticed, and on NFS "
+                      "all ranks must be on one machine",
+                      option, std::strerror(error));
   } while (!SameFile(lock_, path)); // the run before has just removed it
   return "";
 }
@@ -146,7 +147,7 @@ std::string OutputFolder::Claim(MPI_Comm comm)
     std::error_code error, unknown;
     fs::create_directories(settings_.directory, error);
     if (!fs::is_directory(settings_.directory, unknown))
-      return "-output_dir " + Shortened(settings_.directory) + ": must be a folder that can be created: " + error.message();
+      return Format("-output_dir {}: must be a folder that can be created: {}", Shortened(settings_.directory), error.message());
     const std::string taken = Lock();
     return taken.empty() ? Check() : taken; // once more: another run may have come between
   });

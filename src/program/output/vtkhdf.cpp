@@ -42,10 +42,10 @@ public:
     const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fapl_core(access, kGrowth, false);
     file_ = H5Handle(H5Fcreate("series.vtkhdf", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-    Note(file_);
+    Record(file_);
   }
 
-  void Group(const std::string &name) { Note(H5Handle(H5Gcreate2(file_, name.c_str(), 0, 0, 0), H5Gclose)); }
+  void Group(const std::string &name) { Record(H5Handle(H5Gcreate2(file_, name.c_str(), 0, 0, 0), H5Gclose)); }
 
   template <class Number>
   void Attribute(const std::string &object, const char *name, hid_t type, const H5Handle &space, Number *value)
@@ -108,7 +108,7 @@ public:
   }
 
 private:
-  void Note(const H5Handle &object) { good_ = good_ && object.Valid(); }
+  void Record(const H5Handle &object) { good_ = good_ && object.Valid(); }
   static H5Handle Space(hsize_t rows, hsize_t width)
   {
     const hsize_t size[2] = {rows, width};
@@ -117,7 +117,7 @@ private:
   H5Handle Create(const std::string &name, hid_t type, const H5Handle &space, const H5Handle &layout)
   {
     H5Handle set(H5Dcreate2(file_, name.c_str(), type, space, 0, layout.Valid() ? hid_t(layout) : H5P_DEFAULT, 0), H5Dclose);
-    Note(set);
+    Record(set);
     return set;
   }
 
@@ -227,14 +227,15 @@ void AddField(VtkhdfFile &file, const std::string &name, const FrameField &field
 /// one.
 bool AddLevels(VtkhdfFile &file, const std::vector<VtkPart> &parts)
 {
-  std::vector<hsize_t> most;
+  std::vector<hsize_t> largest_part;
   for (const VtkPart &part : parts) {
     if (part.level < 0) return false;
-    most.resize(std::max(most.size(), std::size_t(part.level) + 1));
-    most[part.level] = std::max(most[part.level], part.count);
+    largest_part.resize(std::max(largest_part.size(), std::size_t(part.level) + 1));
+    largest_part[part.level] = std::max(largest_part[part.level], part.count);
   }
-  file.Constant("/ones", 1, most.empty() ? 0 : *std::max_element(most.begin(), most.end()));
-  for (std::size_t l = 0; l < most.size(); ++l) file.Constant("/level_" + std::to_string(l), static_cast<int>(l), most[l]);
+  file.Constant("/ones", 1, largest_part.empty() ? 0 : *std::max_element(largest_part.begin(), largest_part.end()));
+  for (std::size_t l = 0; l < largest_part.size(); ++l)
+    file.Constant("/level_" + std::to_string(l), static_cast<int>(l), largest_part[l]);
   const auto own = [](const VtkPart &part) { return std::pair(std::string("."), "/level_" + std::to_string(part.level)); };
   file.Virtual("/VTKHDF/PointData/level", H5T_NATIVE_INT, 1, parts, 1, 0, {{1, 0, 1, 1, own}});
   return true;

@@ -27,8 +27,8 @@ void Simulation::SetUp(MPI_Comm comm)
   if (restart) {
     ReadCheckpoint(case_, hierarchy_, &state_, &same_ranks);
     if (AtEnd())
-      Refuse("-restart " + Shortened(case_.output.restart) + ": must be from before the end of the run; it is at time " +
-             FormatNumber(state_.time) + ", step " + std::to_string(state_.step));
+      Refuse("-restart {}: must be from before the end of the run; it is at time {}, step {}", Shortened(case_.output.restart),
+             FormatNumber(state_.time), state_.step);
     start_step_ = state_.step;
     watch_.SetState(state_.quasi_static);
     warnings_.SetState(state_.watched, state_.warnings);
@@ -117,23 +117,23 @@ void Simulation::CheckStep(double speed)
   const std::string end = "-end_time " + FormatNumber(time.end_time);
   constexpr double kMaxSteps = 1e15; // far fewer than a double counts, far more than a machine makes
   if (time.time_step > limit)
-    FailOrRefuse("-time_step " + FormatNumber(time.time_step) + ": must be <= " + FormatRounded(limit) +
-                 (by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's") +
-                 (state_.step > start_step_ ? " by now" : ""));
+    FailOrRefuse(Format("-time_step {}: must be <= {}{}{}", FormatNumber(time.time_step), limit,
+                        by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's",
+                        state_.step > start_step_ ? " by now" : ""));
   if (!(state_.time + step > state_.time) || (std::isfinite(left) && !(left < kMaxSteps * step)))
-    FailOrRefuse((time.time_step > 0 ? "-time_step " + FormatNumber(time.time_step) + ": must bring " + end + " in reach"
-                                     : end + ": must be in reach") +
-                 "; a step is " + FormatRounded(step) + " s at time " + FormatRounded(state_.time) + " s, with a speed of " +
-                 FormatRounded(speed) + " m/s");
+    FailOrRefuse(Format("{}; a step is {} s at time {} s, with a speed of {} m/s",
+                        time.time_step > 0 ? Format("-time_step {}: must bring {} in reach", FormatNumber(time.time_step), end)
+                                           : end + ": must be in reach",
+                        step, state_.time, speed));
 }
 
 /// A line about a level that has moved, ended or begun.
 static std::string Describe(const LevelMove &move, int dim)
 {
-  return "step " + FormatNumber(move.step) + "  level " + FormatNumber(move.level) +
-         (move.active ? ": box from " + FormatVector(move.box.lower, dim) + " to " + FormatVector(move.box.upper, dim)
-                      : " ends") +
-         ", " + FormatNumber(move.split) + " points split, " + FormatNumber(move.merged) + " merged";
+  return Format("step {}  level {}{}, {} points split, {} merged", FormatNumber(move.step), FormatNumber(move.level),
+                move.active ? Format(": box from {} to {}", FormatVector(move.box.lower, dim), FormatVector(move.box.upper, dim))
+                            : " ends",
+                FormatNumber(move.split), FormatNumber(move.merged));
 }
 
 void Simulation::ControlStep()
@@ -147,7 +147,7 @@ void Simulation::ControlStep()
   if (state_.wave_speed == 0 || state_.step > start_step_) state_.wave_speed = speed;
   state_.time_step = StepLength(state_.wave_speed);
   ExitOnError(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
-  SettleFailure(); // points that have failed may be anywhere
+  CheckFailure(); // points that have failed may be anywhere
   CheckPace();
 }
 
@@ -158,11 +158,12 @@ void Simulation::CheckPace()
   if (follow.kind != FollowKind::kContact) return;
   const int finest = hierarchy_.Following().plan.active - 1;
   const double room = case_.hierarchy.rules.Border(finest), soon = NextCheck();
-  const double way = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
-  if (finest > 0 && way > room)
-    FailOrRefuse("-level_follow contact: the tip goes " + FormatRounded(way) + " m until boxes are checked again, by time " +
-                 FormatRounded(soon) + " s, more than the " + FormatRounded(room) + " m that level " + std::to_string(finest) +
-                 " keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval");
+  const double distance = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
+  if (finest > 0 && distance > room)
+    FailOrRefuse(
+        Format("-level_follow contact: the tip goes {} m until boxes are checked again, by time {} s, more than the {} m that "
+               "level {} keeps free around the contact; try a slower indenter, fewer -levels or a smaller -regrid_interval",
+               distance, soon, room, finest));
 }
 
 int Simulation::Run()
@@ -183,7 +184,7 @@ int Simulation::Run()
   if (stopped_.empty())
     ExitOnError(hierarchy_.View(state_.time));
   else
-    TellOfStop();
+    ReportStop();
   return stop_signal_;
 }
 
@@ -194,9 +195,8 @@ void Simulation::Begin()
   PrepareOutputFolder();
   ListenToOrders();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
-    WarnAtStart(
-        {"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and contact "
-         "comes late"});
+    WarnAtStart({"-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
+                 "contact comes late"});
   warnings_.Issue(comm_, at_start_);
   for (const std::string &line : case_.quasi_static.lines) ExitOnError(PetscPrintf(comm_, "%s\n", line.c_str()));
   start_wall_ = last_shown_ = MPI_Wtime();
@@ -236,18 +236,18 @@ void Simulation::ObeyOrders()
   const bool is_written = last_checkpoint_ >= 0 && state_.step <= last_checkpoint_ + kControlInterval;
   if (orders == 0 || (orders == kWriteOrder && is_written)) return;
   if (last_checkpoint_ != state_.step) {
-    SettleState();
+    CheckState();
     WriteState();
   }
   if (orders & kEndOrder) stop_signal_ = SIGTERM;
   if (orders > kWriteOrder)
-    stopped_ = (stop_signal_ ? std::string("SIGTERM") : "-max_wall_time " + FormatNumber(case_.time.max_wall_time)) +
-               " at step " + std::to_string(state_.step) + "; go on with -restart " +
-               CheckpointPath(case_.output.directory, state_.step);
+    stopped_ = Format("{} at step {}; go on with -restart {}",
+                      stop_signal_ ? "SIGTERM" : "-max_wall_time " + FormatNumber(case_.time.max_wall_time), state_.step,
+                      CheckpointPath(case_.output.directory, state_.step));
 }
 
 /// One line: of a signal as of all that end a run, of the clock as of an end that was wanted.
-void Simulation::TellOfStop()
+void Simulation::ReportStop()
 {
   const std::string line = OneLine("ended by " + stopped_);
   if (stop_signal_ && RankIn(comm_) == 0) std::fprintf(stderr, "mlgimp: error: %s\n", line.c_str());
@@ -261,10 +261,10 @@ void Simulation::FollowBoxes()
   const std::size_t before = state_.moves.size();
   std::string problem;
   if (follow.kind == FollowKind::kNone || state_.step % follow.interval != 0) return;
-  SettleFailure(); // points that have failed may be anywhere
+  CheckFailure(); // points that have failed may be anywhere
   CheckPace();
   ExitOnError(hierarchy_.Follow(static_cast<double>(state_.step), state_.time, NextCheck(), &state_.moves, &problem));
-  if (!problem.empty()) Fail("time " + FormatRounded(state_.time) + ": " + problem);
+  if (!problem.empty()) Fail(Format("time {}: {}", state_.time, problem));
   for (std::size_t k = before; k < state_.moves.size() && case_.output.monitor; ++k)
     ExitOnError(PetscPrintf(comm_, "%s%s\n", k == before ? "\n" : "", Describe(state_.moves[k], case_.Dim()).c_str()));
 }
@@ -275,25 +275,26 @@ int Simulation::FramesDue() const
   return AtEnd() ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
 }
 
-/// What is wrong with the way of a tip under load control; empty where nothing is. The same on all ranks.
+/// Why a tip under load control cannot go on; empty where it can. The same on all ranks.
 std::string Simulation::DescribeTip()
 {
   constexpr double kMaxOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
   if (!case_.model.indenter || !case_.model.indenter->by_load) return "";
   const Indenter &indenter = *case_.model.indenter;
   const double height = hierarchy_.Tip().At(state_.time)[indenter.up], lowest = case_.LowestTip(case_.hierarchy.tip_level);
-  const std::string when = "time " + FormatRounded(state_.time) + ": ",
-                    load = "-indenter_loads, " + FormatRounded(indenter.by_load->force.Value(state_.time)) + " N by now, ";
+  const std::string when = Format("time {}: ", state_.time),
+                    load = Format("-indenter_loads, {} N by now, ", indenter.by_load->force.Value(state_.time));
   if (hierarchy_.Tip().Overrun() > kMaxOverrun * (indenter.initial_surface - case_.domain.lower[indenter.up]))
-    return when + load + "are not met although the tip comes down at " + FormatRounded(indenter.by_load->largest_speed) +
-           " m/s, a tenth of the speed of waves; try smaller or slower ones";
+    return Format(
+        "{}{}are not met although the tip comes down at {} m/s, a tenth of the speed of waves; try smaller or slower ones", when,
+        load, indenter.by_load->largest_speed);
   if (height < lowest)
-    return when + load + "press the tip " + FormatRounded(lowest - height) + " m below " + FormatRounded(lowest) +
-           ", to which level " + std::to_string(case_.hierarchy.tip_level) + " can hold it; try smaller ones or a larger box";
+    return Format("{}{}press the tip {} m below {}, to which level {} can hold it; try smaller ones or a larger box", when, load,
+                  lowest - height, lowest, case_.hierarchy.tip_level);
   return "";
 }
 
-void Simulation::SettleFailure()
+void Simulation::CheckFailure()
 {
   std::string problem = hierarchy_.DescribeFailure();
   if (problem.empty()) problem = DescribeTip();
@@ -301,17 +302,17 @@ void Simulation::SettleFailure()
   if (!message.empty()) Fail(message);
 }
 
-/// Ends the run before a state is written that nothing can go on from, although no step has failed by it yet.
-void Simulation::SettleState()
+/// Ends the run before it writes a state that no restart could use, although no step has failed yet.
+void Simulation::CheckState()
 {
   std::string message;
   for (int l = 0; l < hierarchy_.Levels() && message.empty(); ++l) {
     const PointArrays points = hierarchy_.At(l).PointStore().Arrays();
     const std::string wrong = WrongValues(points, static_cast<int>(case_.model.bodies.size()));
-    if (!wrong.empty()) message = "level " + std::to_string(l) + ": " + wrong + "; try a smaller -cfl or -time_step";
+    if (!wrong.empty()) message = Format("level {}: {}; try a smaller -cfl or -time_step", l, wrong);
   }
   message = Agree(comm_, "state", message);
-  if (!message.empty()) Fail("time " + FormatRounded(state_.time) + ", " + message);
+  if (!message.empty()) Fail(Format("time {}, {}", state_.time, message));
 }
 
 } // namespace mlgimp

@@ -16,8 +16,8 @@ void Simulation::WriteFrameDue()
   const int frame = frames_before_ + FramesDue();
   if (frame <= state_.frames) return;
   CheckWritten(WriteRows());
-  SettleFailure();
-  SettleState();
+  CheckFailure();
+  CheckState();
   ExitOnError(PetscLogEventBegin(events_.output, 0, 0, 0, 0));
   state_.frames = frame;
   CheckWritten(frames_.Write(hierarchy_, frame, state_.time, state_.step));
@@ -32,9 +32,9 @@ void Simulation::WriteDue()
   if (IsRowDue(state_.step, state_.time)) RecordRow();
   if (state_.step % kControlInterval == 0 || AtEnd() || checkpoint_due) {
     CheckWritten(WriteRows());
-    SettleFailure();
+    CheckFailure();
   }
-  if (checkpoint_due) SettleState();
+  if (checkpoint_due) CheckState();
   if (checkpoint_due) WriteState();
   ExitOnError(PetscLogEventEnd(events_.output, 0, 0, 0, 0));
 }
@@ -54,13 +54,12 @@ std::string Simulation::FindKept() const
   std::vector<std::string> parts;
   const auto is_there = [](const std::string &path) { return access(path.c_str(), F_OK) == 0; };
   const std::string checkpoint = CheckpointPath(case_.output.directory, last_checkpoint_);
-  if (history_.Last() >= 0 && history_.IsThere()) parts.push_back("history to step " + std::to_string(history_.Last()));
-  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last())))
-    parts.push_back("frames to " + std::to_string(frames_.Last()));
-  if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back("checkpoint " + std::to_string(last_checkpoint_));
+  if (history_.Last() >= 0 && history_.IsThere()) parts.push_back(Format("history to step {}", history_.Last()));
+  if (frames_.Last() >= 0 && is_there(frames_.PathOf(frames_.Last()))) parts.push_back(Format("frames to {}", frames_.Last()));
+  if (last_checkpoint_ >= 0 && is_there(checkpoint)) parts.push_back(Format("checkpoint {}", last_checkpoint_));
   const std::string last = parts.empty() ? "nothing" : parts.back();
   if (!parts.empty()) parts.pop_back();
-  return ShareText(comm_, parts.empty() ? last + " is kept" : Join(parts, ", ") + " and " + last + " are kept");
+  return ShareText(comm_, parts.empty() ? last + " is kept" : Format("{} and {} are kept", Join(parts, ", "), last));
 }
 
 void Simulation::WriteState()
@@ -82,8 +81,8 @@ void Simulation::SetFrictionForce(double time)
   const Vec3 impulse = budgets_.friction_impulse, last = state_.friction_at_row;
   const double passed = time - state_.time_at_row;
   if (!indenter) return;
-  const Vec3 way = indenter->Sideways(time) - indenter->Sideways(state_.time_at_row);
-  const Vec3 along = Norm(way) > 0 ? (1 / Norm(way)) * way : Vec3{1, 0, 0};
+  const Vec3 moved = indenter->Sideways(time) - indenter->Sideways(state_.time_at_row);
+  const Vec3 along = Norm(moved) > 0 ? (1 / Norm(moved)) * moved : Vec3{1, 0, 0};
   if (passed > 0) friction_force_ = Dot(impulse - last, along) / passed;
   state_.friction_at_row = impulse;
   budgets_.friction_force = friction_force_;

@@ -3,6 +3,7 @@
 
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
+#include "program/system/numbers.hpp"
 #include "program/system/versions.hpp"
 
 #include <nlohmann/json.hpp>
@@ -23,7 +24,6 @@ using Json = nlohmann::ordered_json;
 /// Counts are sums of doubles, but whole; what is not finite becomes null.
 Json Number(double x)
 {
-  constexpr double kLargestWhole = 9007199254740992; // 2^53
   return std::abs(x) <= kLargestWhole && x == std::floor(x) ? Json(static_cast<std::int64_t>(x)) : Json(x);
 }
 
@@ -107,16 +107,16 @@ Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
           {"transits", Number(plan.pace.transits)},
           {"distance", Number(plan.distance)},
           {"start", Number(plan.pace.start)},
-          {"speed", Number(watch.FastestSpeed())},
-          {"speed_over_wave_speed", Number(watch.FastestSpeed() / plan.wave_speed)},
+          {"speed", Number(watch.SoFar().speed)},
+          {"speed_over_wave_speed", Number(watch.SoFar().speed / plan.wave_speed)},
           {"damping", Number(c.model.nodal.damping)},
           {"damping_ratio", Number(plan.damping_ratio)},
           {"xpic_fraction", Number(c.model.nodal.xpic_fraction)},
           {"end_time", Number(plan.end_time)},
-          {"kinetic_over_internal", Number(watch.KineticShare())},
-          {"added_load", Number(watch.LoadShare())},
-          {"noise_over_work", Number(watch.NoiseShare())},
-          {"hold_drift", Number(watch.HoldDrift())}};
+          {"kinetic_over_internal", Number(watch.SoFar().kinetic_share)},
+          {"added_load", Number(watch.SoFar().load_share)},
+          {"noise_over_work", Number(watch.SoFar().noise_share)},
+          {"hold_drift", Number(watch.SoFar().hold_drift)}};
 }
 
 Json MovesJson(const std::vector<LevelMove> &moves, int dim)

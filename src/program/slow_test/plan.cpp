@@ -66,8 +66,8 @@ Vec3 ContactPlace(const Case &c)
   return x;
 }
 
-/// The longest way within the bodies from the contact along an axis to a side of the domain, or to one that is held.
-double LongestWay(const Case &c, bool held)
+/// The longest path within the bodies from the contact along an axis to a side of the domain, or to one that is held.
+double LongestPath(const Case &c, bool held)
 {
   const Indenter &indenter = *c.model.indenter;
   double longest = 0;
@@ -81,11 +81,11 @@ double LongestWay(const Case &c, bool held)
   return longest;
 }
 
-/// The way of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
+/// The path of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
 double WavePath(const Case &c)
 {
-  const double held = LongestWay(c, true);
-  return held < kRounding * c.cell_size ? LongestWay(c, false) : held;
+  const double held = LongestPath(c, true);
+  return held < kRounding * c.cell_size ? LongestPath(c, false) : held;
 }
 
 /// Exponent m of an elastic load over depth, P ~ h^m, from the width of the indenter; in plane strain there is only a logarithm.
@@ -110,13 +110,13 @@ double SpringBack(const Case &c, double exponent, double depth)
 }
 
 /// The speed from which on inertia presses a metal noticeably: rho c V against the shear yield stress sy/sqrt 3.
-double MostSpeed(const Case &c)
+double MaxSpeed(const Case &c)
 {
-  double most = HUGE_VAL;
+  double fastest = HUGE_VAL;
   for (const auto &material : c.model.materials)
-    most = std::min(most, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
-                              (material->Density() * material->SpeedOfSound()));
-  return most;
+    fastest = std::min(fastest, kMaxStress * c.quasi_static.tolerance * material->FlowStress(0) / std::sqrt(3) /
+                                    (material->Density() * material->SpeedOfSound()));
+  return fastest;
 }
 
 /// Loads and gravity rise from nothing, and the bodies come to rest, before the tip starts: what begins at once is a blow.
@@ -154,7 +154,7 @@ void PlanDepths(OptionReader &reader, Case *c)
   plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
   if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
   plan.exponent = LoadExponent(*c, plan.depth);
-  plan.pace.most_speed = MostSpeed(*c);
+  plan.pace.max_speed = MaxSpeed(*c);
   plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
   const SlowSchedule schedule(plan.pace, turns, gap);
   indenter.motion = {schedule.Speed()};
@@ -187,30 +187,30 @@ std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 {
   double scale = 0;
   for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
-  return scale > 0 ? ", by -rate_scale that of a test of " + FormatRounded(plan.end_time / scale) + " s" : "";
+  return scale > 0 ? Format(", by -rate_scale that of a test of {} s", plan.end_time / scale) : "";
 }
 
 /// What was chosen, in one line, and what the user should know of it, each in one.
 void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
 {
-  const auto in = [](double x) { return FormatRounded(x); };
-  plan->lines.push_back("quasi-static: " + in(plan->pace.transits) + " transits of " + in(plan->pace.transit) + " s (" +
-                        in(plan->distance) + " m at " + in(plan->wave_speed) + " m/s) for a loading" +
-                        (plan->depth > 0 ? ", at most " + in(plan->largest_speed) +
-                                               " m/s = " + in(plan->largest_speed / plan->wave_speed) + " of the speed of waves"
-                                         : "") +
-                        "; damping " + in(c.model.nodal.damping) + " 1/s" + (plan->own_damping ? "" : " as given") + ", " +
-                        in(plan->damping_ratio) + " of critical; schedule of " + in(plan->end_time) + " s" + RatesText(c, *plan));
+  plan->lines.push_back(Format(
+      "quasi-static: {} transits of {} s ({} m at {} m/s) for a loading{}; damping {} 1/s{}, {} of critical; schedule of {} s{}",
+      plan->pace.transits, plan->pace.transit, plan->distance, plan->wave_speed,
+      plan->depth > 0
+          ? Format(", at most {} m/s = {} of the speed of waves", plan->largest_speed, plan->largest_speed / plan->wave_speed)
+          : "",
+      c.model.nodal.damping, plan->own_damping ? "" : " as given", plan->damping_ratio, plan->end_time, RatesText(c, *plan)));
   if (plan->rise > 0)
-    plan->lines.push_back("quasi-static: loads and gravity rise within " + in(plan->rise) + " s; the tip starts at " +
-                          in(plan->pace.start) + " s, and depths count from the surface without them");
+    plan->lines.push_back(Format("quasi-static: loads and gravity rise within {} s; the tip starts at {} s, and depths count "
+                                 "from the surface without them",
+                                 plan->rise, plan->pace.start));
   if (std::isfinite(end_time) && end_time < plan->end_time)
-    plan->lines.push_back("quasi-static: -end_time " + FormatNumber(end_time) + " ends the run before its schedule");
+    plan->lines.push_back(Format("quasi-static: -end_time {} ends the run before its schedule", FormatNumber(end_time)));
 }
 
 constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
 
-/// A case keeps its history where depths are given for a slow test.
+/// With -indenter_depths a slow test ignores the history of the indenter: its options are read and not used.
 void LeaveHistoryAside(OptionReader &reader)
 {
   std::string text;
@@ -251,9 +251,9 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
       reader.Refuse(std::string("-indenter_velocities_") + "xy"[axis], "", kNotSideways);
   for (std::size_t k = 0; k < c->model.loads.size(); ++k)
     if (c->model.loads[k].pressure.EndTime() > 0)
-      reader.Refuse("-quasi_static", "true",
-                    "left out where a load changes with time, as " + c->load_names[k] + ": its times are not stretched");
-  plan.distance = LongestWay(*c, false); // free ends ring as well, and a thin layer is wider than it is high
+      reader.Refuse("-quasi_static", "true", "left out where a load changes with time, as {}: its times are not stretched",
+                    c->load_names[k]);
+  plan.distance = LongestPath(*c, false); // free ends ring as well, and a thin layer is wider than it is high
   plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));

@@ -1,14 +1,16 @@
 // The watch over a slow test.
 #include "program/slow_test/watch.hpp"
 
+#include "program/system/numbers.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace mlgimp
 {
 
-static constexpr double kEarly = 0.2; ///< of depth or load: before, shares of them say nothing
-static constexpr int kSamples = 16;   ///< in a transit
+static constexpr double kMinShare = 0.2; ///< of depth or load: before, shares of them say nothing
+static constexpr int kSamples = 16;      ///< in a transit
 
 /// What inertia and damping add to the load, N: no more than all of it, since other things than the tip move bodies too.
 double QuasiStaticWatch::Added(const Sample &now, double load)
@@ -18,11 +20,11 @@ double QuasiStaticWatch::Added(const Sample &now, double load)
   if (window_.empty() || now.time - window_.back().time > transit / kSamples) window_.push_back(now);
   while (window_.size() > 1 && window_[1].time <= now.time - transit) window_.erase(window_.begin());
   const Sample &then = window_.front();
-  const double time = now.time - then.time, way = now.depth - then.depth;
+  const double time = now.time - then.time, moved = now.depth - then.depth;
   if (!(time > 0)) return 0;
-  speed_ = std::abs(way) / time;
-  const double least = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
-  const double added = way != 0 ? (now.spent - then.spent) * way / (way * way + least * least) : 0;
+  speed_ = std::abs(moved) / time;
+  const double min_moved = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
+  const double added = moved != 0 ? (now.spent - then.spent) * moved / (moved * moved + min_moved * min_moved) : 0;
   return std::clamp(added, -std::abs(load), std::abs(load));
 }
 
@@ -34,16 +36,17 @@ void QuasiStaticWatch::CheckHold(double time, double value)
   };
   const auto hold = std::find_if(plan_.holds.begin(), plan_.holds.end(), in_last_transit);
   if (hold == plan_.holds.end() || value == 0) return;
-  double &least = numbers_[kHoldLeast], &most = numbers_[kHoldMost];
-  if (numbers_[kHoldTime] != hold->second) numbers_[kHoldTime] = hold->second, least = most = value;
+  double &least = largest_.hold_least, &most = largest_.hold_most;
+  if (largest_.hold_end != hold->second) largest_.hold_end = hold->second, least = most = value;
   least = std::min(least, value), most = std::max(most, value);
-  numbers_[kHoldDrift] = std::max(numbers_[kHoldDrift], (most - least) / std::max(std::abs(most), std::abs(least)));
+  largest_.hold_drift = std::max(largest_.hold_drift, (most - least) / std::max(std::abs(most), std::abs(least)));
 }
 
 bool QuasiStaticWatch::IsLoaded(const Budgets &row) const
 {
-  const bool deep = plan_.depth > 0 ? row.depth > kEarly * plan_.depth : row.load > std::pow(kEarly, plan_.exponent) * plan_.load;
-  return deep && row.load_quasi_static > kEarly * numbers_[kLargestLoad];
+  const bool deep =
+      plan_.depth > 0 ? row.depth > kMinShare * plan_.depth : row.load > std::pow(kMinShare, plan_.exponent) * plan_.load;
+  return deep && row.load_quasi_static > kMinShare * largest_.load;
 }
 
 void QuasiStaticWatch::Record(Budgets &row)
@@ -51,21 +54,20 @@ void QuasiStaticWatch::Record(Budgets &row)
   if (!plan_.on) return;
   const double kinetic = row.kinetic_energy - row.noise_energy;
   row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
-  numbers_[kLargestLoad] = std::max<double>(numbers_[kLargestLoad], row.load_quasi_static);
+  largest_.load = std::max<double>(largest_.load, row.load_quasi_static);
   CheckHold(row.time, plan_.depth > 0 ? row.load : row.depth);
   if (!IsLoaded(row)) return;
-  const auto raise = [this](Kept which, double share) { numbers_[which] = std::max(numbers_[which], share); };
-  raise(kFastest, speed_);
-  raise(kLoadShare, std::abs(row.load / row.load_quasi_static - 1));
-  raise(kKineticShare, kinetic / (plan_.rise > 0 ? row.indenter_work : row.strain_energy + row.plastic_work));
-  raise(kNoiseShare, row.noise_energy / row.indenter_work);
+  const auto raise = [](double *largest, double now) { *largest = std::max(*largest, now); };
+  raise(&largest_.speed, speed_);
+  raise(&largest_.load_share, std::abs(row.load / row.load_quasi_static - 1));
+  raise(&largest_.kinetic_share, kinetic / (plan_.rise > 0 ? row.indenter_work : row.strain_energy + row.plastic_work));
+  raise(&largest_.noise_share, row.noise_energy / row.indenter_work);
 }
 
 std::vector<double> QuasiStaticWatch::State() const
 {
-  std::vector<double> state;
-  if (!plan_.on) return state;
-  state = numbers_;
+  if (!plan_.on) return {};
+  std::vector<double> state = ToNumbers(largest_);
   for (const Sample &sample : window_) state.insert(state.end(), {sample.time, sample.depth, sample.spent});
   return state;
 }
@@ -73,14 +75,15 @@ std::vector<double> QuasiStaticWatch::State() const
 void QuasiStaticWatch::SetState(const std::vector<double> &state)
 {
   if (!plan_.on) return;
-  numbers_.assign(state.begin(), state.begin() + kNumbers);
+  largest_ = FromNumbers<Largest>(state.data());
   window_.clear();
-  for (std::size_t k = kNumbers; k < state.size(); k += kSample) window_.push_back({state[k], state[k + 1], state[k + 2]});
+  for (std::size_t k = kNumbersOf<Largest>; k < state.size(); k += kSample)
+    window_.push_back({state[k], state[k + 1], state[k + 2]});
 }
 
 bool QuasiStaticWatch::IsState(const std::vector<double> &state) const
 {
-  return plan_.on ? state.size() >= kNumbers && (state.size() - kNumbers) % kSample == 0 : state.empty();
+  return plan_.on ? state.size() >= kNumbersOf<Largest> && (state.size() - kNumbersOf<Largest>) % kSample == 0 : state.empty();
 }
 
 } // namespace mlgimp

@@ -1,6 +1,7 @@
 // Agreement of all ranks on a problem that one of them may have.
 #include "program/system/agree.hpp"
 
+#include "base/text.hpp"
 #include "program/system/errors.hpp"
 
 #include <utility>
@@ -39,7 +40,7 @@ static PetscErrorCode InjectFault(int rank, const char *place, std::string *prob
   int failing = -1;
   words >> name >> failing >> kind;
   if (name != place || rank != failing) PetscFunctionReturn(PETSC_SUCCESS);
-  const std::string text = "injected at " + name + " on rank " + std::to_string(rank);
+  const std::string text = Format("injected at {} on rank {}", name, rank);
   PetscCheck(kind != "error", PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", text.c_str());
   if (kind == "exception") throw std::runtime_error(text);
   if (kind == "memory") throw std::bad_alloc();

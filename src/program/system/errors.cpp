@@ -1,6 +1,8 @@
 // The end of a run by an error.
 #include "program/system/errors.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -80,12 +82,12 @@ void ErrorExit::Free() { MPI_Comm_free(&comm_); }
 /// True where every rank gets here within a few seconds.
 bool ErrorExit::AllArrive() const
 {
-  constexpr double kPatience = 3; // s
+  constexpr double kTimeout = 3; // s
   const double start = MPI_Wtime();
   MPI_Request arrival;
   int done = 0;
   MPI_Ibarrier(comm_, &arrival);
-  for (MPI_Test(&arrival, &done, MPI_STATUS_IGNORE); !done && MPI_Wtime() - start < kPatience;) {
+  for (MPI_Test(&arrival, &done, MPI_STATUS_IGNORE); !done && MPI_Wtime() - start < kTimeout;) {
     usleep(1000);
     MPI_Test(&arrival, &done, MPI_STATUS_IGNORE);
   }
@@ -126,8 +128,9 @@ PetscErrorCode ErrorExit::Handle(MPI_Comm comm, int line, const char *function, 
       static_cast<ErrorExit *>(context)->Meet(kOutOfMemory);
       break;
     }
-    static_cast<ErrorExit *>(context)->Meet("PETSc: " + text + " (error " + std::to_string(code) + " in " + where +
-                                            "); if a PETSc option was given, see its value; -on_error_abort shows where");
+    static_cast<ErrorExit *>(context)->Meet(
+        Format("PETSc: {} (error {} in {}); if a PETSc option was given, see its value; -on_error_abort shows where", text, code,
+               where));
   }
   return code;
 }

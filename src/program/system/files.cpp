@@ -1,6 +1,8 @@
 // Writing of whole files by one rank.
 #include "program/system/files.hpp"
 
+#include "base/text.hpp"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -12,7 +14,7 @@ namespace mlgimp
 
 std::string CannotWrite(const std::string &path, int error)
 {
-  return "cannot write " + path + ": " + (error ? std::strerror(error) : "the file system reports an error");
+  return Format("cannot write {}: {}", path, error ? std::strerror(error) : "the file system reports an error");
 }
 
 bool WriteAll(int file, const std::string &text)

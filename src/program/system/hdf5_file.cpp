@@ -64,7 +64,7 @@ static H5Handle SlabSpace(int components, const Slab &slab, bool memory)
 void H5Writer::RecordSystem(bool success)
 {
   if (!success && good_) error_ = errno;
-  Note(success);
+  Record(success);
 }
 
 /// A failure of one rank becomes that of all, so that none waits for the others in a collective call.
@@ -104,7 +104,7 @@ void H5Writer::Open(MPI_Comm comm, const std::string &path, bool checked)
   MPI_Info_free(&hints);
   if (checked) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110); // the first format that sums all metadata
   file_ = H5Handle(H5Fcreate((path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-  Note(file_.Valid());
+  Record(file_.Valid());
   reserved_ = 0; // the file was emptied
   Reserve(0);
 }
@@ -113,7 +113,7 @@ void H5Writer::Group(const std::string &name)
 {
   if (!good_) return;
   const H5Handle group(H5Gcreate2(file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  Note(group.Valid());
+  Record(group.Valid());
   AgreeOnError("file_group");
 }
 
@@ -125,7 +125,7 @@ void H5Writer::Attribute(const std::string &object, const std::string &name, con
   const H5Handle attribute(
       H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
-  Note(attribute.Valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0);
+  Record(attribute.Valid() && H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0);
   AgreeOnError("file_attribute");
 }
 
@@ -157,11 +157,11 @@ void H5Writer::Dataset(const std::string &name, hid_t type, int components, cons
   const H5Handle layout = Layout(components, slab.total, row_size), transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   const H5Handle target = SlabSpace(components, slab, false), source = SlabSpace(components, slab, true);
   const H5Handle set(H5Dcreate2(file_, name.c_str(), type, target, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
-  Note(set.Valid());
+  Record(set.Valid());
   Reserve(good_ && !checked_ ? static_cast<off_t>(H5Dget_offset(set) + H5Dget_storage_size(set)) : 0);
   if (!good_ || slab.total == 0) return;
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
-  Note(H5Dwrite(set, type, source, target, transfer, data) >= 0);
+  Record(H5Dwrite(set, type, source, target, transfer, data) >= 0);
   AgreeOnError("file_dataset");
 }
 
@@ -178,9 +178,9 @@ void H5Writer::Text(const std::string &name, const std::string &text)
 std::string H5Writer::Finish()
 {
   const std::string part = path_ + ".part";
-  if (!good_ && part_.Valid()) Note(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
+  if (!good_ && part_.Valid()) Record(ftruncate(part_, 0) == 0); // frees what the library needs to close a file
   MPI_Barrier(comm_);
-  Note(file_.Close());
+  Record(file_.Close());
   AgreeOnError("file_close");
   return OnFirstRank(comm_, "file_name", [&]() -> std::string {
     if (good_) RecordSystem(part_.Close() && std::rename(part.c_str(), path_.c_str()) == 0);

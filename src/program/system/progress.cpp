@@ -1,6 +1,8 @@
 // The progress line.
 #include "program/system/progress.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +41,7 @@ std::string Joined(const std::vector<Part> &parts)
 
 std::string ProgressLine(const Progress &now, std::size_t columns)
 {
-  std::vector<Part> parts = {{"step " + std::to_string(now.step), 4}, {Words("time %.4e s", now.time), 5}};
+  std::vector<Part> parts = {{Format("step {}", now.step), 4}, {Words("time %.4e s", now.time), 5}};
   if (now.has_indenter) parts.insert(parts.end(), {{Words("depth %.4e m", now.depth), 3}, {Words("load %.4e N", now.load), 2}});
   parts.insert(parts.end(), {{Words("%.2e points/s", now.points), 6},
                              {Words("%3.0f %%", 100 * now.share), 0},

@@ -2,6 +2,7 @@
 #include "program/system/versions.hpp"
 
 #include "base/petsc.hpp"
+#include "base/text.hpp"
 #include "program/system/hdf5_file.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ std::vector<std::pair<std::string, std::string>> Versions()
   unsigned major, minor, release;
   int length;
   char library[MPI_MAX_LIBRARY_VERSION_STRING];
-  const auto join = [](auto a, auto b, auto c) { return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c); };
+  const auto join = [](auto a, auto b, auto c) { return Format("{}.{}.{}", a, b, c); };
   H5get_libversion(&major, &minor, &release);
   MPI_Get_library_version(library, &length);
   const std::string name(library, std::min<std::size_t>(std::string(library).find(','), static_cast<std::size_t>(length)));

@@ -1,4 +1,4 @@
-// What a level reports about its points: sums, extremes, velocities and forces of some.
+// What a level shows of its points: sums, extremes, velocities and forces of some, and views.
 #include "level/level.hpp"
 #include "level/sweeps/point_blocks.hpp"
 
@@ -144,6 +144,23 @@ void Level::LargestSpeeds(double *wave, double *point)
     *point = std::max(*point, fastest_point);
     *wave = std::max(*wave, fastest_wave);
   });
+}
+
+PetscErrorCode Level::View(const std::string &prefix, double time)
+{
+  PetscBool nodes = PETSC_FALSE;
+  const Budgets before = budgets_;
+  PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(stores_.own.View(prefix));
+  PetscCall(PetscOptionsHasName(nullptr, prefix.c_str(), "-nodes_view", &nodes));
+  if (nodes) {
+    PetscCall(PointsToGrid(time));
+    PetscCall(grid_->ShareSums());
+    budgets_ = before;
+  }
+  PetscCall(grid_->View(prefix, settings_.nodal.mass_cutoff));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 } // namespace mlgimp

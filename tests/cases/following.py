@@ -2,7 +2,6 @@
 import numpy
 import pytest
 
-import bad_input
 import harness
 import ranks as on_ranks
 import report as page
@@ -245,39 +244,6 @@ def test_points_that_fail(changes):
     """They may be anywhere: boxes do not move then, and what is flung into a finer level does not act beyond its grid."""
     result = harness.run({**CONE, "cfl": 1, "indenter_half_angle": 12, "frames": 0, **changes}, must_succeed=False)
     assert result.status == 1 and "deforms by more than a half" in result.stderr, f"status {result.status}: {result.stderr[-300:]}"
-
-
-REFUSED = [
-    ("no indenter", {**FLIGHT, "level_follow": "contact"}, ["-level_follow contact:", "-indenter"]),
-    ("copies", {**WEDGE, "level_coupling": "points"}, ["-level_follow contact:", "-level_coupling points"]),
-    ("counts", {**CONE, "level_cells_min": 10}, ["-level_cells_max 16:", ">= 30"]),
-    ("kind", {**CONE, "level_follow": "tip"}, ["-level_follow", "none, contact, path"]),
-    ("margin", {**CONE, "level_2_margin": -3}, ["-level_2_margin"]),
-    ("margins", {**CONE, "level_2_margin": "3,4,5"}, ["-level_2_margin"]),
-    ("unknown level", {**CONE, "level_4_margin": 3}, ["-level_4_margin", "nothing reads this option"]),
-    ("too fast for the cells", {**CONE, "levels": 13}, ["-level_follow contact: the tip goes", "that level 12 keeps free"]),
-    ("interval", {**CONE, "regrid_interval": 0}, ["-regrid_interval 0"]),
-    ("path without times", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_path": "0,0"},
-     ["-level_1_times"]),
-    ("times without path", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1"},
-     ["-level_1_path", "0 numbers"]),
-    ("numbers", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1", "level_1_path": "0,1,2"},
-     ["-level_1_path 3 numbers", "2 for each time"]),
-    ("a path away from the tip", {**SCRATCH, "level_1_path": "0,0,9,0,9,0"}, ["-level_1_lower 9,4: must be at least 3.5", "from the indenter's tip at x = 12 at time"]),
-    ("a tip that leaves its path", {**SCRATCH, "indenter_velocities_x": "0,0,0.05,0.05"}, ["-level_1_upper 2", "must be at least 3.5", "from the indenter's tip at x = "]),
-    ("a jump away from the tip", {**SCRATCH, "level_1_times": "0,10,10.001", "level_1_path": "0,0,0,0,24,0"}, ["-level_1_path: must be such that the level holds", "has left it"]),
-    ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "nothing reads this option"]),
-    ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0"},
-     ["-level_1_path: must be such that the level's box stays within level 0", "33,2 to 49,18 at time 3", "in 0,0 to 48,20"]),
-]
-
-
-@pytest.mark.mpi
-def test_refused(tmp_path):
-    for count, some in ((1, REFUSED), (3, REFUSED[::4])):
-        for name, case, expected in some:
-            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out", "overwrite": None}), tmp_path, count, expected)
-            assert not problem, f"{name} on {count} ranks: {problem}"
 
 
 def work_by_depth(result):

@@ -4,7 +4,6 @@ import functools
 import numpy
 import pytest
 
-import bad_input
 import harness
 from limits import FAST
 from ranks import largest_difference
@@ -152,31 +151,6 @@ def test_contact_beyond_the_level_of_the_tip(expect):
     held = history["time"] > 110
     expect("mean load in the hold", numpy.average(history["load"][held]), near=1, tolerance=0.005)
     expect("load of a step in the hold", numpy.max(numpy.abs(history["load"][held] - 1)), at_most=0.1)
-
-
-# What is tried, the options that differ from those of a wedge, words of the line that is expected.
-REFUSED = [
-    ("times that do not increase", schedule((0, 1, 1), (0, 1, 1)), ["-indenter_times 1:", "increasing"]),
-    ("loads of the wrong sign", schedule((0, 1), (0, -1)), ["-indenter_loads 0,-1:", ">= 0"]),
-    ("no loads", {"indenter_times": "0,1"}, ["-indenter_loads:", "given"]),
-    ("no times", {"indenter_loads": "0,1"}, ["-indenter_times:", "given"]),
-    ("fewer loads than times", schedule((0, 1, 2), (0, 1)), ["-indenter_loads 2 values:", "as many as -indenter_times has: 3"]),
-    ("velocities", {**schedule((0, 1), (0, 1)), "indenter_velocities": "0,1"}, ["-indenter_velocities 0,1:", "-indenter_control load"]),
-    ("a largest depth", {**schedule((0, 1), (0, 1)), "indenter_max_depth": "1"}, ["-indenter_max_depth 1:", "-indenter_control load"]),
-    ("loads with displacement control", {**schedule((0, 1), (0, 1)), "indenter_control": "displacement"},
-     ["-indenter_loads 0,1:", "-indenter_control displacement"]),
-    ("another contact", {**schedule((0, 1), (0, 1)), "contact": "multimesh"}, ["-contact multimesh:", "pressure"]),
-    ("no such control", {**schedule((0, 1), (0, 1)), "indenter_control": "force"}, ["-indenter_control force:", "displacement, load"]),
-]
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", (1, 3))
-def test_refused(tmp_path, ranks):
-    for name, changes, expected in REFUSED:
-        words = harness.to_arguments({**WEDGE, **changes, "output_dir": "out"})
-        problem = bad_input.problem_of(words, tmp_path, ranks, expected)
-        assert not problem, f"{name}: {problem}"
 
 
 @pytest.mark.mpi

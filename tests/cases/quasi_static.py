@@ -2,7 +2,6 @@
 import numpy
 import pytest
 
-import bad_input
 import harness
 from mlgimp import load_depth, oliver_pharr
 from ranks import largest_difference
@@ -227,29 +226,6 @@ def test_other_geometries(expect, name):
     slow = expect_half_speed(expect, case, 0.05)
     expect("depth reached, of that wanted", slow["depth"].max() / float(case["indenter_depths"].split(",")[0]), near=1, tolerance=1e-9)
     expect("depth at the end", slow["depth"][-1], near=0, tolerance=1e-9)
-
-
-# What is tried, the options that differ from those of the cone, words of the line that is expected.
-REFUSED = [
-    ("no indenter", {"indenter": None, "indenter_half_angle": None, "indenter_tip": None, "indenter_depths": None, "end_time": 1},
-     ["-quasi_static true:", "-indenter"]),
-    ("no end of the history", {"indenter_depths": None, "indenter_times": "0", "indenter_velocities": "1"}, ["-indenter_max_depth:", "-indenter_times"]),
-    ("not to the surface", {"indenter_depths": None, "indenter_times": "0,1", "indenter_velocities": "-1,-1"}, ["-quasi_static true:", "surface"]),
-    ("depths under load control", {"indenter_control": "load", "indenter_times": "0,1", "indenter_loads": "0,1"}, ["-indenter_control load:", "depths"]),
-    ("no load", {**LOADS, "indenter_loads": "0,0,0,0"}, ["-quasi_static true:", "load above 0"]),
-    ("pressures that change", {"loads": "p", "p_body": "block", "p_side": "y_upper", "p_times": "0,1", "p_pressures": "0,1"},
-     ["-quasi_static true:", "not stretched"]),
-    ("sideways motion, whose times would be others", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 0,1:", "-quasi_static"]),
-    ("too large a tolerance", {"quasi_static_tolerance": 0.5}, ["-quasi_static_tolerance 0.5:", "0.1"]),
-    ("depths of a fast test", {"quasi_static": "false", "indenter_times": "0,1", "indenter_velocities": "1,1", "end_time": 1}, ["-indenter_depths", "not"]),
-]
-
-
-def test_refused(tmp_path):
-    for name, changes, expected in REFUSED:
-        case = {name: value for name, value in {**CONE, **changes}.items() if value is not None}
-        problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, 1, expected)
-        assert not problem, f"{name}: {problem}"
 
 
 def test_what_is_told():

@@ -23,7 +23,11 @@ def pytest_configure(config):
 
 @pytest.fixture
 def expect():
-    """expect(name, value, at_most=..., at_least=..., near=..., tolerance=...) and expect.that(name, good, detail)."""
+    """expect(name, value, at_most=..., at_least=..., near=..., tolerance=...) and expect.that(name, good, detail).
+
+    A limit follows from theory, or from a measurement that the test names: "Seen: ..." in its text is what it printed when its limits were last
+    looked at, the largest of all its cases, in the order of its figures. Between that and the limit is room for other machines.
+    """
     return harness.Expectations()
 
 

@@ -71,7 +71,7 @@ def test_sliding_punch(expect):
 
 
 def test_scratch_closes_the_work(expect):
-    result = harness.run(SCRATCH)
+    result = harness.run_once(SCRATCH)
     expect_sound(expect, result, TIMES, LOADS)
     expect("energy less the work, of the work", energy_error(result.history), at_most=0.01)
     expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"][-1], at_least=0.5)
@@ -110,7 +110,7 @@ def test_sphere_on_the_axis(expect):
 
 
 def test_left_is_the_mirror_of_right(expect):
-    right = harness.run(SCRATCH).history
+    right = harness.run_once(SCRATCH).history
     mirrored = {**SCRATCH, "indenter_tip": "20,16", **schedule(TIMES, LOADS, x=along(-SPEED))}
     left = harness.run(mirrored).history
     left = {name: -values if name.endswith("_x") else values for name, values in left.items()}

@@ -135,9 +135,9 @@ def test_surface_deep_inside_the_indenter_is_told():
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
-@pytest.mark.parametrize("half_angle, depth, warned", [(10, 8e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
+@pytest.mark.parametrize("half_angle, depth, warned", [(10, 5.5e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
 def test_surface_torn_open_is_told(half_angle, depth, warned):
-    """A slender wedge that goes eight cells deep parts the points of a metal; the books of its work do not close."""
+    """A slender wedge that goes some cells deep parts the points of a metal; the books of its work do not close: by 0.21, 0.07 and less than 0.01."""
     result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": depth, "frames": 0}, file="wedge_plastic.opts")
     history = result.history
     excess = harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1

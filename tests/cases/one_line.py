@@ -1,4 +1,5 @@
 """Signals, terminals, errors of libraries and options: what ends a run does so in one line, and what need not end it does not."""
+import concurrent.futures
 import contextlib
 import fcntl
 import json
@@ -93,19 +94,27 @@ def shown_on_terminal(words, columns, environment, seconds=None):
     return text.decode()
 
 
-@pytest.mark.parametrize("columns, variable, room", [(80, None, 80), (40, "200", 40), (200, None, 200), (None, "60", 60), (None, None, 80)])
-def test_progress_fits_the_terminal(tmp_path, columns, variable, room):
-    """Each line goes over the one before, to its end, and none goes into a second line."""
-    environment = {**harness.environment(1), **({"COLUMNS": variable} if variable else {})}
-    if not variable:
-        environment.pop("COLUMNS", None)
-    case = {**ENDLESS, **WEDGE, "indenter_velocities": "1e-9", "monitor": "true"}
-    words = harness.command(harness.to_arguments({**case, "output_dir": tmp_path / "out"}), 1)
-    lines = shown_on_terminal(words, columns, environment, seconds=3.5).split("\r")[1:]
-    assert len(lines) >= 2 and all("s left" in line and "load" in line for line in lines), lines
-    assert all(len(line) < room and "\n" not in line for line in lines), lines
-    assert all(len(after) >= len(before.rstrip()) for before, after in zip(lines, lines[1:])), lines
-    assert all(("points/s" in line) == (room == 200) for line in lines), lines
+TERMINALS = [(80, None, 80), (40, "200", 40), (200, None, 200), (None, "60", 60), (None, None, 80)]  # columns, COLUMNS, room for a line
+
+
+def progress_on(terminal, folder):
+    """The lines of a run's progress on a terminal."""
+    columns, variable, _ = terminal
+    environment = {name: value for name, value in harness.environment(1).items() if name != "COLUMNS"} | ({"COLUMNS": variable} if variable else {})
+    case = {**ENDLESS, **WEDGE, "indenter_velocities": "1e-9", "monitor": "true", "output_dir": folder}
+    return shown_on_terminal(harness.command(harness.to_arguments(case), 1), columns, environment, seconds=5).split("\r")[1:]
+
+
+def test_progress_fits_the_terminal(expect, tmp_path):
+    """Each line goes over the one before, to its end, and none goes into a second line. All at a time, as each takes seconds."""
+    with concurrent.futures.ThreadPoolExecutor(len(TERMINALS)) as pool:
+        shown = list(pool.map(progress_on, TERMINALS, [tmp_path / str(number) for number in range(len(TERMINALS))]))
+    for (columns, variable, room), lines in zip(TERMINALS, shown):
+        name = f"{columns} columns, COLUMNS {variable}: "
+        expect.that(name + "words", len(lines) >= 2 and all("s left" in line and "load" in line for line in lines), f"{lines}")
+        expect.that(name + "within the terminal", all(len(line) < room and "\n" not in line for line in lines), f"{lines}")
+        expect.that(name + "over the one before", all(len(after) >= len(before.rstrip()) for before, after in zip(lines, lines[1:])), f"{lines}")
+        expect.that(name + "speed where there is room", all(("points/s" in line) == (room == 200) for line in lines), f"{lines}")
 
 
 # ---- Errors of PETSc and of the machine

@@ -31,8 +31,8 @@ PYRAMID = {**WEDGE, **SPACE, "indenter": "pyramid", "indenter_tip": "4,4,8"}
 QUARTER = {**PYRAMID, "indenter_tip": "0,0,8", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry"}
 LEVELS = {**BLOCK, "levels": "2", "level_1_lower": "2,2", "level_1_upper": "10,10"}
 THREE = {"levels": "3", "level_2_lower": "6,6", "level_2_upper": "8,8", "level_1_lower": "0,0"}
-METAL = {"domain_lower": "0,0", "domain_upper": "4,4", "cell_size": 1, "materials": "m", "m_model": "j2", "m_youngs_modulus": 1e9,
-         "m_poissons_ratio": 0.3, "m_density": 1000, "m_yield_stress": 1e6, "bodies": "b", "b_lower": "0,0", "b_upper": "2,2", "max_steps": 1}
+METAL = {"geometry": "plane_strain", "domain_lower": "0,0", "domain_upper": "4,4", "cell_size": 1, "materials": "m", "m_model": "j2",
+         "m_youngs_modulus": 1e9, "m_poissons_ratio": 0.3, "m_density": 1000, "m_yield_stress": 1e6, "bodies": "b", "b_lower": "0,0", "b_upper": "2,2", "max_steps": 1}
 COOK = {"m_hardening": "johnson_cook", "m_hardening_modulus": 1e6, "m_hardening_exponent": 0.3, "m_rate_sensitivity": 0.01,
         "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}
 CURVE = {"m_yield_stress": None, "m_hardening": "table", "m_plastic_strains": "0,0.1", "m_flow_stresses": "1e6,2e6"}

@@ -10,8 +10,9 @@ from limits import PRESS
 from refusals import Table, expect_refused
 from told_tips import IN_SPACE, TIP
 
-PUSHED = {"indenter_control": None, "indenter_loads": None, "end_time": None, "indenter_velocities_x": None, "indenter_times": "0", "indenter_velocities": "1"}
-ROUND = {"geometry": "axisymmetric", "indenter_width": None, "indenter_radius": 4, "indenter_tip": "0,16", "boundary_x_lower": None}
+PUSHED = {"indenter_control": None, "indenter_loads": None, "end_time": None, "indenter_velocities_x": None, "indenter_times": "0",
+          "indenter_velocities": "1", "indenter_friction": 0.1}
+ROUND = {"geometry": "axisymmetric", "indenter_friction": 0.1, "indenter_width": None, "indenter_radius": 4, "indenter_tip": "0,16", "boundary_x_lower": None}
 BY_PATH = {**following.FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path"}
 PRESSED = {"indenter": "wedge", "indenter_half_angle": 70}
 RASH = {"indenter_friction": 30, "indenter_velocities": 1e4}
@@ -69,12 +70,13 @@ TABLES = {
               ("space", {**IN_SPACE, "indenter_radius": None}, "0,-0.5,8", "y_lower"),
               ("later", {"indenter_times": "0,0.01", "indenter_velocities": "50,50", "indenter_velocities_x": "-500,-500"}, "4,8", "x_lower"))],
     ], every=1),
-    "friction": Table({**SLIDING, "indenter_friction": 0.1}, [
+    "friction": Table(SLIDING, [
         ("below zero", {"indenter_friction": "-0.1"}, ["-indenter_friction -0.1:", ">= 0"]),
         ("not a number", {"indenter_friction": "nan"}, ["-indenter_friction nan:", ">= 0"]),
         ("minus infinite", {"indenter_friction": "-inf"}, ["-indenter_friction -inf:", ">= 0"]),
         ("a word", {"indenter_friction": "rough"}, ["-indenter_friction rough:", "inf"]),
         ("nothing", {"indenter_friction": ""}, ["-indenter_friction (nothing):", ">= 0"]),
+        ("an empty word", ["-indenter_friction", ""], ["-indenter_friction (nothing):", ">= 0"]),
         ("a solver that needs the matrix", {"indenter_friction": 0.1, "contact_pc_type": "lu"}, ["-contact_pc_type lu:", "jacobi"]),
         ("two", {"indenter_friction": "0.1,0.2"}, ["-indenter_friction 0.1,0.2:", ">= 0"]),
         ("fewer speeds than times", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 2 values:", "as many as -indenter_times has: 5"]),

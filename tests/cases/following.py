@@ -106,6 +106,7 @@ def last_moves(moves, result):
 
 
 def test_cone(expect):
+    """Seen: a move 2e-5 of the work, energy 5e-5, pressures 2.4 %, load 4e-4 and 3e-3, step 3e-4."""
     result = harness.run({**CONE, "frames": 24})
     expect_clean(expect, result)
     expect_pressures_at_moves(expect, result)
@@ -125,6 +126,7 @@ def test_cone(expect):
 
 
 def test_punch_touches_with_all_of_it_at_once(expect):
+    """Seen: load 1.1e-3, energy 5.5e-3."""
     punch = {name: value for name, value in CONE.items() if name != "indenter_half_angle"}
     punch |= {"indenter": "flat_punch", "indenter_radius": 40e-9, "indenter_max_depth": 3e-9, "levels": 3, "level_cells_max": 64,
               "indenter_times": "0,1e-11", "indenter_velocities": "0,60"}  # no blow: its short waves are those of the levels
@@ -150,7 +152,8 @@ def expect_same(expect, result, reference):
 
 @pytest.mark.mpi
 def test_ranks_and_restart(expect):
-    """Nothing depends on ranks, and a run goes on to the last digit from a checkpoint between two moves."""
+    """Nothing depends on ranks, and a run goes on to the last digit from a checkpoint between two moves. Seen: a move 1.1e-5 of the work, energy
+    1.2e-3."""
     case = {**CONE, "indenter_max_depth": 6e-9, "level_cells_max": 9, "level_cells_min": 2, "points_per_rank": 300,
             "checkpoint_interval": 115, "regrid_interval": 2}
     result = harness.run(case, ranks=3)
@@ -164,13 +167,15 @@ def test_ranks_and_restart(expect):
 
 @pytest.mark.mpi
 def test_space(expect):
+    """Seen: a move 1.1e-5 of the work, energy 9.9e-3."""
     result = harness.run(SPACE, ranks=2)
     expect_clean(expect, result)
     expect_same(expect, result, harness.run(SPACE))
 
 
 def test_small_points_become_larger(expect):
-    """Where strain changes like the logarithm of the way to a tip, families near it differ by as much for ever."""
+    """Where strain changes like the logarithm of the way to a tip, families near it differ by as much for ever. Seen: a move 9e-5 of the work, load
+    3e-3, small points 0.11."""
     from mlgimp import results
     result = wedge_from_first_touch(70.3, 7, 60e-9, level_cells_max=9, level_cells_min=2, frames=1)
     expect_clean(expect, result)
@@ -191,6 +196,7 @@ def test_between_two_columns(expect):
 
 
 def test_box_moves_along_with_the_tip(expect):
+    """Seen: middle 3.8 nm, of cells of 8 nm."""
     result = harness.run(SLIDE)
     expect_clean(expect, result)
     last = [move for move in result.summary["regrids"] if move["level"] == 3][-1]
@@ -199,6 +205,7 @@ def test_box_moves_along_with_the_tip(expect):
 
 
 def test_levels_begin_as_the_contact_shrinks(expect):
+    """Seen: energy 4.7e-3."""
     result = harness.run({**CONE, "indenter_max_depth": 6e-9, "level_cells_max": 9, "level_cells_min": 2.5, "indenter_unload_velocity": 60, "end_time": 1.9e-10})
     moves = result.summary["regrids"]
     expect_clean(expect, result)
@@ -207,7 +214,7 @@ def test_levels_begin_as_the_contact_shrinks(expect):
 
 
 def test_box_that_follows_a_flying_block(expect):
-    """Against a box that holds the whole flight."""
+    """Against a box that holds the whole flight. Seen: 4e-3 and 0.0134."""
     stays = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "44,18"}).history
     follows = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path",
                            "level_1_times": "0,120", "level_1_path": "0,0,24,0"})
@@ -221,7 +228,7 @@ def test_box_that_follows_a_flying_block(expect):
 
 
 def test_box_that_follows_a_sliding_tip(expect):
-    """Against a box that holds all of its way; also under a load, which the finest level finds all the time."""
+    """Against a box that holds all of its way; also under a load, which the finest level finds all the time. Seen: 6e-3 and 1.5e-3."""
     pressed = {name: value for name, value in SCRATCH.items() if name != "indenter_velocities"}
     pressed |= {"indenter_control": "load", "indenter_loads": "0,0.4,0.5,0.5"}
     for name, case, quantity in (("depth", SCRATCH, "load"), ("load", pressed, "depth")):

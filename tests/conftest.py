@@ -11,6 +11,10 @@ import harness
 
 RANKS = {False: (1,), True: (1, 3)}  # of unit tests: those whose suite ends in OnRanks run on several
 
+# Files of half a minute and more, the longest first: processes that -n has started take files in this order, and so end together.
+LONGEST_FIRST = ("hardness", "ranks", "friction", "restart", "borders", "metals", "following", "limits", "bad_input", "bending", "rounding",
+                 "elastic_contact", "test_tutorial", "quasi_static", "test_measured", "test_package", "test_refusals", "bad_input_of_contact")
+
 
 def pytest_configure(config):
     """Each process that -n has started keeps to a core of its own: ranks that wait for each other would take those of the rest."""
@@ -23,7 +27,11 @@ def pytest_configure(config):
 
 @pytest.fixture
 def expect():
-    """expect(name, value, at_most=..., at_least=..., near=..., tolerance=...) and expect.that(name, good, detail)."""
+    """expect(name, value, at_most=..., at_least=..., near=..., tolerance=...) and expect.that(name, good, detail).
+
+    A limit follows from theory, or from a measurement that the test names: "Seen: ..." in its text is what it printed when its limits were last
+    looked at, the largest of all its cases, in the order of its figures. Between that and the limit is room for other machines.
+    """
     return harness.Expectations()
 
 
@@ -133,7 +141,10 @@ def unit_run(item):
 # ---- selection and the last line ----
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
+    if hasattr(config, "workerinput"):
+        places = {f"{name}.py": place for place, name in enumerate(LONGEST_FIRST)}
+        items.sort(key=lambda item: places.get(item.path.name, len(places)))
     for item in items:
         if item.name.startswith("verify_"):
             item.add_marker("study")

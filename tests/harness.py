@@ -70,6 +70,12 @@ class Result:
         return {name: values[order] for name, values in points.items()}
 
 
+def up_to(ranks):
+    """So many ranks, or as many as there are cores for them: for long runs whose results are the same on any number (tests/cases/ranks.py).
+    Two that share a core need three times as long as one alone."""
+    return min(ranks, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else ranks)
+
+
 def command(arguments, ranks):
     """The command line on a number of ranks."""
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
@@ -106,6 +112,17 @@ def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=120
     if must_succeed and done.returncode != 0:
         raise AssertionError(f"exit status {done.returncode}: {done.stderr.strip()[-500:]}")
     return result
+
+
+_runs = {}
+
+
+def run_once(options, file=None, ranks=1):
+    """run() for what several tests compare with: once in a process of pytest; its folder is only read."""
+    key = (*to_arguments(options), file, ranks)
+    if key not in _runs:
+        _runs[key] = run(options, file, ranks)
+    return _runs[key]
 
 
 UnitRun = namedtuple("UnitRun", "status output error tests")  # tests: {name: messages of its failures, None where it was skipped}

@@ -31,8 +31,9 @@ def load_ratio(result, reference, depths):
 @pytest.mark.parametrize("case, half_width, mean, largest", [(SPHERE, 64, 0.003, 0.01), (CYLINDER, 48, 0.002, 0.006)],
                          ids=["sphere", "cylinder"])
 def test_contact_outgrows_its_box(expect, case, half_width, mean, largest):
-    """The waves of first touch, and columns of two sizes that come into contact one by one, make the largest difference."""
-    reference, result = (harness.run(with_box(case, *box)) for box in ((160, 200), (half_width, 280)))
+    """The waves of first touch, and columns of two sizes that come into contact one by one, make the largest difference. Seen: load 1e-3 in the mean
+    and 3e-3, energy 1e-3 (5e-6 for the border), work 1.3e-3, momentum 5e-15."""
+    reference, result = (harness.run_once(with_box(case, *box)) for box in ((160, 200), (half_width, 280)))
     history = result.history
     ratio = load_ratio(result, reference, numpy.linspace(8e-9, 15.5e-9, 31))
     expect("load, mean", numpy.mean(ratio), near=1, tolerance=mean)
@@ -45,8 +46,8 @@ def test_contact_outgrows_its_box(expect, case, half_width, mean, largest):
 
 
 def test_contact_above_the_band(expect):
-    """All of it on the finer level, its outer part where nodes move with those of the coarser one."""
-    reference, result = (harness.run(with_box(SPHERE, *box)) for box in ((160, 200), (88, 240)))
+    """All of it on the finer level, its outer part where nodes move with those of the coarser one. Seen: load 5e-4, energy 8e-5."""
+    reference, result = (harness.run_once(with_box(SPHERE, *box)) for box in ((160, 200), (88, 240)))
     ratio = load_ratio(result, reference, numpy.linspace(8e-9, 15.5e-9, 31))
     expect("load, mean", numpy.mean(ratio), near=1, tolerance=0.002)
     expect("energy left, less that with a larger box", energy_left(result.history) - energy_left(reference.history), near=0, tolerance=0.001)
@@ -66,9 +67,9 @@ INNER_BOX = {"levels": 3, "level_1_lower": "0,0", "level_1_upper": "24,24", "lev
                                            ({"geometry": "axisymmetric", "indenter_width": None, "indenter_radius": 16.4}, BOX)],
                          ids=["two levels", "three", "punch", "wider", "axisymmetric"])
 def test_side_in_the_band(expect, change, boxes):
-    """Nodes of little mass beside the bar, under contact, move with those of the other level and give it no energy."""
+    """Nodes of little mass beside the bar, under contact, move with those of the other level and give it no energy. Seen: load 1.2e-3, energy 4e-4."""
     case = {name: value for name, value in {**PILLAR, **change}.items() if value is not None}
-    alone, result = harness.run(case), harness.run({**case, **boxes})
+    alone, result = harness.run_once(case), harness.run({**case, **boxes})
     expect("load, of that on one level", result.history["load"][-1] / alone.history["load"][-1], near=1, tolerance=0.005)
     expect("energy left", energy_left(result.history), near=0, tolerance=0.001)
 
@@ -83,13 +84,14 @@ TRAPEZOID = {
 
 @pytest.mark.parametrize("cfl", [0.4, 0.1])
 def test_corner_through_the_border(expect, cfl):
-    """Faces of the leaning side that pass to the coarser level change the gap of the corner's column, which closes without a blow."""
+    """Faces of the leaning side that pass to the coarser level change the gap of the corner's column, which closes without a blow. Seen: load 1.3 %,
+    energy 1.1e-3."""
     alone = harness.run({**TRAPEZOID, "cfl": cfl}).history
     result = harness.run({**TRAPEZOID, "cfl": cfl, "levels": 2, "level_1_lower": "0,4", "level_1_upper": "4,10"})
     depths = numpy.linspace(0.1, 0.44, 400)
     ratio = numpy.interp(depths, result.history["depth"], result.history["load"]) / numpy.interp(depths, alone["depth"], alone["load"])
-    expect("load, of that on one level, largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.12)
-    expect("energy left", energy_left(result.history), near=0, tolerance=0.02)
+    expect("load, of that on one level, largest difference", numpy.max(numpy.abs(ratio - 1)), at_most=0.05)
+    expect("energy left", energy_left(result.history), near=0, tolerance=0.005)
     crosses = [line for line in result.summary["warnings"] if "contact crosses a border of levels" in line]
     expect.that("told", len(crosses) == 1, f"{result.summary['warnings']}")
 
@@ -111,9 +113,9 @@ def test_ranks_and_restart(expect):
 
 
 def test_metal_under_a_border_above_the_surface(expect):
-    """The finest box ends just above the surface, so that all of the contact is on nodes that levels share."""
+    """The finest box ends just above the surface, so that all of the contact is on nodes that levels share. Seen: load 2.4e-3, energy 1.5e-3."""
     reference = harness.run(METAL, file="cone_metal.opts")
-    result = harness.run({**METAL, "level_2_upper": "2.4e-6,26e-6"}, file="cone_metal.opts", ranks=2)
+    result = harness.run({**METAL, "level_2_upper": "2.4e-6,26e-6"}, file="cone_metal.opts", ranks=harness.up_to(2))
     ratio = load_ratio(result, reference, numpy.linspace(20e-9, 38e-9, 15))
     expect("load, mean", numpy.mean(ratio), near=1, tolerance=0.01)
     left = [energy_left(one.history) for one in (result, reference)]

@@ -35,7 +35,7 @@ def uniaxial_stress(strain):
 
 @pytest.mark.parametrize("name", BARS)
 def test_bar_under_a_plate(expect, name):
-    """Noise once doubled every ten crossings, until contact gave two to five times what the indenter did."""
+    """Noise once doubled every ten crossings, until contact gave two to five times what the indenter did. Seen: work 5e-6, noise 2e-7, load 3e-4."""
     history = harness.run({**BAR, **BARS[name]}).history
     expect(f"{name}: work of contact over that of the indenter", given(history), near=1, tolerance=5e-3)
     expect(f"{name}: noise over that work", history["noise_energy"][-1] / history["indenter_work"][-1], at_most=1e-3)
@@ -46,7 +46,8 @@ def test_bar_under_a_plate(expect, name):
 
 
 def test_punch_deeper_than_half_a_cell(expect):
-    """The surface beside the punch, with its gap to the punch's side, once held the column of the edge open and let it go in blows."""
+    """The surface beside the punch, with its gap to the punch's side, once held the column of the edge open and let it go in blows. Seen: work 7e-3,
+    load at rest 2e-3, load over depth 5e-3."""
     history = harness.run({
         **SOLID, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "32e-6,36e-6", "cell_size": 1e-6, "b_lower": "0,0",
         "b_upper": "32e-6,32e-6", "boundary_x_upper": "symmetry", "indenter": "flat_punch", "indenter_radius": 4e-6, "indenter_tip": "0,32e-6",
@@ -60,7 +61,8 @@ def test_punch_deeper_than_half_a_cell(expect):
 
 
 def test_plate_that_slides_on_a_bar(expect):
-    """All of the plate slips, so that friction is mu times the load: a third of it was once missing, as columns let go in turns."""
+    """All of the plate slips, so that friction is mu times the load: a third of it was once missing, as columns let go in turns. Seen: friction
+    3e-13, work 8e-5."""
     history = harness.run({
         **SOLID, "domain_lower": "0,0", "domain_upper": "56e-6,8e-6", "cell_size": 1e-6, "boundary_y_lower": "fixed", "b_lower": "8e-6,0",
         "b_upper": "40e-6,4e-6", "indenter": "flat_punch", "indenter_width": 100e-6, "indenter_tip": "24e-6,4e-6", "indenter_friction": 0.3,
@@ -92,7 +94,8 @@ def confined_stress(stretch):
                          ids=("plane", "short steps", "usl", "round", "volume average", "xpic"))
 @pytest.mark.parametrize("top, speed", [(12, 20), (11.5, 10)])
 def test_surface_that_comes_to_rest_on_a_line(expect, more, top, speed):
-    """Its last two layers of points once split: loads of 0.4 to 1.5 of the right one, and a third more energy than work."""
+    """Its last two layers of points once split: loads of 0.4 to 1.5 of the right one, and a third more energy than work. Seen: load 2e-5, stress of
+    points 4e-3, work and energy 1.7e-3."""
     case = {**CONFINED, **more, "domain_lower": "0,0", "domain_upper": "12e-6,15e-6", "b_upper": f"12e-6,{top}e-6", "indenter_tip": f"0,{top}e-6",
             "indenter_velocities": f"0,{speed},{speed},0", "frames": 1}
     result = harness.run(case)
@@ -110,7 +113,8 @@ def test_surface_that_comes_to_rest_on_a_line(expect, more, top, speed):
 
 @pytest.mark.parametrize("more", [{"indenter_width": 12e-6}, {"geometry": "axisymmetric", "indenter_radius": 6e-6}], ids=("plane", "round"))
 def test_slow_pillar_that_comes_to_rest_on_a_line(expect, more):
-    """XPIC, which slow tests have, once strained its points by what light nodes hold back: a sixth of the load came and went at rest."""
+    """XPIC, which slow tests have, once strained its points by what light nodes hold back: a sixth of the load came and went at rest. Seen: load
+    3e-4, energy 1.2e-3."""
     history = harness.run({**SOLID, **more, "boundary_x_lower": "symmetry", "domain_lower": "0,0", "domain_upper": "10e-6,14e-6", "cell_size": 1e-6, "b_lower": "0,0",
                            "b_upper": "4e-6,10e-6", "indenter": "flat_punch", "indenter_tip": "0,10e-6", "quasi_static": "true",
                            "indenter_depths": 1e-6, "frames": 0}).history
@@ -122,7 +126,7 @@ def test_slow_pillar_that_comes_to_rest_on_a_line(expect, more):
 
 @pytest.mark.parametrize("damping", [3e8, 3e7])
 def test_work_of_tractions_on_a_surface_near_a_line(expect, damping):
-    """Of nodes that hardly any point feels: it once went on at rest, to half of all work."""
+    """Of nodes that hardly any point feels: it once went on at rest, to half of all work. Seen: 5e-4."""
     history = harness.run({
         **{name: value for name, value in CONFINED.items() if not name.startswith("indenter")}, "boundary_x_lower": "symmetry", "domain_lower": "0,0",
         "domain_upper": "12e-6,15e-6", "b_upper": "12e-6,12.25e-6", "loads": "q", "q_side": "y_upper", "q_times": "0,15e-9",
@@ -132,7 +136,8 @@ def test_work_of_tractions_on_a_surface_near_a_line(expect, damping):
 
 
 def test_ball_on_a_nearly_incompressible_body(expect):
-    """Single rows once had 0.3 to 8 times the load; the volume average, which damps what a cell's points do alone, has none of that."""
+    """Single rows once had 0.3 to 8 times the load; the volume average, which damps what a cell's points do alone, has none of that. Seen: loads
+    within 2 %, peaks within 1 %."""
     ball = {**SOLID, "m_poissons_ratio": 0.49, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12e-6,13e-6", "cell_size": 0.5e-6,
             "boundary_x_upper": "symmetry", "b_lower": "0,0", "b_upper": "12e-6,10e-6", "indenter": "sphere", "indenter_radius": 20e-6,
             "indenter_tip": "0,10e-6", "indenter_times": "0,5e-9", "indenter_velocities": "0,30", "indenter_max_depth": 1.5e-6, "damping": 1e8, "cfl": 0.2}
@@ -148,18 +153,18 @@ def test_ball_on_a_nearly_incompressible_body(expect):
 @pytest.mark.parametrize("ranks", [1, pytest.param(3, marks=pytest.mark.mpi)])
 @pytest.mark.parametrize("ratio", [2, 3])
 def test_metal_whose_surface_meets_a_line_across_a_border(expect, ranks, ratio):
-    """Nodes of little mass there once made the work twice in the rest that follows. Loads of metals on both levels are off by some
-    per cent still, where the surface is within a hundredth of a cell of the line: here by 2.4 % with a ratio of 2."""
+    """Nodes of little mass there once made the work twice in the rest that follows. Seen: load 3e-5,
+    energy 2.4e-3."""
     metal = {"m_model": "j2", "m_yield_stress": 400e6, "m_hardening_modulus": 2e9}
     case = {**CONFINED, **PLANE, **metal, "domain_lower": "0,0", "domain_upper": "12e-6,15e-6", "b_upper": "12e-6,12.25e-6",
             "indenter_tip": "0,12.25e-6", "indenter_times": "0,5e-9,12.25e-9,17.25e-9", "end_time": 72e-9, "levels": 2, "refinement_ratio": ratio,
             "level_1_lower": "6e-6,6e-6", "level_1_upper": "12e-6,15e-6"}
     history = harness.run(case, ranks=ranks).history
-    one = harness.run({name: value for name, value in case.items() if not name.startswith(("level", "refinement"))}).history
+    one = harness.run_once({name: value for name, value in case.items() if not name.startswith(("level", "refinement"))}).history
     rest = history["time"] > 60e-9
-    expect("load at rest over that on one level", numpy.mean(history["load"][rest]) / one["load"][-1], near=1, tolerance=0.03)
+    expect("load at rest over that on one level", numpy.mean(history["load"][rest]) / one["load"][-1], near=1, tolerance=0.005)
     energy = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
-    expect("energy over work", energy[-1] / history["indenter_work"][-1], near=1, tolerance=0.03)
+    expect("energy over work", energy[-1] / history["indenter_work"][-1], near=1, tolerance=0.005)
 
 
 # A ridge two cells high on a block, and in space a pillar, under a punch that is wider.
@@ -172,7 +177,8 @@ PILLAR = {**RIDGE, "geometry": "3d", "domain_lower": "-6,-6,0", "domain_upper": 
 
 
 def test_ridge(expect):
-    """The foot of a step is in the columns of its edge, and must not let go of them: half a cell beside the lines there was no load at all."""
+    """The foot of a step is in the columns of its edge, and must not let go of them: half a cell beside the lines there was no load at all. Seen:
+    load 1.3 %, area 1.7 %."""
     def pressed(half, middle, **more):
         return harness.run({**RIDGE, "ridge_lower": (middle - half, 12), "ridge_upper": (middle + half, 14), "indenter_tip": (middle, 14), **more}).history
     for half in (1, 2):
@@ -184,6 +190,7 @@ def test_ridge(expect):
 
 
 def test_pillar(expect):
+    """Seen: area 2.7 %, load 3e-4."""
     loads = []
     for middle in (0.0, 0.5):
         ends = {"ridge_lower": (middle - 2, middle - 2, 6), "ridge_upper": (middle + 2, middle + 2, 8), "indenter_tip": (middle, middle, 8)}
@@ -199,8 +206,8 @@ HOLE = {"geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12,1
 
 
 def test_rim_of_a_hole(expect):
-    """A ball on the edge of a hole: the hole's wall, with its gaps, must not hold the column of the edge open. With it the load at 0.1 was less
-    than half on cells of 0.5."""
+    """A ball on the edge of a hole: the hole's wall, with its gaps, must not hold the column of the edge open. With it the load at 0.1 was less than
+    half on cells of 0.5. Seen: 1.7 % and 1.1 %, within the quasi-static tolerance of 3 %."""
     touch = 20 - (20**2 - 3**2)**0.5  # depth of the tip below the surface when the ball is on the rim
     runs = [harness.run({**HOLE, "indenter_depths": touch + 0.2, "cell_size": cell}) for cell in (0.5, 0.25)]
     for deep, limit in ((0.1, 0.08), (0.19, 0.05)):
@@ -220,7 +227,7 @@ YIELDS = {"m_model": "j2", "m_yield_stress": 0.006, "m_hardening_modulus": 0.014
 @pytest.mark.parametrize("radius", [8, 8.4, 8.6])
 @pytest.mark.parametrize("law, limit", [("elastic", 0.02), ("metal", 0.06)])
 def test_area_under_a_flat_punch(expect, radius, law, limit):
-    """The column beside that of the edge carries nothing, with a gap that grows with depth: without it a fifth of the area was missing."""
+    """The column beside that of the edge carries nothing, with a gap that grows with depth: without it a fifth of the area was missing. Seen: 0.7 % elastic, 2.3 % of the metal."""
     history = harness.run({**PUNCH, "indenter_radius": radius, **(YIELDS if law == "metal" else {})}).history
     area = history["contact_area"][history["depth"] > 0.1] / (numpy.pi * radius**2)
     error = numpy.quantile(numpy.abs(area - 1), 0.99)  # in single rows the load passes from column to column

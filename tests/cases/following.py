@@ -2,7 +2,6 @@
 import numpy
 import pytest
 
-import bad_input
 import harness
 import ranks as on_ranks
 import report as page
@@ -107,6 +106,7 @@ def last_moves(moves, result):
 
 
 def test_cone(expect):
+    """Seen: a move 2e-5 of the work, energy 5e-5, pressures 2.4 %, load 4e-4 and 3e-3, step 3e-4."""
     result = harness.run({**CONE, "frames": 24})
     expect_clean(expect, result)
     expect_pressures_at_moves(expect, result)
@@ -126,6 +126,7 @@ def test_cone(expect):
 
 
 def test_punch_touches_with_all_of_it_at_once(expect):
+    """Seen: load 1.1e-3, energy 5.5e-3."""
     punch = {name: value for name, value in CONE.items() if name != "indenter_half_angle"}
     punch |= {"indenter": "flat_punch", "indenter_radius": 40e-9, "indenter_max_depth": 3e-9, "levels": 3, "level_cells_max": 64,
               "indenter_times": "0,1e-11", "indenter_velocities": "0,60"}  # no blow: its short waves are those of the levels
@@ -151,7 +152,8 @@ def expect_same(expect, result, reference):
 
 @pytest.mark.mpi
 def test_ranks_and_restart(expect):
-    """Nothing depends on ranks, and a run goes on to the last digit from a checkpoint between two moves."""
+    """Nothing depends on ranks, and a run goes on to the last digit from a checkpoint between two moves. Seen: a move 1.1e-5 of the work, energy
+    1.2e-3."""
     case = {**CONE, "indenter_max_depth": 6e-9, "level_cells_max": 9, "level_cells_min": 2, "points_per_rank": 300,
             "checkpoint_interval": 115, "regrid_interval": 2}
     result = harness.run(case, ranks=3)
@@ -165,13 +167,15 @@ def test_ranks_and_restart(expect):
 
 @pytest.mark.mpi
 def test_space(expect):
+    """Seen: a move 1.1e-5 of the work, energy 9.9e-3."""
     result = harness.run(SPACE, ranks=2)
     expect_clean(expect, result)
     expect_same(expect, result, harness.run(SPACE))
 
 
 def test_small_points_become_larger(expect):
-    """Where strain changes like the logarithm of the way to a tip, families near it differ by as much for ever."""
+    """Where strain changes like the logarithm of the way to a tip, families near it differ by as much for ever. Seen: a move 9e-5 of the work, load
+    3e-3, small points 0.11."""
     from mlgimp import results
     result = wedge_from_first_touch(70.3, 7, 60e-9, level_cells_max=9, level_cells_min=2, frames=1)
     expect_clean(expect, result)
@@ -192,6 +196,7 @@ def test_between_two_columns(expect):
 
 
 def test_box_moves_along_with_the_tip(expect):
+    """Seen: middle 3.8 nm, of cells of 8 nm."""
     result = harness.run(SLIDE)
     expect_clean(expect, result)
     last = [move for move in result.summary["regrids"] if move["level"] == 3][-1]
@@ -200,6 +205,7 @@ def test_box_moves_along_with_the_tip(expect):
 
 
 def test_levels_begin_as_the_contact_shrinks(expect):
+    """Seen: energy 4.7e-3."""
     result = harness.run({**CONE, "indenter_max_depth": 6e-9, "level_cells_max": 9, "level_cells_min": 2.5, "indenter_unload_velocity": 60, "end_time": 1.9e-10})
     moves = result.summary["regrids"]
     expect_clean(expect, result)
@@ -208,7 +214,7 @@ def test_levels_begin_as_the_contact_shrinks(expect):
 
 
 def test_box_that_follows_a_flying_block(expect):
-    """Against a box that holds the whole flight."""
+    """Against a box that holds the whole flight. Seen: 4e-3 and 0.0134."""
     stays = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "44,18"}).history
     follows = harness.run({**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path",
                            "level_1_times": "0,120", "level_1_path": "0,0,24,0"})
@@ -222,7 +228,7 @@ def test_box_that_follows_a_flying_block(expect):
 
 
 def test_box_that_follows_a_sliding_tip(expect):
-    """Against a box that holds all of its way; also under a load, which the finest level finds all the time."""
+    """Against a box that holds all of its way; also under a load, which the finest level finds all the time. Seen: 6e-3 and 1.5e-3."""
     pressed = {name: value for name, value in SCRATCH.items() if name != "indenter_velocities"}
     pressed |= {"indenter_control": "load", "indenter_loads": "0,0.4,0.5,0.5"}
     for name, case, quantity in (("depth", SCRATCH, "load"), ("load", pressed, "depth")):
@@ -245,39 +251,6 @@ def test_points_that_fail(changes):
     """They may be anywhere: boxes do not move then, and what is flung into a finer level does not act beyond its grid."""
     result = harness.run({**CONE, "cfl": 1, "indenter_half_angle": 12, "frames": 0, **changes}, must_succeed=False)
     assert result.status == 1 and "deforms by more than a half" in result.stderr, f"status {result.status}: {result.stderr[-300:]}"
-
-
-REFUSED = [
-    ("no indenter", {**FLIGHT, "level_follow": "contact"}, ["-level_follow contact:", "-indenter"]),
-    ("copies", {**WEDGE, "level_coupling": "points"}, ["-level_follow contact:", "-level_coupling points"]),
-    ("counts", {**CONE, "level_cells_min": 10}, ["-level_cells_max 16:", ">= 30"]),
-    ("kind", {**CONE, "level_follow": "tip"}, ["-level_follow", "none, contact, path"]),
-    ("margin", {**CONE, "level_2_margin": -3}, ["-level_2_margin"]),
-    ("margins", {**CONE, "level_2_margin": "3,4,5"}, ["-level_2_margin"]),
-    ("unknown level", {**CONE, "level_4_margin": 3}, ["-level_4_margin", "unknown or unused option"]),
-    ("too fast for the cells", {**CONE, "levels": 13}, ["-level_follow contact: the tip goes", "that level 12 keeps free"]),
-    ("interval", {**CONE, "regrid_interval": 0}, ["-regrid_interval 0"]),
-    ("path without times", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_path": "0,0"},
-     ["-level_1_times"]),
-    ("times without path", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1"},
-     ["-level_1_path", "0 numbers"]),
-    ("numbers", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,1", "level_1_path": "0,1,2"},
-     ["-level_1_path 3 numbers", "2 for each time"]),
-    ("a path away from the tip", {**SCRATCH, "level_1_path": "0,0,9,0,9,0"}, ["-level_1_lower 9,4: must be at least 3.5", "from the indenter's tip at x = 12 at time"]),
-    ("a tip that leaves its path", {**SCRATCH, "indenter_velocities_x": "0,0,0.05,0.05"}, ["-level_1_upper 2", "must be at least 3.5", "from the indenter's tip at x = "]),
-    ("a jump away from the tip", {**SCRATCH, "level_1_times": "0,10,10.001", "level_1_path": "0,0,0,0,24,0"}, ["-level_1_path: must be such that the level's box contains", "has left it"]),
-    ("boxes as well", {**CONE, "level_1_lower": "0,0"}, ["-level_1_lower", "unknown or unused option"]),
-    ("out of the domain", {**FLIGHT, "level_1_lower": "2,2", "level_1_upper": "18,18", "level_follow": "path", "level_1_times": "0,10", "level_1_path": "0,0,100,0"},
-     ["-level_1_path: must be such that the level's box stays within level 0", "33,2 to 49,18 at time 3", "in 0,0 to 48,20"]),
-]
-
-
-@pytest.mark.mpi
-def test_refused(tmp_path):
-    for count, some in ((1, REFUSED), (3, REFUSED[::4])):
-        for name, case, expected in some:
-            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out", "overwrite": None}), tmp_path, count, expected)
-            assert not problem, f"{name} on {count} ranks: {problem}"
 
 
 def work_by_depth(result):

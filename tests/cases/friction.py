@@ -1,12 +1,10 @@
 """Coulomb friction under the indenter: sliding and sticking punches, scratches, heat and energy, on levels and ranks."""
-import functools
 import math
 import re
 
 import numpy
 import pytest
 
-import bad_input
 import harness
 from load_control import load_error
 from ranks import largest_difference
@@ -56,7 +54,8 @@ def expect_sound(expect, result, times, loads):
 
 
 def test_sliding_punch(expect):
-    """Tangential over normal force is the coefficient once all slips, forth and back; the tip is where its speed takes it."""
+    """Tangential over normal force is the coefficient once all slips, forth and back; the tip is where its speed takes it. Forces and places are met
+    to round-off. Seen: heat 5 % less than friction times the way."""
     times, speed = (0, 40, 50, 60, 80, 90, 110), numpy.array((0, 0, 0, SPEED, SPEED, -SPEED, -SPEED))
     result = harness.run({**PUNCH, **schedule(times, (0,) + 6 * (0.2,), x=speed), "indenter_friction": 0.3})
     history = result.history
@@ -73,14 +72,15 @@ def test_sliding_punch(expect):
 
 
 def test_scratch_closes_the_work(expect):
-    result = harness.run(SCRATCH)
+    """Seen: energy 1.7e-3, heat 0.72."""
+    result = harness.run_once(SCRATCH)
     expect_sound(expect, result, TIMES, LOADS)
     expect("energy less the work, of the work", energy_error(result.history), at_most=0.01)
     expect("heat, of the work", result.history["friction_work"][-1] / result.history["indenter_work"][-1], at_least=0.5)
 
 
 def test_scratch_in_metal(expect):
-    """A ball ploughs without friction: all that the tip gives goes into the metal, and contact pushes both alike."""
+    """A ball ploughs without friction: all that the tip gives goes into the metal, and contact pushes both alike. Seen: energy 6e-3, contact 4e-3."""
     history = harness.run({"indenter_friction": 0, "frames": 0}, file="scratch.opts").history
     work = history["indenter_work"]
     expect("energy less the work, of the work", energy_error(history), at_most=0.01)
@@ -88,7 +88,7 @@ def test_scratch_in_metal(expect):
 
 
 def test_noise_of_an_elastic_surface(expect):
-    """A tip that slides fed it, the more the smaller the steps, as columns let go in turns: it had 2.8 % of the strain energy."""
+    """A tip that slides fed it, the more the smaller the steps, as columns let go in turns: it had 2.8 % of the strain energy. Seen now: 8e-4."""
     slide = {"domain_lower": "0,0", "domain_upper": "36e-6,20e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry",
              "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700, "bodies": "b",
              "b_lower": "0,0", "b_upper": "36e-6,16e-6", "indenter": "cylinder", "indenter_radius": 20e-6, "indenter_tip": "11e-6,16e-6",
@@ -100,7 +100,7 @@ def test_noise_of_an_elastic_surface(expect):
 
 
 def test_sphere_on_the_axis(expect):
-    """Pressed and let go in axisymmetry: the surface slips under the rim, and the work closes."""
+    """Pressed and let go in axisymmetry: the surface slips under the rim, and the work closes. Seen: energy 2e-3, heat 5e-3, shear 0.10."""
     case = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "domain_upper": "24,27", "block_upper": "24,24",
             "indenter": "sphere", "indenter_radius": 40.0, "indenter_tip": "0,24", "damping": 0.1, "cfl": 0.2, "indenter_friction": 0.1}
     times, loads = (0, 150, 200, 300), (0, 4.0, 4.0, 0.4)
@@ -112,7 +112,7 @@ def test_sphere_on_the_axis(expect):
 
 
 def test_left_is_the_mirror_of_right(expect):
-    right = harness.run(SCRATCH).history
+    right = harness.run_once(SCRATCH).history
     mirrored = {**SCRATCH, "indenter_tip": "20,16", **schedule(TIMES, LOADS, x=along(-SPEED))}
     left = harness.run(mirrored).history
     left = {name: -values if name.endswith("_x") else values for name, values in left.items()}
@@ -135,12 +135,12 @@ def test_no_traction_where_nothing_moves_sideways(expect):
 def test_block_thrown_at_a_plate_in_space(expect, cells):
     """Newton's law again: it leaves with what friction took along the plate, mu of what the plate gave across.
 
-    GMRES once found no pressures here, as the residual that it reckoned was not the true one.
+    GMRES once found no pressures here, as the residual that it reckoned was not the true one. Seen: 6.5e-3.
     """
-    case = {"geometry": "3d", "domain_lower": "-1,-1,0", "domain_upper": "1,1,1", "cell_size": 0.375 / cells, "materials": "m",
+    case = {"geometry": "3d", "domain_lower": "-1,-1,0", "domain_upper": "1,1,1.5", "cell_size": 0.375 / cells, "materials": "m",
             "m_youngs_modulus": 2e11, "m_poissons_ratio": 0.3, "m_density": 7800, "bodies": "b", "b_lower": "-0.1875,-0.1875,0.375",
             "b_upper": "0.1875,0.1875,0.75", "b_velocity": "5,0,5", "indenter": "flat_punch", "indenter_radius": 20, "indenter_tip": "0,0,0.75",
-            "indenter_friction": 0.3, "indenter_times": 0, "indenter_velocities": 0, "end_time": 1e-3, "frames": 0, "domain_upper": "1,1,1.5"}
+            "indenter_friction": 0.3, "indenter_times": 0, "indenter_velocities": 0, "end_time": 1e-3, "frames": 0}
     history = harness.run(case).history
     across, along = history["contact_impulse_z"][-1], history["momentum_x"][-1] - history["momentum_x"][0]
     expect(f"{cells} cells: impulse along the plate over that across", along / across, near=0.3, tolerance=0.01)
@@ -153,7 +153,7 @@ del SLED["boundary_x_lower"], SLED["boundary_x_upper"]
 
 
 def test_block_under_a_plate_slides_by_what_friction_leaves(expect):
-    """Newton's law: pulled by gravity, it gains m g - mu P where that is above zero, and else stays."""
+    """Newton's law: pulled by gravity, it gains m g - mu P where that is above zero, and else stays. Seen: 8e-15 and 1.7e-3."""
     load, pull, mass = 0.06, 0.001, 56
     for friction, gain in ((0.3, mass * pull - 0.3 * load), (2.0, 0.0)):
         case = {**SLED, **schedule((0, 30, 100), (load, load, load)), "damping": 0.1, "indenter_friction": friction, "gravity": f"{pull},0"}
@@ -165,7 +165,7 @@ def test_block_under_a_plate_slides_by_what_friction_leaves(expect):
 
 
 def test_stick_holds(expect):
-    """A block that is pulled does not creep, and one that is carried forth and back comes back."""
+    """A block that is pulled does not creep, and one that is carried forth and back comes back. Seen: 7e-6 and 3e-4."""
     case = {**SLED, **schedule((0, 30, 480), (0, 0.3, 0.3)), "damping": 0.1, "indenter_friction": 2.0, "gravity": "0.001,0", "frames": 2}
     result = harness.run(case)
     half_time, end = (result.frame(k)["position"][:, 0].mean() - 10 for k in (1, 2))
@@ -193,6 +193,7 @@ def in_space(angle, load=0.02, speed=0.1):
 
 @pytest.mark.parametrize("angle", (0, 30))
 def test_friction_in_space_is_a_circle(expect, angle):
+    """Seen: friction 5e-9, direction 8e-4 degrees, energy 7e-5."""
     result = harness.run(in_space(angle))
     history = result.history
     expect_sound(expect, result, (0, 8, 12, 14, 28), (0,) + 4 * (0.02,))
@@ -249,8 +250,8 @@ def adhering(poisson):
 
 @pytest.mark.parametrize("poisson", (0.0, 0.3))
 def test_sticking_punch(expect, poisson):
-    """On 8 cells under the punch and a block of twelve radii, which ends nearly as a half space does. Without what yields to
-    tractions between the nodes the ratio is 1.5 and 0.5 % high."""
+    """On 8 cells under the punch and a block of twelve radii, which ends nearly as a half space does. Without what yields to tractions between the
+    nodes the ratio is 1.5 and 0.5 % high. Seen: 8e-4."""
     levels = {"levels": 2, "level_1_lower": [0, 72], "level_1_upper": [24, 100]}
     smooth, sticks = (stiffness(poisson, friction, 96, **levels) for friction in (0, "inf"))
     expect("load of a sticking punch over that of a smooth one, of the exact ratio", sticks / smooth / adhering(poisson), near=1, tolerance=0.003)
@@ -295,45 +296,6 @@ def verify_energy_of_scratches(study):
         cells.append([cell, cfl, f"{100 * error:.2f}", f"{100 * share:.1f}", result.summary["contact_fallbacks"]])
         study.expect(f"cell {cell}, CFL {cfl}: energy less the work, of the work", error, at_most=0.01)
     study.table("Scratch by a cylinder of radius 60, load 0.2, mu 0.3", ["cell", "CFL", "difference, % of the work", "heat, %", "fallbacks"], cells)
-
-
-# What is tried, the options that differ from those of a sliding punch, words of the line that is expected.
-MOVES = schedule(TIMES, LOADS, x=along(SPEED))
-AXIS = {**without(PUNCH, "indenter_width", "boundary_x_lower"), "geometry": "axisymmetric", "indenter_radius": 4, "indenter_tip": "0,16"}
-REFUSED = [
-    ("below zero", {"indenter_friction": "-0.1"}, ["-indenter_friction -0.1:", ">= 0"]),
-    ("not a number", {"indenter_friction": "nan"}, ["-indenter_friction nan:", ">= 0"]),
-    ("minus infinite", {"indenter_friction": "-inf"}, ["-indenter_friction -inf:", ">= 0"]),
-    ("a word", {"indenter_friction": "rough"}, ["-indenter_friction rough:", "inf"]),
-    ("nothing", {"indenter_friction": ""}, ["-indenter_friction (nothing):", ">= 0"]),
-    ("a solver that needs the matrix", {"indenter_friction": 0.1, "contact_pc_type": "lu"}, ["-contact_pc_type lu:", "jacobi"]),
-    ("two", {"indenter_friction": "0.1,0.2"}, ["-indenter_friction 0.1,0.2:", ">= 0"]),
-    ("fewer speeds than times", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 2 values:", "as many as -indenter_times has: 5"]),
-    ("speeds that are none", {"indenter_velocities_x": "0,0,0,0,fast"}, ["-indenter_velocities_x 0,0,0,0,fast:", "numbers"]),
-    ("a third axis in the plane", {"indenter_velocities_y": "0,0,0,0,1"}, ["-indenter_velocities_y:"]),
-    ("from a side of symmetry", {"indenter_tip": "0,16"}, ["-indenter_velocities_x:", "side of symmetry"]),
-    ("out of a level", {"cell_size": 2, "levels": 2, "level_1_lower": "4,6", "level_1_upper": "24,20", "indenter_velocities_x": "0,0,0,0.4,0.4"},
-     ["-level_1_upper 24,20:", "indenter's tip at x"]),
-]
-OTHERS = [
-    ("multi-mesh contact", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "multimesh"},
-     ["-indenter_friction 0.1:", "-contact multimesh"]),
-    ("pressures of points", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "point_pressure"},
-     ["-indenter_friction 0.1:", "-contact point_pressure"]),
-    ("no contact", {**without(PUNCH, "indenter_control"), "indenter_times": "0", "indenter_velocities": "1", "contact": "none"},
-     ["-indenter_friction 0.1:", "-contact none"]),
-    ("sideways in axisymmetry", {**AXIS, **MOVES}, ["-indenter_velocities_x:", "axisymmetric"]),
-]
-
-
-@pytest.mark.mpi
-def test_refused(tmp_path):
-    tried = [(name, {**PUNCH, **MOVES, **changes}, expected) for name, changes, expected in REFUSED]
-    tried += [(name, {**case, "indenter_friction": 0.1}, expected) for name, case, expected in OTHERS]
-    for ranks, some in ((1, tried), (2, tried[::8])):
-        for name, case, expected in some:
-            problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, ranks, expected)
-            assert not problem, f"{name} on {ranks} ranks: {problem}"
 
 
 @pytest.mark.parametrize("friction, told", [("inf", True), (0.6, False)])

@@ -5,7 +5,7 @@ import analytic
 import numpy
 import pytest
 import report as page
-from harness import run
+from harness import run, up_to
 
 E, NU, RHO = 70e9, 0.33, 2700.0
 E_STAR = E / (1 - NU**2)
@@ -27,7 +27,7 @@ def press(indenter, depth, cells, transits=6, **more):
         "indenter_velocities": [depth / (1.05 * push), depth / (1.05 * push), 0],
         "damping": 2 * math.pi / (4 * transit) * 2, "end_time": transits * transit, "frames": 1, "history_interval": 10, **more,
     }
-    return run(options, ranks=2), size
+    return run(options, ranks=up_to(2)), size
 
 
 def measure(expect, name, result, size, contact, limit):
@@ -88,6 +88,8 @@ def flat_punch(expect, cells, limit, width=7):
 @pytest.mark.mpi
 @pytest.mark.parametrize("shape", [cylinder, wedge, flat_punch])
 def test_half_plane(expect, shape):
+    """The limit is that of the study, for blocks whose sides are not far away. Seen: load for the width 1.5 %, peak 1e-3, stress 6.5e-3, width of the
+    punch 8e-5."""
     shape(expect, 100, 0.04)
 
 

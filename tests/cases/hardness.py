@@ -100,8 +100,8 @@ def test_load_without_waves(expect):
 
 
 def test_contact_gives_what_the_indenter_does(expect):
-    """A cone of 50 degrees on 5 cells: contact asks how nodes move, and the surface under it goes with them. Where that needs contact in
-    the columns beside, too, it gives 1.6 % more."""
+    """A cone of 50 degrees on 5 cells: contact asks how nodes move, and the surface under it goes with them. Where that needs contact in the columns
+    beside, too, it gives 1.6 % more. Seen: 9.5e-3."""
     history = harness.run({"indenter_half_angle": 50, "frames": 0}, file="cone_metal.opts").history
     expect("what contact gave beyond the work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1, near=0, tolerance=0.0125)
 
@@ -149,7 +149,8 @@ def drive(angle, cells, ranks, **more):
 
 
 def test_steep_cone(expect):
-    """Along the flank of a cone of 60 degrees metal is sheared by several times itself: its surface must hold."""
+    """Along the flank of a cone of 60 degrees metal is sheared by several times itself: its surface must hold. Seen: P/h^2 2.6 %, contact 1.7e-3,
+    energy 4e-5."""
     history = drive(60, CELLS, 1).history
     expect("P/h^2, of that of finite elements", curvature(history, 0.5) / 24.248e9, near=1, tolerance=0.05)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1, near=0,
@@ -160,12 +161,13 @@ def test_steep_cone(expect):
 def test_few_cells_are_told():
     """The load of a steep cone in metal wavers by a tenth of it until half the contact is six cells wide."""
     for cells, told in ((6, True), (10, False)):
-        warnings = drive(50, cells, 1).summary["warnings"]
+        warnings = drive(50, cells, 1, indenter_max_depth=0.65 * DEPTH).summary["warnings"]
         assert any("fewer than 6" in line for line in warnings) == told, warnings
 
 
 def test_steeper_cone(expect):
-    """A cone of 50 degrees draws out the points that it pushes away from the axis: none may reach across it, where none is."""
+    """A cone of 50 degrees draws out the points that it pushes away from the axis: none may reach across it, where none is. Seen: reach 1.00, P/h^2
+    1.1 %, contact 5.5e-3."""
     result = drive(50, CELLS // 2, 1, frames=1)
     frame = result.frame()
     F = frame["deformation_gradient"].reshape(-1, 2, 2)
@@ -178,7 +180,8 @@ def test_steeper_cone(expect):
 
 
 def test_surface_that_flows_past_an_edge_is_no_blow(expect):
-    """Under a punch six cells wide a column joins the contact late: closing its gap in one step once gave 15 and 39 times the load."""
+    """Under a punch six cells wide a column joins the contact late: closing its gap in one step once gave 15 and 39 times the load. Seen: 1.13,
+    contact 1.7 %, half the step 1.3e-3."""
     size, cell = 24, 1
     material, speed = metal(1000.0, 1.0, 0, size)
     case = {**material, "geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": [size, size + 3], "cell_size": cell,
@@ -197,7 +200,7 @@ def test_surface_that_flows_past_an_edge_is_no_blow(expect):
 
 
 def test_light_nodes(expect):
-    """Points under the tip leave nodes at the axis, whose last little mass must not strain the cell below."""
+    """Points under the tip leave nodes at the axis, whose last little mass must not strain the cell below. Seen: P/h^2 3.2 %, contact 4e-5."""
     case, speed, _ = following(50e9, 2e9, 0.1, 2 * CELLS)
     down = 8e-4 * speed
     history = harness.run({**case, "indenter_times": [0, 0.1 * DEPTH / down], "indenter_velocities": [0, down],

@@ -16,6 +16,10 @@ ROOMS = {"level": ("sweeps", ""), "hierarchy": ("partition", "coupling", "transf
 MOST_IN_ROOM = 12  # files
 LONGEST = 400  # lines
 
+# Words that a reader of plain English stumbles over, and beginnings of names that say less than an ordinary verb or noun would.
+ODD_WORDS = re.compile(r"\b(told|tells|lacks?|felt|whom|nobody|somebody|rubbed)\b", re.I)
+ODD_NAMES = re.compile(r"\b(k(Most|Least)\w*|Note[A-Z]\w*)")
+
 
 def sources(*folders):
     """Files of C++ and Python in folders of the repository."""
@@ -87,6 +91,17 @@ def test_nothing_left_over(expect):
     words = re.compile(r"\b(TO" r"DO|FIX" r"ME|XX" r"X|HA" r"CK)\b")
     marked = [short(path) for path in sources("include", "src", "tests", "scripts", "python", "docs") if words.search(path.read_text())]
     expect.that("no notes of unfinished work", not marked, ", ".join(marked))
+
+
+def test_plain_words(expect):
+    """In sources and documents, but for what `make verify` writes, whose words are those of the tests."""
+    made, odd = re.compile(r"<!-- \S+: written by make verify -->.*?<!-- end -->", re.S), []
+    pages = [harness.ROOT / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((harness.ROOT / "docs").rglob("*.md"))
+    for path in sources("include", "src", "docs") + pages:
+        text = made.sub(lambda part: "\n" * part[0].count("\n"), path.read_text())
+        odd += [f"{short(path)}:{number} {found[0]}" for number, line in enumerate(text.split("\n"), 1)
+                for words in (ODD_WORDS, ODD_NAMES) for found in words.finditer(line)]
+    expect.that("plain words", not odd, ", ".join(odd))
 
 
 def test_example_options(expect):

@@ -1,4 +1,4 @@
-"""Input that no cell, step or number can resolve is refused, or told in one line, instead of giving a wrong answer in silence."""
+"""Input that no cell, step or number can resolve is told in one line instead of giving a wrong answer in silence."""
 import subprocess
 import tempfile
 
@@ -40,20 +40,6 @@ def warnings(options, but=(FEW_CELLS, FAST)):
 
 # ---- indenters that the surface cannot see ----
 
-@pytest.mark.parametrize("angle", [5.6, 3, 0.01])
-def test_needles_are_refused(angle):
-    """Contact leaves out faces that do not lean toward the indenter: a steeper wedge once went through the body without a load."""
-    assert f"-indenter_half_angle {angle}: must be above" in refusal({**PRESS, "indenter": "wedge", "indenter_half_angle": angle})
-
-
-@pytest.mark.parametrize("indenter", [
-    {"indenter": "flat_punch", "indenter_width": 0.13}, {"indenter": "flat_punch", "indenter_width": 0.99},
-    {"indenter": "cylinder", "indenter_radius": 0.06}, {"indenter": "polygon", "indenter_vertices": "0,0,0.3,3,0,4,-0.3,3"}])
-def test_indenters_narrower_than_a_cell_are_refused(indenter):
-    """They lie between the columns of cells that pressures belong to."""
-    assert f"-indenter {indenter['indenter']}: must be at least as wide as 1 m" in refusal({**PRESS, **indenter})
-
-
 @pytest.mark.parametrize("friction,warned", [(30, True), (3.5, True), (3, False), ("inf", False)])
 def test_friction_in_per_cent(friction, warned):
     """30 for a coefficient of 0.3 sticks everywhere, and looks like an answer."""
@@ -72,18 +58,15 @@ def test_other_units_and_a_forgotten_side_of_symmetry_are_told(change, warned):
     assert [line.startswith(WARNING + warned) for line in said] == [True] if warned else said == []
 
 
-def test_what_is_refused_is_not_warned_of():
-    """One line, though speed and friction would have one each."""
+def test_speed_and_friction_have_a_line_each():
+    """Where such a run is refused for something else there is none; see bad_input_of_contact.py."""
     case = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, "indenter_friction": 30, "indenter_velocities": 1e4}
     assert len(warnings({**case, "max_steps": 1})) == 2
-    assert "-frames -1: must be" in refusal({**case, "frames": -1})
-    assert "unknown or unused option" in refusal({**case, "indenter_radius": 1})
 
 
 def test_punch_as_wide_as_a_cell_of_its_level():
     levels = {"levels": 2, "level_1_lower": "0,2", "level_1_upper": "8,12", "domain_upper": "16,12"}
     case = {**PRESS, "indenter": "flat_punch", "indenter_width": 0.5, "indenter_max_depth": 0.05, "indenter_velocities": 20}
-    assert "at least as wide" in refusal({**case, "domain_upper": "16,12"})
     assert warnings({**case, **levels}) == []
 
 
@@ -152,9 +135,9 @@ def test_surface_deep_inside_the_indenter_is_told():
     assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
 
 
-@pytest.mark.parametrize("half_angle, depth, warned", [(10, 8e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
+@pytest.mark.parametrize("half_angle, depth, warned", [(10, 5.5e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
 def test_surface_torn_open_is_told(half_angle, depth, warned):
-    """A slender wedge that goes eight cells deep parts the points of a metal; the books of its work do not close."""
+    """A slender wedge that goes some cells deep parts the points of a metal; the books of its work do not close: by 0.21, 0.07 and less than 0.01."""
     result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": depth, "frames": 0}, file="wedge_plastic.opts")
     history = result.history
     excess = harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1
@@ -222,12 +205,6 @@ def test_damping_brings_gravity_to_rest():
     assert numpy.all(numpy.diff(history["dissipated_energy"]) >= 0)
 
 
-@pytest.mark.parametrize("ranks", ON_RANKS)
-def test_step_longer_than_damping_allows(ranks):
-    line = refusal({**BLOCK, "damping": 7000, "time_step": 3e-4, "max_steps": 10}, ranks)
-    assert "-time_step 0.0003: must be <= 0.0001429, the inverse of -damping" in line
-
-
 def test_indenter_faster_than_waves():
     """It once jumped through the body in one step; now it meets it cell by cell."""
     case = {**BLOCK, "indenter": "polygon", "indenter_tip": "4,9", "indenter_vertices": "0,0,3,1,0,2,-3,1", "indenter_times": 0,
@@ -236,21 +213,6 @@ def test_indenter_faster_than_waves():
     history = read_history(folder)
     assert numpy.max(numpy.diff(history["depth"])) <= 0.4 * (1 + 1e-9)
     assert numpy.max(history["load"]) > 0, lines
-
-
-@pytest.mark.parametrize("ranks", ON_RANKS)
-@pytest.mark.parametrize("change", [
-    {"block_velocity": "1e200,0"}, {"al_youngs_modulus": 1e300, "al_density": 1e-300}, {"time_step": 1e-30},
-    {"damping": 1e30}])
-def test_runs_that_cannot_end(change, ranks):
-    """Steps of next to nothing: the run once went on for ever, and filled its history with rows of time 0."""
-    line = refusal({**BLOCK, "end_time": 1, **change}, ranks)
-    assert "-end_time 1" in line and "in reach; a step is" in line and ("-time_step" in line) == ("time_step" in change)
-
-
-def test_unloading_that_cannot_end():
-    case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.1, "indenter_unload_velocity": 1e-300}
-    assert "must be in reach" in refusal(case)
 
 
 @pytest.mark.parametrize("change, told", [
@@ -314,7 +276,7 @@ TURNING = {
 
 
 @pytest.mark.parametrize("change, words", [
-    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.1}, "J are missing"), ({"left_velocity": "0,0.01"}, "")])
+    ({}, "noise of the points' velocities holds"), ({"xpic_fraction": 0.1}, "-bodies: energy balance: "), ({"left_velocity": "0,0.01"}, "")])
 def test_bodies_that_turn_on_few_cells(change, words):
     """Their motion becomes noise, or XPIC takes it for that; not where they fly as they are."""
     said = warnings({**TURNING, **change, "end_time": 300 if words else 50})
@@ -344,13 +306,6 @@ def test_body_that_flies_to_a_tip_at_rest_is_no_false_alarm():
             "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": "4,5.5", "indenter_velocities": 0, "end_time": 0.1}
     said = warnings({name: value for name, value in case.items() if name not in ("indenter_max_depth", "max_steps")})
     assert len(said) == 1 and said[0].startswith(WARNING + "-boundary_y_lower: no body lies at a side"), said
-
-
-@pytest.mark.parametrize("motion", [{"indenter_max_depth": 9}, {"indenter_max_depth": None, "end_time": 0.2}])
-def test_tip_that_goes_through_the_domain(motion):
-    """Depths in another unit: the run went on until a point was strained too much, or ended in few steps."""
-    case = {**PRESS, "indenter": "wedge", "indenter_half_angle": 70, **motion}
-    assert "where the domain ends at 8 m" in refusal({name: value for name, value in case.items() if value is not None})
 
 
 @pytest.mark.parametrize("tip, peak, told", [(8, 0.05, False), (11, 0.01, True)])
@@ -401,7 +356,7 @@ def test_energy_that_no_column_has_is_told(cell, told):
             "loads": "l,k", "l_side": "y_lower", "k_side": "y_upper", "end_time": 4, "frames": 0}
     for load in "lk":
         case |= {f"{load}_times": "0,0.02,0.04", f"{load}_pressures": "0,2e4,0"}
-    assert [line.startswith(WARNING + "-bodies: energy balance:") for line in warnings(case)] == [True] * told
+    assert [line.startswith(WARNING + "-bodies: energy balance: ") for line in warnings(case)] == [True] * told
 
 
 @pytest.mark.parametrize("ranks", ON_RANKS)

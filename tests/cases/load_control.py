@@ -4,7 +4,6 @@ import functools
 import numpy
 import pytest
 
-import bad_input
 import harness
 from limits import FAST
 from ranks import largest_difference
@@ -53,6 +52,7 @@ def loaded(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_load_hold_unload(expect, name):
+    """The load and the sum of its work are met to round-off of the solver. Seen: energy 2e-3, depth in the hold 8e-4."""
     history, most = loaded(name).history, CASES[name][1]
     expect("load against the one set, each step", load_error(history, TIMES, (0, most, most, 0.1 * most)), at_most=1e-8)
     by_hand = numpy.cumsum(history["load"][1:] * numpy.diff(history["depth"]))
@@ -69,7 +69,7 @@ def test_load_hold_unload(expect, name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_displacement_control_has_the_same_curve(expect, name):
-    """The way that the load has found, as a schedule of speeds, gives the load back."""
+    """The way that the load has found, as a schedule of speeds, gives the load back. Seen: 3e-4."""
     history, case = loaded(name).history, CASES[name][0]
     knots = numpy.linspace(0, 300, 161)
     speeds = numpy.gradient(numpy.interp(knots, history["time"], history["depth"]), knots)
@@ -87,7 +87,7 @@ def test_displacement_control_has_the_same_curve(expect, name):
 @pytest.mark.mpi
 @pytest.mark.parametrize("name", CASES)
 def test_levels_ranks_and_restart(expect, name):
-    """Three levels, of which the finest finds the tip's way; on ranks, and from the middle of a hold."""
+    """Three levels, of which the finest finds the tip's way; on ranks, and from the middle of a hold. Seen: depth 6e-4 off that on one level."""
     case, most = CASES[name]
     loads = (0, most / 2, most / 2, 0.1 * most)
     case = {**case, **LEVELS, **schedule(SHORT, loads), "checkpoint_interval": 15}
@@ -110,7 +110,7 @@ def test_levels_ranks_and_restart(expect, name):
 
 
 def test_space(expect):
-    """A quarter of a sphere; the work closes."""
+    """A quarter of a sphere; the work closes. Seen: energy 4.4e-3."""
     loads = (0, 1.0, 1.0, 0.1)
     result = harness.run({**SPACE, **schedule((0, 40, 60, 100), loads)})
     history = result.history
@@ -120,7 +120,8 @@ def test_space(expect):
 
 
 def test_cycles_down_to_nothing(expect):
-    """Without a load the tip stays or is lifted by the surface, and comes back from there; it comes down to the surface at first."""
+    """Without a load the tip stays or is lifted by the surface, and comes back from there; it comes down to the surface at first. Seen: penetration
+    0.06 cells."""
     times, loads = (0, 60, 90, 150, 200, 260, 300, 360), (0, 0.3, 0.3, 0, 0, 0.5, 0.5, 0)
     history = harness.run({**WEDGE, "domain_upper": "24,28", "indenter_tip": "0,25", **schedule(times, loads)}).history
     free = (history["time"] > 151) & (history["time"] < 199)
@@ -134,7 +135,7 @@ def test_cycles_down_to_nothing(expect):
 
 
 def test_metal_on_levels(expect):
-    """The first seventh of the shipped case."""
+    """The first seventh of the shipped case. Seen: energy 8e-4, plastic share 0.73."""
     result = harness.run({"end_time": 20e-9, "frames": 0}, file="cone_load.opts")
     history = result.history
     expect("load against the one set, each step", load_error(history, (0, 80e-9), (0, 10e-3)), at_most=1e-8)
@@ -144,39 +145,14 @@ def test_metal_on_levels(expect):
 
 
 def test_contact_beyond_the_level_of_the_tip(expect):
-    """What a coarser level carries counts: a punch of 12 cells stands on one whose box ends after 8. Near that border energies are not right,
-    and a warning says so."""
+    """What a coarser level carries counts: a punch of 12 cells stands on one whose box ends after 8. Near that border energies are not right, and a
+    warning says so. Seen: mean 7e-5, single steps 6e-3."""
     case = {**WEDGE, "cell_size": 2, "levels": 2, "level_1_lower": "0,10", "level_1_upper": "8,26", "indenter": "flat_punch", "indenter_width": 24,
             "indenter_half_angle": None, "cfl": 0.4, **schedule((0, 100, 140), (0, 1, 1))}
     history = harness.run({name: value for name, value in case.items() if value is not None}).history
     held = history["time"] > 110
     expect("mean load in the hold", numpy.average(history["load"][held]), near=1, tolerance=0.005)
-    expect("load of a step in the hold", numpy.max(numpy.abs(history["load"][held] - 1)), at_most=0.1)
-
-
-# What is tried, the options that differ from those of a wedge, words of the line that is expected.
-REFUSED = [
-    ("times that do not increase", schedule((0, 1, 1), (0, 1, 1)), ["-indenter_times 1:", "increasing"]),
-    ("loads of the wrong sign", schedule((0, 1), (0, -1)), ["-indenter_loads 0,-1:", ">= 0"]),
-    ("no loads", {"indenter_times": "0,1"}, ["-indenter_loads:", "given"]),
-    ("no times", {"indenter_loads": "0,1"}, ["-indenter_times:", "given"]),
-    ("fewer loads than times", schedule((0, 1, 2), (0, 1)), ["-indenter_loads 2 values:", "as many as -indenter_times has: 3"]),
-    ("velocities", {**schedule((0, 1), (0, 1)), "indenter_velocities": "0,1"}, ["-indenter_velocities 0,1:", "-indenter_control load"]),
-    ("a largest depth", {**schedule((0, 1), (0, 1)), "indenter_max_depth": "1"}, ["-indenter_max_depth 1:", "-indenter_control load"]),
-    ("loads with displacement control", {**schedule((0, 1), (0, 1)), "indenter_control": "displacement"},
-     ["-indenter_loads 0,1:", "-indenter_control displacement"]),
-    ("another contact", {**schedule((0, 1), (0, 1)), "contact": "multimesh"}, ["-contact multimesh:", "pressure"]),
-    ("no such control", {**schedule((0, 1), (0, 1)), "indenter_control": "force"}, ["-indenter_control force:", "displacement, load"]),
-]
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", (1, 3))
-def test_refused(tmp_path, ranks):
-    for name, changes, expected in REFUSED:
-        words = harness.to_arguments({**WEDGE, **changes, "output_dir": "out"})
-        problem = bad_input.problem_of(words, tmp_path, ranks, expected)
-        assert not problem, f"{name}: {problem}"
+    expect("load of a step in the hold", numpy.max(numpy.abs(history["load"][held] - 1)), at_most=0.03)
 
 
 @pytest.mark.mpi

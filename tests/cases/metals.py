@@ -60,7 +60,8 @@ def punch(**more):
 
 
 def test_punch(expect):
-    """Prandtl: the limit load is (2 + pi) k a, a punch acting a quarter cell wider; the pressure does not alternate."""
+    """Prandtl: the limit load is (2 + pi) k a, a punch acting a quarter cell wider; the pressure does not alternate. Seen: load 2.1 %, growth 1.1 %,
+    noise 0.12 and 0.8, energies 0.2 and 1.2 %, contact 1.0 %, noise of velocities 5e-5."""
     result = punch()
     history, frame = result.history, result.frame()
     load = history["load"] / ((2 + math.pi) * SHEAR_YIELD * 8.25e-6)
@@ -86,7 +87,7 @@ def test_punch(expect):
 
 
 def test_locking_without_average(expect):
-    """What the mean over cells is for: without it the load is too high, and the pressure alternates from point to point."""
+    """What the mean over cells is for: without it the load is too high, and the pressure alternates from point to point. Seen: 1.07 and 1.8."""
     result = punch(metal_volume_average="false")
     frame = result.frame()
     load = numpy.mean(result.history["load"][-100:]) / ((2 + math.pi) * SHEAR_YIELD * 8.25e-6)
@@ -96,8 +97,9 @@ def test_locking_without_average(expect):
 
 
 def test_cone(expect):
-    """Hardness: P/h^2 of a 70.3 degree cone by finite elements (PNAS 117:7052, 2020), E 50 GPa, sy 1 GPa, no hardening."""
-    result = harness.run({"frames": 1, "indenter_max_depth": 150e-9, "history_interval": 5}, file="cone_metal.opts", ranks=2)
+    """Hardness: P/h^2 of a 70.3 degree cone by finite elements (PNAS 117:7052, 2020), E 50 GPa, sy 1 GPa, no hardening. Seen: P/h^2 5e-3 and 1.4e-3,
+    noise 0.15, energy 5e-4, contact 1.7e-3."""
+    result = harness.run({"frames": 1, "indenter_max_depth": 150e-9, "history_interval": 5}, file="cone_metal.opts", ranks=harness.up_to(2))
     history = result.history
     depth, load = history["depth"], history["load"]
 
@@ -115,7 +117,8 @@ def test_cone(expect):
 
 
 def test_compression(expect):
-    """Half as high between frictionless plates: stress sy + H a, and the work of it on the volume."""
+    """Half as high between frictionless plates: stress sy + H a, and the work of it on the volume. Seen: 1e-5, 7e-5 (inertia, as the square of the
+    speed), 3e-8."""
     result = harness.run({**COMPRESSION, "indenter_times": "0,6400", "indenter_velocities": "0,0.00125"})  # inertia: as speed squared
     history, frame = result.history, result.frame()
     strain = frame["equivalent_plastic_strain"]
@@ -162,7 +165,7 @@ BLOCK = {
 
 
 def test_compression_in_space(expect):
-    """The same in three dimensions: a cube's flow is that of uniaxial stress."""
+    """The same in three dimensions: a cube's flow is that of uniaxial stress. Seen: 1.3e-4, 3e-5."""
     result = harness.run(BLOCK)
     frame, height = result.frame(), 3 / 5
     mean = numpy.average(frame["equivalent_plastic_strain"], weights=frame["mass"])
@@ -181,7 +184,8 @@ BARS = {"axisymmetric": ({**COMPRESSION, "domain_upper": "6,10", "rod_upper": "2
 
 @pytest.mark.parametrize("geometry", BARS)
 def test_slow_compression(expect, geometry):
-    """A bar's load is its flow stress times its section in every row: the side of its rim is no surface under the plate."""
+    """A bar's load is its flow stress times its section in every row: the side of its rim is no surface under the plate. Seen: mean 3e-3, rows from
+    0.997 to 1.003, area 1 %."""
     case, height, section = BARS[geometry]
     case = {name: value for name, value in case.items() if name not in ("m_hardening_modulus", "indenter_velocities")}
     history = harness.run({**case, **SLOW}).history
@@ -209,7 +213,7 @@ SQUASHED = {
 
 @pytest.mark.parametrize("name", SQUASHED)
 def test_points_drawn_out_are_halved(expect, name):
-    """Masses, momentum and the pressure of J are kept, and the work is that of uniform flow; nothing is lost."""
+    """Masses, momentum and the pressure of J are kept, and the work is that of uniform flow; nothing is lost. Seen: work 1e-5, strain 4e-3."""
     case, height, part = SQUASHED[name]
     travel = (1 - part) * height
     result = harness.run({**case, "indenter_max_depth": travel, "indenter_times": [0.0, travel / 0.005], "checkpoint_interval": 20})
@@ -271,30 +275,6 @@ COOK = {**J2, "m_hardening": "johnson_cook", "m_hardening_modulus": 1e6, "m_hard
         "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}
 TABLE = {**{k: v for k, v in J2.items() if k != "m_yield_stress"}, "m_hardening": "table", "m_plastic_strains": "0,0.1",
          "m_flow_stresses": "1e6,2e6"}
-
-
-@pytest.mark.parametrize("change, words", [
-    ({**J2, "m_hardening": "power", "m_hardening_exponent": -0.1}, ["-m_hardening_exponent -0.1:", "[0, 1]"]),
-    ({**J2, "m_hardening": "power"}, ["-m_hardening_exponent", "given"]),
-    ({**J2, "m_hardening": "isotropic"}, ["-m_hardening isotropic:", "voce"]),
-    ({**J2, "m_hardening": "voce", "m_saturation_stress": 5e5, "m_saturation_strain": 0.1}, ["-m_saturation_stress", "-m_yield_stress"]),
-    ({**J2, "m_hardening": "voce", "m_saturation_stress": 5e6, "m_saturation_strain": 0}, ["-m_saturation_strain 0:", "> 0"]),
-    ({**TABLE, "m_plastic_strains": "0.01,0.1"}, ["-m_plastic_strains 0.01:", "0 at first"]),
-    ({**TABLE, "m_plastic_strains": "0,0.1,0.05", "m_flow_stresses": "1e6,2e6,3e6"}, ["-m_plastic_strains 0.05:", "rising"]),
-    ({**TABLE, "m_flow_stresses": "2e6,1e6"}, ["-m_flow_stresses", "at least the one before"]),
-    ({**TABLE, "m_flow_stresses": "2e6"}, ["-m_flow_stresses 1 values:", "as many"]),
-    ({**TABLE, "m_yield_stress": 1e6}, ["-m_yield_stress"]),
-    ({**COOK, "m_melting_temperature": 290}, ["-m_melting_temperature 290:", "-initial_temperature"]),
-    ({**COOK, "m_reference_temperature": 1000}, ["-m_melting_temperature 1000:", "-m_reference_temperature"]),
-    ({**COOK, "m_adiabatic": "true"}, ["-m_heat_capacity", "-m_adiabatic"]),
-    ({**COOK, "rate_scale": 0}, ["-rate_scale 0:", "> 0"]),
-    ({**J2, "m_hardening_modulus": 0, "stress_update": "usf"}, ["-stress_update usf:", "volume_average"]),
-    ({**J2, "m_model": "neo_hookean", "m_hardening": "swift"}, ["-m_"])])
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_refused(change, words, ranks):
-    result = harness.run(change, ranks=ranks, must_succeed=False)
-    lines = [line for line in result.stderr.splitlines() if line.startswith("mlgimp: error:")]
-    assert result.status != 0 and len(lines) == 1 and all(word in lines[0] for word in words), result.stderr
 
 
 @pytest.mark.parametrize("change", [COOK, TABLE, {**J2, "m_hardening": "swift", "m_hardening_exponent": 0.2, "m_hardening_strain": 0.01},

@@ -2,7 +2,6 @@
 import numpy
 import pytest
 
-import bad_input
 import harness
 from mlgimp import load_depth, oliver_pharr
 from ranks import largest_difference
@@ -89,7 +88,8 @@ def press_of_tutorial():
 
 @pytest.mark.parametrize("name, limits", [("elastic", (0.02, 0.02, 0.005, 0.02)), ("metal", (0.02, 0.01, 0.01, 0.02))])
 def test_ten_times_slower(expect, name, limits):
-    """With a tolerance of 2 %."""
+    """With a tolerance of 2 %. Limits of the load are that; the others what is seen, with room: elastic 8e-3, 6e-3, 1e-5, 4e-3; metal 2e-3, 2e-3,
+    3e-3, 1.2 %; share 1.2 %, drift 1.3e-3."""
     fast = compare(expect, CASES[name], 0.02, 10, limits)
     told = fast.summary["quasi_static"]
     history = fast.history
@@ -99,7 +99,7 @@ def test_ten_times_slower(expect, name, limits):
 
 
 def test_tutorial(expect):
-    """The tutorial's cylinder at half the speed."""
+    """The tutorial's cylinder at half the speed. Limits are the tolerance of 2 %; seen 2e-3."""
     case = {**press_of_tutorial(), "quasi_static": "true", "frames": 0}
     expect_half_speed(expect, case, 0.02)
 
@@ -119,7 +119,7 @@ def test_turns_count(expect):
 
 
 def test_schedule_in_the_history(expect):
-    """A partial unloading: the tip turns at the depths that are given, its speed has no jump, and what acts on it is smooth."""
+    """A partial unloading: the tip turns at the depths that are given, its speed has no jump, and what acts on it is smooth. Seen: 6e-8, 2 %, 4e-4."""
     history = harness.run({**CONE, "indenter_depths": "0.4,0.3,0.6,0.5", "quasi_static_tolerance": 0.05}).history
     depth, time = history["depth"], history["time"]
     speed = numpy.diff(depth) / numpy.diff(time)
@@ -133,7 +133,8 @@ LOADS = {"indenter_control": "load", "indenter_times": "0,1,2,3", "indenter_load
 
 
 def test_load_control(expect):
-    """The same curve as under displacement control, and the same figures by Oliver and Pharr."""
+    """The same curve as under displacement control, and the same figures by Oliver and Pharr. Limits: a quarter of the tolerance of 2 % for the load,
+    all of it for slopes. Seen: 1.1e-3, 2e-4, 5e-4."""
     case = {name: value for name, value in {**CONE, **LOADS, "quasi_static_tolerance": 0.02}.items() if value is not None}
     result = harness.run(case)
     held = result.history["depth"][parts(result.history)[1]]
@@ -177,8 +178,8 @@ def far_strain(run):
 
 
 def test_constant_loads_rise_before_the_tip_starts(expect):
-    """A metal bears a pressure of 0.8 of its yield stress, and the load of the tip is that of a run whose pressure rises by hand; at once it
-    strikes, the whole body flows and the load is a sixth higher."""
+    """A metal bears a pressure of 0.8 of its yield stress, and the load of the tip is that of a run whose pressure rises by hand; at once it strikes,
+    the whole body flows and the load is higher. Seen: 1.7 % between two ways to rise; 1.66 and 6e-3 with a blow."""
     slow = harness.run(SQUEEZED)
     plan = slow.summary["quasi_static"]
     start, speed = plan["start"], plan["speed"]
@@ -199,7 +200,8 @@ def test_constant_loads_rise_before_the_tip_starts(expect):
 
 
 def test_gravity_rises_before_the_tip_starts(expect):
-    """It has done the work of a column that it fills slowly, half of what it would do at once; the load of the tip is not its own energy."""
+    """It has done the work of a column that it fills slowly, half of what it would do at once; the load of the tip is not its own energy. Seen: work
+    5e-3, kinetic energy 2e-8, load 3e-3, added load 6e-3."""
     gravity, M = 1e-4, 0.7 / (1.3 * 0.4)
     run = harness.run({**CONE, "gravity": f"0,{-gravity}"})
     history, start = run.history, run.summary["quasi_static"]["start"]
@@ -222,34 +224,11 @@ OTHERS = {
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_geometries(expect, name):
-    """Half the speed changes the load by less than the tolerance."""
+    """Half the speed changes the load by less than the tolerance. Seen: 3 % of the 5 % that were asked for, in the hold 3e-3."""
     case = {name: value for name, value in {**CONE, **OTHERS[name]}.items() if value is not None}
     slow = expect_half_speed(expect, case, 0.05)
     expect("depth reached, of that wanted", slow["depth"].max() / float(case["indenter_depths"].split(",")[0]), near=1, tolerance=1e-9)
     expect("depth at the end", slow["depth"][-1], near=0, tolerance=1e-9)
-
-
-# What is tried, the options that differ from those of the cone, words of the line that is expected.
-REFUSED = [
-    ("no indenter", {"indenter": None, "indenter_half_angle": None, "indenter_tip": None, "indenter_depths": None, "end_time": 1},
-     ["-quasi_static true:", "-indenter"]),
-    ("no end of the history", {"indenter_depths": None, "indenter_times": "0", "indenter_velocities": "1"}, ["-indenter_max_depth:", "-indenter_times"]),
-    ("not to the surface", {"indenter_depths": None, "indenter_times": "0,1", "indenter_velocities": "-1,-1"}, ["-quasi_static true:", "surface"]),
-    ("depths under load control", {"indenter_control": "load", "indenter_times": "0,1", "indenter_loads": "0,1"}, ["-indenter_control load:", "depths"]),
-    ("no load", {**LOADS, "indenter_loads": "0,0,0,0"}, ["-quasi_static true:", "load above 0"]),
-    ("pressures that change", {"loads": "p", "p_body": "block", "p_side": "y_upper", "p_times": "0,1", "p_pressures": "0,1"},
-     ["-quasi_static true:", "not stretched"]),
-    ("sideways motion, whose times would be others", {"indenter_velocities_x": "0,1"}, ["-indenter_velocities_x 0,1:", "-quasi_static"]),
-    ("too large a tolerance", {"quasi_static_tolerance": 0.5}, ["-quasi_static_tolerance 0.5:", "0.1"]),
-    ("depths of a fast test", {"quasi_static": "false", "indenter_times": "0,1", "indenter_velocities": "1,1", "end_time": 1}, ["-indenter_depths", "unused"]),
-]
-
-
-def test_refused(tmp_path):
-    for name, changes, expected in REFUSED:
-        case = {name: value for name, value in {**CONE, **changes}.items() if value is not None}
-        problem = bad_input.problem_of(harness.to_arguments({**case, "output_dir": "out"}), tmp_path, 1, expected)
-        assert not problem, f"{name}: {problem}"
 
 
 def test_what_is_told():

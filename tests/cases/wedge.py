@@ -2,7 +2,7 @@
 import numpy
 import pytest
 import report as page
-from harness import ROOT, read_csv, run
+from harness import ROOT, read_csv, run, run_once, up_to
 from mlgimp import results
 
 pytestmark = pytest.mark.mpi
@@ -12,7 +12,7 @@ CELL = 250e-9
 
 def indentation(**options):
     """The paper's wedge on cells of 250 nm, one row of history per step."""
-    return run({"cell_size": CELL, "frames": 1, **options}, file="wedge_125nm.opts", ranks=2)
+    return run_once({"cell_size": CELL, "frames": 1, **options}, file="wedge_125nm.opts", ranks=up_to(2))
 
 
 def noise(history, from_depth=100e-9):
@@ -46,15 +46,16 @@ def quality(expect, name, history, cell):
 
 
 def test_wedge(expect):
+    """Seen: noise 1.5e-3, first load 0.02 cells, penetration 0.06 cells, energy 1.2e-4; the limits are those of the study on 500 to 62.5 nm."""
     result = indentation()
     quality(expect, "wedge, 250 nm cells", result.history, CELL)
     expect("wedge: steps that fell back to the diagonal", result.summary["contact_fallbacks"], near=0, tolerance=0)
 
 
 def test_unloading(expect):
-    """Elastic contact: the load goes back to zero on unloading, and nothing pulls."""
+    """Elastic contact: the load goes back to zero on unloading, and nothing pulls. Seen: 0, 0, 0.1 nm, 1e-3."""
     history = run({"cell_size": 500e-9, "frames": 0, "indenter_max_depth": 300e-9, "indenter_unload_velocity": 40.0},
-                  file="wedge_125nm.opts", ranks=2).history
+                  file="wedge_125nm.opts", ranks=up_to(2)).history
     expect("unloading: least load over the greatest", history["load"].min() / history["load"].max(), at_least=0)
     expect("unloading: load at the end over the greatest", history["load"][-1] / history["load"].max(), at_most=0.01)
     expect("unloading: deepest, nm", history["depth"].max() * 1e9, near=300, tolerance=1)
@@ -62,7 +63,7 @@ def test_unloading(expect):
 
 
 def test_variants(expect):
-    """Eq. 11 as printed comes late and multi-mesh contact early, as docs/verification.md tells."""
+    """Eq. 11 as printed comes late and multi-mesh contact early, as docs/verification.md says. Seen: 0.34 and 1e-3 cells."""
     depths = {}
     for method in ("pressure", "point_pressure", "multimesh"):
         history = indentation(contact=method, indenter_max_depth=150e-9).history

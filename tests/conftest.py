@@ -12,7 +12,7 @@ import harness
 RANKS = {False: (1,), True: (1, 3)}  # of unit tests: those whose suite ends in OnRanks run on several
 
 # Files of half a minute and more, the longest first: processes that -n has started take files in this order, and so end together.
-LONGEST_FIRST = ("hardness", "ranks", "friction", "restart", "borders", "metals", "following", "limits", "bad_input", "bending", "rounding",
+LONGEST_FIRST = ("stops", "hardness", "ranks", "friction", "restart", "borders", "metals", "following", "limits", "bad_input", "bending", "rounding",
                  "elastic_contact", "test_tutorial", "quasi_static", "test_measured", "test_package", "test_refusals", "bad_input_of_contact")
 
 

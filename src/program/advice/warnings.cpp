@@ -31,6 +31,12 @@ std::string ViscosityWarning(const Case &c, const Budgets &budgets, const Watche
                 When(budgets));
 }
 
+/// The largest work, or what the bodies brought: what contact gives or takes by mistake is a share of it, J.
+double EnergyToCompare(const Budgets &budgets, const Watched &watched)
+{
+  return std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
+}
+
 /// Contact gives more than the indenter where points make noise of it, and under a tip that tears the surface of a metal open: it
 /// comes down with little load or none, and blows where it meets points again.
 std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -39,8 +45,7 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
       0.1; // of the largest work, or what the bodies brought; steep cones on a few cells are seen to give 0.05
   if (!c.model.indenter || c.model.contact.method == "none") return "";
   const double given = budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work;
-  const double work =
-      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
+  const double work = EnergyToCompare(budgets, watched);
   if (given <= kMaxExcess * work) return "";
   return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of their energy,{}: "
                 "contact covers few cells so far, or {}",
@@ -58,8 +63,7 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
   constexpr int kFirstSteps = 100;  // of contact, before which it is all first touch
   if (!c.model.indenter || budgets.contact_steps < kFirstSteps) return "";
   const double taken = budgets.indenter_work - budgets.GivenByContact() - budgets.friction_work;
-  const double work =
-      std::max({watched.indenter_work, std::abs(watched.had_at_start), std::abs(budgets.external_work), watched.floor});
+  const double work = EnergyToCompare(budgets, watched);
   if (taken <= kMaxLoss * work) return "";
   return Format("-indenter: contact has taken {} J, {} % of the bodies' energy,{}: the surface has struck the tip, or has parted "
                 "from it and come back, and the load is wrong; try smaller cells, a slower indenter{}",

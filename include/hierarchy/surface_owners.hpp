@@ -18,12 +18,10 @@ public:
   void Create(MPI_Comm comm, const std::vector<Level *> &levels, int ratio) { comm_ = comm, levels_ = levels, ratio_ = ratio; }
   /// Makes the surface of the bodies at the start, halved as near to the tip as contact wants it. Collective.
   PetscErrorCode Seed(const std::vector<Seeding> &seedings, Vec3 tip);
-  /// Before a step of level 0: gives patches to the levels and ranks where they are now, if they may have moved too far. active:
-  /// number of levels with points. Collective.
-  PetscErrorCode Watch(int active);
-  /// Must be called by all ranks when nodes have got other owners.
-  void OwnersHaveChanged() { due_ = true; }
-  /// The same where points belong to other levels.
+  /// Before a step of level 0: gives patches to the levels and ranks where they are now, if they may have moved too far or nodes
+  /// have other owners. active: number of levels with points. owner_changes: see ConnectedLevels. Collective.
+  PetscErrorCode Watch(int active, int owner_changes);
+  /// Must be called by all ranks when points belong to other levels.
   void BoxesHaveMoved() { drift_ = HUGE_VAL; }
 
   /// The patches of a level in the order of their numbers, [patches][kOfPatch], on the first rank, and how they come back on any
@@ -42,8 +40,8 @@ private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::vector<Level *> levels_;
   int ratio_ = 2;
-  bool due_ = true;  ///< patches may lie on other ranks by now; the same on all ranks
-  double drift_ = 0; ///< cells of their level that patches may have moved since they were given to levels
+  int owner_changes_ = -1; ///< when patches were last given to ranks
+  double drift_ = 0;       ///< cells of their level that patches may have moved since they were given to levels
 };
 
 } // namespace mlgimp

@@ -1,5 +1,7 @@
 // Boxes that move: points to the levels they belong to now, new grids, and the borders between them.
-#include "hierarchy/hierarchy.hpp"
+#include "hierarchy/regrid.hpp"
+
+#include "base/text.hpp"
 #include "hierarchy/partition/balance.hpp"
 #include "hierarchy/transfer/merging.hpp"
 
@@ -24,58 +26,64 @@ LevelGeometry GeometryOf(const LevelRules &rules, const Model &model, const Box 
   return geometry;
 }
 
-std::vector<LevelGeometry> Hierarchy::GeometriesOf(const std::vector<Box> &boxes) const
+std::vector<LevelGeometry> Regrid::GeometriesOf(const std::vector<Box> &boxes) const
 {
   std::vector<LevelGeometry> geometries;
-  for (int l = 0; l < Levels(); ++l)
-    geometries.push_back(GeometryOf(settings_.rules, *model_, boxes[l], l, settings_.levels[l].grid.padding));
+  for (int l = 0; l < levels_.Count(); ++l)
+    geometries.push_back(GeometryOf(levels_.Settings().rules, *model_, boxes[l], l, levels_.Settings().levels[l].grid.padding));
   return geometries;
 }
 
-PetscErrorCode Hierarchy::ShareReach()
+void Regrid::Widen(const TipReport &contact)
 {
-  double largest[2] = {follow_.half_width, follow_.reach};
+  state_.half_width = std::max(state_.half_width, contact.half_width);
+  state_.reach = std::max(state_.reach, contact.reach);
+}
+
+PetscErrorCode Regrid::ShareReach()
+{
+  double largest[2] = {state_.half_width, state_.reach};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 2, MPI_DOUBLE, MPI_MAX, comm_));
-  follow_.half_width = largest[0], follow_.reach = largest[1];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 2, MPI_DOUBLE, MPI_MAX, levels_.Comm()));
+  state_.half_width = largest[0], state_.reach = largest[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Where the contact has been since the last check, and as much wider as the indenter is that will meet the surface until the
 /// next: a flat punch touches with all of it at once. The surface around it is that of the finest level.
-PetscErrorCode Hierarchy::FindContact(double time, double next_check, ContactPlace *place)
+PetscErrorCode Regrid::FindContact(double time, double next_check, ContactPlace *place)
 {
   const Indenter &indenter = *model_->indenter;
-  Points &finest = levels_[follow_.plan.active - 1]->PointStore();
+  Points &finest = levels_.At(state_.plan.active - 1).PointStore();
   const PointArrays a = finest.Arrays();
   double top = indenter.initial_surface;
   PetscFunctionBeginUser;
   for (int p : finest.SurfacePoints()) top = std::max(top, a.Position(p)[indenter.up]);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &top, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &top, 1, MPI_DOUBLE, MPI_MAX, levels_.Comm()));
   PetscCall(ShareReach());
   const double now = indenter.Depth(tip_.At(time)), soon = indenter.Depth(tip_.At(next_check));
   const double wider = std::max(0.0, indenter.HalfWidth(soon) - indenter.HalfWidth(now));
-  *place = {tip_.At(time), follow_.half_width, follow_.reach + wider, indenter.initial_surface, top};
-  follow_.half_width = follow_.reach = 0;
+  *place = {tip_.At(time), state_.half_width, state_.reach + wider, indenter.initial_surface, top};
+  state_.half_width = state_.reach = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Splits the points that the new boxes give to finer levels, as often as their size asks; they stay where they are. The
 /// velocities around them are those of their present level.
-PetscErrorCode Hierarchy::SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active)
+PetscErrorCode Regrid::SplitIntoBoxes(const std::vector<LevelGeometry> &next, int active)
 {
-  const int ratio = settings_.ratio;
-  const Index parts{ratio, ratio, settings_.rules.dim == 3 ? ratio : 1};
+  const int ratio = levels_.Settings().ratio;
+  const Index parts{ratio, ratio, levels_.Settings().rules.dim == 3 ? ratio : 1};
   PetscFunctionBeginUser;
   for (int l = 0; l + 1 < active; ++l) {
-    Level &level = *levels_[l];
+    Level &level = levels_.At(l);
     PetscCall(level.FindVelocities());
     for (int t = l + 1; t < active; ++t) {
       const double h = next[t].grid.spacing;
-      Budgets &totals = transfers_[t - 1]->Totals();
+      Budgets &totals = levels_.Transfer(t - 1).Totals();
       std::vector<int> points = PointsIn(level.PointStore().Arrays(), WidenedBox(next[t], kEnter * h), true);
-      const std::vector<int> parents = FindParents(level, points, h, ratio, *numbers_, &totals);
-      PetscCall(SplitPoints(level, {parts, *numbers_}, parents, level.SampleVelocity(parents), &points, &totals));
+      const std::vector<int> parents = FindParents(level, points, h, ratio, levels_.Numbers(), &totals);
+      PetscCall(SplitPoints(level, {parts, levels_.Numbers()}, parents, level.SampleVelocity(parents), &points, &totals));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -90,35 +98,35 @@ static int LevelOf(const std::vector<LevelGeometry> &levels, int active, Vec3 x,
 }
 
 /// Moves every point to the storage of its new level, on the rank where it is.
-PetscErrorCode Hierarchy::SortIntoBoxes(const std::vector<LevelGeometry> &next, int active)
+PetscErrorCode Regrid::SortIntoBoxes(const std::vector<LevelGeometry> &next, int active)
 {
-  std::vector<std::vector<Migrants>> leaving(Levels(), std::vector<Migrants>(Levels()));
+  std::vector<std::vector<Migrants>> leaving(levels_.Count(), std::vector<Migrants>(levels_.Count()));
   PetscFunctionBeginUser;
-  for (int l = 0; l < Levels(); ++l) {
-    const PointArrays a = levels_[l]->PointStore().Arrays();
+  for (int l = 0; l < levels_.Count(); ++l) {
+    const PointArrays a = levels_.At(l).PointStore().Arrays();
     for (int p = 0; p < a.count; ++p)
       if (const int t = LevelOf(next, active, a.Position(p), l); t != l) leaving[l][t].Add(p, 0);
   }
-  for (int l = 0; l < Levels(); ++l) {
+  for (int l = 0; l < levels_.Count(); ++l) {
     std::vector<int> gone;
-    for (int t = 0; t < Levels(); ++t) {
+    for (int t = 0; t < levels_.Count(); ++t) {
       const Migrants &migrants = leaving[l][t];
       const double count = static_cast<double>(migrants.points.size());
-      PetscCall(AppendPoints(levels_[l]->PointStore(), migrants.points, levels_[t]->PointStore()));
+      PetscCall(AppendPoints(levels_.At(l).PointStore(), migrants.points, levels_.At(t).PointStore()));
       gone.insert(gone.end(), migrants.points.begin(), migrants.points.end());
-      for (int b = l; b < t; ++b) transfers_[b]->Totals().points_entered += count;
-      for (int b = t; b < l; ++b) transfers_[b]->Totals().points_left += count;
+      for (int b = l; b < t; ++b) levels_.Transfer(b).Totals().points_entered += count;
+      for (int b = t; b < l; ++b) levels_.Transfer(b).Totals().points_left += count;
     }
     std::sort(gone.begin(), gone.end());
-    levels_[l]->PointStore().Remove(gone);
+    levels_.At(l).PointStore().Remove(gone);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Gives a level its new grid, or sends its new points to their owners on the one it has.
-PetscErrorCode Hierarchy::PlaceLevel(int l, const LevelGeometry &geometry)
+PetscErrorCode Regrid::PlaceLevel(int l, const LevelGeometry &geometry)
 {
-  Level &level = *levels_[l];
+  Level &level = levels_.At(l);
   const GridGeometry &now = level.Geometry().grid;
   GridLayout layout;
   PetscFunctionBeginUser;
@@ -127,41 +135,42 @@ PetscErrorCode Hierarchy::PlaceLevel(int l, const LevelGeometry &geometry)
     PetscCall(level.Sort());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(LayoutFor(comm_, level.PointStore(), geometry.grid, settings_.points_per_rank, &layout));
+  PetscCall(LayoutFor(levels_.Comm(), level.PointStore(), geometry.grid, levels_.Settings().points_per_rank, &layout));
   PetscCall(level.Move(geometry, layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Siblings that a box has left behind become their parents, and these theirs.
-PetscErrorCode Hierarchy::MergeLeft()
+PetscErrorCode Regrid::MergeLeft()
 {
   PetscFunctionBeginUser;
-  for (int l = Levels() - 2; l >= 0 && settings_.merge_siblings; --l)
-    for (int finer = Levels() - 1; finer > l; --finer)
-      PetscCall(MergeSiblings(comm_, *levels_[l], *numbers_, settings_.ratio, settings_.most_loss, &transfers_[l]->Totals()));
+  for (int l = levels_.Count() - 2; l >= 0 && levels_.Settings().merge_siblings; --l)
+    for (int finer = levels_.Count() - 1; finer > l; --finer)
+      PetscCall(MergeSiblings(levels_.Comm(), levels_.At(l), levels_.Numbers(), levels_.Settings().ratio,
+                              levels_.Settings().most_loss, &levels_.Transfer(l).Totals()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::MoveLevels(const BoxPlan &next)
+PetscErrorCode Regrid::MoveLevels(const BoxPlan &next)
 {
   const std::vector<LevelGeometry> geometries = GeometriesOf(next.boxes);
   PetscFunctionBeginUser;
   PetscCall(SplitIntoBoxes(geometries, next.active));
   PetscCall(SortIntoBoxes(geometries, next.active));
-  follow_.plan = next;
-  settings_.levels = geometries;
-  for (int l = 0; l < Levels(); ++l) {
+  state_.plan = next;
+  levels_.SetBoxes(geometries, next.active);
+  for (int l = 0; l < levels_.Count(); ++l) {
     PetscCall(PlaceLevel(l, geometries[l]));
     if (IsActive(l))
-      PetscCall(levels_[l]->Activate());
+      PetscCall(levels_.At(l).Activate());
     else
-      levels_[l]->Deactivate();
+      levels_.At(l).Deactivate();
   }
   PetscCall(MergeLeft());
-  for (auto &transfer : transfers_) transfer->InvalidateClearance();
-  PetscCall(Reconnect(false));
-  PetscCall(MapRanks());
-  if (settings_.follow.kind == FollowKind::kContact) tip_.SetLevel(next.active - 1);
+  for (int b = 0; b + 1 < levels_.Count(); ++b) levels_.Transfer(b).InvalidateClearance();
+  PetscCall(levels_.Reconnect(false));
+  PetscCall(levels_.MapRanks());
+  if (FollowsContact()) tip_.SetLevel(next.active - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,42 +187,44 @@ static PetscErrorCode MoveOf(MPI_Comm comm, const Budgets &before, const Budgets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::Follow(double step, double time, double next_check, std::vector<LevelMove> *moves, std::string *problem)
+PetscErrorCode Regrid::Follow(double step, double time, double next_check, std::vector<LevelMove> *moves, std::string *problem,
+                              bool *moved)
 {
-  const FollowSettings &follow = settings_.follow;
-  const BoxPlan now = follow_.plan;
+  const FollowSettings &follow = levels_.Settings().follow;
+  const BoxPlan now = state_.plan;
   BoxPlan next;
   ContactPlace place;
   std::vector<Budgets> before;
   PetscFunctionBeginUser;
-  if (follow.kind == FollowKind::kContact) PetscCall(FindContact(time, next_check, &place));
-  if (!(follow.kind == FollowKind::kContact ? FollowContact(settings_.rules, follow, place, now, &next)
-                                            : FollowPath(settings_.rules, follow, time, now, &next)))
+  *moved = false;
+  if (FollowsContact()) PetscCall(FindContact(time, next_check, &place));
+  if (!(FollowsContact() ? FollowContact(levels_.Settings().rules, follow, place, now, &next)
+                         : FollowPath(levels_.Settings().rules, follow, time, now, &next)))
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (const int k = FindMisplaced(settings_.rules, next.boxes); k > 0) {
-    *problem = "level " + std::to_string(k) + " has followed its path to where its box does not lie in level " +
-               std::to_string(k - 1) + ", as deep as the borders need";
+  if (const int k = FindMisplaced(levels_.Settings().rules, next.boxes); k > 0) {
+    *problem =
+        Format("level {} has followed its path to where its box does not lie in level {}, as deep as the borders need", k, k - 1);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (const auto &transfer : transfers_) before.push_back(transfer->Totals());
-  PetscCall(Timed(events_.balance, [&] { return MoveLevels(next); }));
-  surface_.BoxesHaveMoved();
-  for (int l = 1; l < Levels(); ++l) {
+  for (int b = 0; b + 1 < levels_.Count(); ++b) before.push_back(levels_.Transfer(b).Totals());
+  PetscCall(Timed(levels_.Events().balance, [&] { return MoveLevels(next); }));
+  *moved = true;
+  for (int l = 1; l < levels_.Count(); ++l) {
     LevelMove move{step, time, l, IsActive(l), next.boxes[l]};
-    PetscCall(MoveOf(comm_, before[l - 1], transfers_[l - 1]->Totals(), &move));
+    PetscCall(MoveOf(levels_.Comm(), before[l - 1], levels_.Transfer(l - 1).Totals(), &move));
     if (IsActive(l) || l < now.active) moves->push_back(move);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Hierarchy::RestoreFollowing(const FollowState &state)
+PetscErrorCode Regrid::Restore(const FollowState &state)
 {
   PetscFunctionBeginUser;
-  follow_ = state;
-  settings_.levels = GeometriesOf(state.plan.boxes);
-  for (int l = 1; l < Levels(); ++l) PetscCall(PlaceLevel(l, settings_.levels[l]));
-  PetscCall(Reconnect(false));
-  if (settings_.follow.kind == FollowKind::kContact) tip_.SetLevel(state.plan.active - 1);
+  state_ = state;
+  levels_.SetBoxes(GeometriesOf(state.plan.boxes), state.plan.active);
+  for (int l = 1; l < levels_.Count(); ++l) PetscCall(PlaceLevel(l, levels_.Settings().levels[l]));
+  PetscCall(levels_.Reconnect(false));
+  if (FollowsContact()) tip_.SetLevel(state.plan.active - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -72,17 +72,17 @@ PetscErrorCode SurfaceOwners::Assign(bool to_levels, int active)
   PetscCall(ExchangeRecords(comm_, &moved, [](const PlacedPatch &one) { return one.rank; }));
   for (const PlacedPatch &one : moved) levels_[one.level]->Contact().Patches().Add(one.patch);
   for (auto &level : levels_) level->Contact().Patches().NumberCorners(dim);
-  due_ = false;
   if (to_levels) drift_ = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SurfaceOwners::Watch(int active)
+PetscErrorCode SurfaceOwners::Watch(int active, int owner_changes)
 {
   constexpr double kMaxDrift = 0.5; // cells
   double drift = 0;
   PetscFunctionBeginUser;
-  if (due_ || drift_ > kMaxDrift) PetscCall(Assign(drift_ > kMaxDrift, active));
+  if (owner_changes_ != owner_changes || drift_ > kMaxDrift) PetscCall(Assign(drift_ > kMaxDrift, active));
+  owner_changes_ = owner_changes;
   for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(ratio_, l) * levels_[l]->Clock().drift_per_step);
   drift_ += drift;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,142 +1,183 @@
-// What fine nodes near a border hang on, and contact there: impulses on nodes of the coarser level and what hangs on them.
-#include "hierarchy/coupling/level_interface.hpp"
+// Impulses of contact on interface nodes, in the step of either level.
+#include "hierarchy/coupling/border_contact.hpp"
 
 #include <algorithm>
 
 namespace mlgimp
 {
 
-static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
-NodeBlend LevelInterface::BlendOf(Index node) const
+PetscErrorCode BorderContact::Create()
 {
-  NodeBlend blend{Beta(node), 0, {}, {}};
-  if (blend.beta == 1) return blend;
-  const Index offset = Offset();
-  ForEach({{}, {2, 2, dim_ == 3 ? 2 : 1}}, [&](Index corner) {
-    Index coarse{};
-    double weight = 1;
-    for (int axis = 0; axis < dim_; ++axis) {
-      const int below = FloorDivide(node[axis], ratio_);
-      const double x = static_cast<double>(node[axis] - below * ratio_) / ratio_;
-      coarse[axis] = below + corner[axis] + offset[axis];
-      weight *= corner[axis] ? x : 1 - x;
-    }
-    if (weight == 0) return;
-    blend.node[blend.count] = coarse;
-    blend.weight[blend.count++] = weight;
-  });
-  return blend;
+  PetscFunctionBeginUser;
+  impulse_.assign(nodes_.Owned(), {});
+  carried_over_ = impulse_;
+  change_.assign(static_cast<std::size_t>(fields_.components) * nodes_.Known(), 0.0);
+  outgoing_.assign(nodes_.Owned(), {});
+  shared_.assign(coarse_.Mesh().Participates() ? coarse_.Mesh().GhostedNodes() : 0, {});
+  PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
+  PetscCall(up_unit_.Create(sizeof(UpRecord) / sizeof(double)));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The block of the fine node at its place, or of the nearest one.
-int LevelInterface::BlockOf(Index coarse) const
+double BorderContact::MassOf(Index coarse) const
 {
-  const IndexBox all = fine_->Geometry().grid.NodeBox();
-  const Index offset = Offset();
-  Index at{};
-  for (int axis = 0; axis < dim_; ++axis)
-    at[axis] = std::clamp((coarse[axis] - offset[axis]) * ratio_, all.lower[axis], all.upper[axis] - 1);
-  return fine_->Mesh().BlockOfNode(at);
+  const int k = nodes_.Find(coarse);
+  return k < 0 || k >= nodes_.Owned() ? 0 : fields_.Mass(k);
 }
 
-double LevelInterface::MassOf(Index coarse) const
+Vec3 BorderContact::FreePart(Index coarse, Vec3 change) const
 {
-  const auto place = place_.find(coarse);
-  return place == place_.end() || place->second >= owned_ ? 0 : coarse_sums_[place->second].mass + sums_[place->second].mass;
-}
-
-Vec3 LevelInterface::FreePart(Index coarse, Vec3 change) const
-{
-  const unsigned char held = held_axes_[place_.at(coarse)];
-  for (int axis = 0; axis < dim_; ++axis)
-    if (held >> axis & 1) change[axis] = 0;
+  const int k = nodes_.Find(coarse);
+  for (int axis = 0; axis < border_.Dim(); ++axis)
+    if (nodes_.IsHeld(k, axis)) change[axis] = 0;
   return change;
 }
 
-void LevelInterface::Push(Index coarse, Vec3 change_of_velocity)
+void BorderContact::Push(Index coarse, Vec3 change_of_velocity)
 {
-  const NodeVelocity to = VelocityIn(contact_change_, place_.at(coarse));
-  for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
+  const NodeVelocity to = fields_.In(change_, nodes_.Find(coarse));
+  for (int axis = 0; axis < border_.Dim(); ++axis) to.velocity[axis] = to.change[axis] = change_of_velocity[axis];
 }
 
-void LevelInterface::ForEachDonor(Index coarse, const DonorWork &work) const
+void BorderContact::ForEachDonor(Index coarse, const DonorWork &work) const
 {
-  const auto place = place_.find(coarse);
-  if (place == place_.end()) return work(coarse, 1);
-  ForEachDonorOf(place->second, [&](int k, double weight) { work(known_[k].at, weight); });
+  const int node = nodes_.Find(coarse);
+  if (node < 0) return work(coarse, 1);
+  light_.ForEachDonor(node, [&](int k, double weight) { work(nodes_.At(k), weight); });
 }
 
 /// Whether contact on the finer level may push nodes that move with interface nodes; the same on all ranks.
-bool LevelInterface::FineContactMeets() const
+bool BorderContact::FineContactMeets() const
 {
   bool meets = false;
-  IndexBox pushed = fine_->Contact().Zone(); // which holds also the coarser nodes that these move with
-  for (int axis = 0; axis < dim_; ++axis) pushed.lower[axis] += ratio_, pushed.upper[axis] -= ratio_;
-  if (fine_->Contact().IsActive())
-    ForEach(Intersection(pushed, MassNodes()), [&](Index node) { meets = meets || Beta(node) < 1; });
+  IndexBox pushed = fine_.Contact().Zone(); // which holds also the coarser nodes that these move with
+  for (int axis = 0; axis < border_.Dim(); ++axis) pushed.lower[axis] += border_.Ratio(), pushed.upper[axis] -= border_.Ratio();
+  if (fine_.Contact().IsActive())
+    ForEach(Intersection(pushed, border_.MassNodes()), [&](Index node) { meets = meets || border_.Beta(node) < 1; });
   return meets;
 }
 
 /// Whether contact on one of the two levels may push interface nodes; the same on all ranks.
-bool LevelInterface::MayMeetContact() const
+bool BorderContact::MayMeetContact() const
 {
   bool meets = FineContactMeets();
-  if (!meets && coarse_->Contact().IsActive()) ForEachInterface(coarse_->Contact().Zone(), [&](Index) { meets = true; });
+  if (!meets && coarse_.Contact().IsActive()) border_.ForEachInterface(coarse_.Contact().Zone(), [&](Index) { meets = true; });
   return meets;
 }
 
 /// v_I, dv_I, what they are summed up to and p^c as in a substep; then (v, dv)_i += (1 - beta_i) sum_I N_I(x_i) (v, dv)_I.
-PetscErrorCode LevelInterface::Spread(std::vector<NodeChange> *pushed)
+PetscErrorCode BorderContact::Spread(std::vector<NodeChange> *pushed)
 {
+  const int dim = border_.Dim();
   PetscFunctionBeginUser;
   if (!FineContactMeets()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(BroadcastVelocity(&contact_change_));
-  for (int k = 0; k < owned_; ++k) {
-    const NodeVelocity by = VelocityIn(contact_change_, k), mean = VelocityIn(mean_, k);
-    for (int axis = 0; axis < dim_; ++axis) {
-      coarse_sums_[k].momentum[axis] += coarse_sums_[k].mass * by.change[axis];
-      mean.velocity[axis] += by.velocity[axis] / ratio_;
+  PetscCall(nodes_.Broadcast(fine_.Mesh().VelocityUnit(), change_.data()));
+  for (int k = 0; k < nodes_.Owned(); ++k) {
+    const NodeVelocity by = fields_.In(change_, k), mean = fields_.In(fields_.mean, k);
+    for (int axis = 0; axis < dim; ++axis) {
+      fields_.coarse[k].momentum[axis] += fields_.coarse[k].mass * by.change[axis];
+      mean.velocity[axis] += by.velocity[axis] / border_.Ratio();
       mean.change[axis] += by.change[axis];
       outgoing_[k].finer_contact_change[axis] += by.change[axis];
     }
   }
-  ProlongLight(&contact_change_);
-  for (const BlendNode &node : band_) {
+  light_.Prolong(fields_.components, &change_);
+  for (const BlendNode &node : nodes_.Band()) {
     NodeChange one{node.node, {}};
     Vec3 motion{};
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      const NodeVelocity by = VelocityIn(contact_change_, node.interface[a]);
-      for (int axis = 0; axis < dim_; ++axis)
-        one.change[axis] += part * by.change[axis], motion[axis] += part * by.velocity[axis];
+      const NodeVelocity by = fields_.In(change_, node.interface[a]);
+      for (int axis = 0; axis < dim; ++axis) one.change[axis] += part * by.change[axis], motion[axis] += part * by.velocity[axis];
     }
     if (one.change == Vec3{}) continue;
-    const NodeVelocity to = fine_->Mesh().Velocity(node.node);
-    for (int axis = 0; axis < dim_; ++axis) to.velocity[axis] += motion[axis], to.change[axis] += one.change[axis];
+    const NodeVelocity to = fine_.Mesh().Velocity(node.node);
+    for (int axis = 0; axis < dim; ++axis) to.velocity[axis] += motion[axis], to.change[axis] += one.change[axis];
     pushed->push_back(one);
   }
-  std::fill(contact_change_.begin(), contact_change_.end(), 0.0);
+  std::fill(change_.begin(), change_.end(), 0.0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelInterface::TakeContact()
+void BorderContact::Begin()
 {
-  const LogScope log(fine_->Events().coupling);
+  for (SharedNode &node : outgoing_) node = {};
+  if (!coarse_.Contact().IsActive()) std::fill(impulse_.begin(), impulse_.end(), Vec3{});
+}
+
+Vec3 BorderContact::ImpulseInSubstep(int k) const
+{
+  Vec3 impulse;
+  for (int axis = 0; axis < 3; ++axis) impulse[axis] = (impulse_[k][axis] + carried_over_[k][axis]) / border_.Ratio();
+  return impulse;
+}
+
+void BorderContact::Record(int k, int axis, double change)
+{
+  outgoing_[k].finer_contact_change[axis] += change;
+  outgoing_[k].impulse[axis] += impulse_[k][axis] / border_.Ratio();
+}
+
+PetscErrorCode BorderContact::ToCoarse()
+{
+  const Grid &coarse = coarse_.Mesh();
+  PetscFunctionBeginUser;
+  steps_far_ = MayMeetContact() ? 0 : steps_far_ + 1;
+  if (!IsFar()) {
+    PetscCall(ShareContact());
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  std::fill(shared_.begin(), shared_.end(), SharedNode());
+  PetscCall(nodes_.ToCoarse(coarse.VelocityUnit(), fields_.mean.data(), coarse.VelocityArray()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// ToCoarse with what contact on both levels must know, in one message.
+PetscErrorCode BorderContact::ShareContact()
+{
+  const Grid &coarse = coarse_.Mesh();
+  std::vector<UpRecord> outgoing(nodes_.Owned()), incoming(shared_.size());
+  PetscFunctionBeginUser;
+  for (int k = 0; k < nodes_.Owned(); ++k) {
+    outgoing_[k].finer_mass = fields_.fine[k].mass;
+    std::copy_n(fields_.In(fields_.mean, k).velocity, fields_.components, outgoing[k].velocity);
+    outgoing[k].shared = outgoing_[k];
+  }
+  PetscCall(nodes_.ToCoarse(up_unit_, outgoing.data(), incoming.data()));
+  for (const CoupledNode &node : nodes_.Coupled().coarse) {
+    std::copy_n(incoming[node.node].velocity, fields_.components, coarse.Velocity(node.node).velocity);
+    shared_[node.node] = incoming[node.node].shared;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode BorderContact::Take(Budgets &budgets)
+{
   std::vector<Vec3> before; // the impulses in whose place new ones have come
   PetscFunctionBeginUser;
   for (const SharedNode &node : outgoing_) before.push_back(node.impulse);
-  for (int k = 0; k < owned_; ++k) contact_[k] = impulse_carried_over_[k] = {};
-  if (!coarse_->Contact().IsActive() || IsFarFromContact()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFBcastBegin(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(down_, shared_unit_, shared_.data(), outgoing_.data(), MPI_REPLACE));
-  for (int k = 0; k < owned_; ++k) {
-    const double mass = coarse_sums_[k].mass + sums_[k].mass;
-    contact_[k] = outgoing_[k].impulse;
-    if (mass > 0) impulse_carried_over_[k] = sums_[k].mass / mass * (contact_[k] - before[k]);
-    budgets_.stagger_impulse += -1 * (before[k] + impulse_carried_over_[k]);
+  for (int k = 0; k < nodes_.Owned(); ++k) impulse_[k] = carried_over_[k] = {};
+  if (!coarse_.Contact().IsActive() || IsFar()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(nodes_.ToInterface(shared_unit_, shared_.data(), outgoing_.data()));
+  for (int k = 0; k < nodes_.Owned(); ++k) {
+    const double mass = fields_.Mass(k);
+    impulse_[k] = outgoing_[k].impulse;
+    if (mass > 0) carried_over_[k] = fields_.fine[k].mass / mass * (impulse_[k] - before[k]);
+    budgets.stagger_impulse += -1 * (before[k] + carried_over_[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void BorderContact::GetState(int k, double *state) const
+{
+  std::copy_n(impulse_[k].begin(), 3, state);
+  std::copy_n(carried_over_[k].begin(), 3, state + 3);
+}
+
+void BorderContact::SetState(int k, const double *state)
+{
+  std::copy_n(state, 3, impulse_[k].begin());
+  std::copy_n(state + 3, 3, carried_over_[k].begin());
 }
 
 } // namespace mlgimp

@@ -107,7 +107,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
 static void WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
 {
   std::vector<double> state;
-  ExitOnError(hierarchy.GatherInterfaceState(b, &state));
+  ExitOnError(hierarchy.Connected().Border(b).GatherState(&state));
   file.List(BorderName(b), state);
 }
 
@@ -117,7 +117,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   H5Writer file;
   std::vector<double> totals;
   const CopyState copies = hierarchy.Copies();
-  for (const Budgets *part : hierarchy.Parts()) part->AppendKept(&totals);
+  for (const Budgets *part : PartsOfBudgets(hierarchy.Connected())) part->AppendKept(&totals);
   file.Open(hierarchy.Comm(), CheckpointPath(directory, state.step), true);
   file.Attribute("/", "format_version", {double(kFormatVersion)});
   file.Text("/identity", RankIn(hierarchy.Comm()) == 0 ? Join(identity, "\n") : ""); // of any length, as no attribute may be
@@ -131,9 +131,9 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
   file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
   file.Attribute("/", "patch_drift", {hierarchy.SurfaceOf().Drift()});
-  ExitOnError(hierarchy.ShareReach());
+  ExitOnError(hierarchy.Boxes().ShareReach());
   file.List("/following",
-            RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Following(), state.moves) : std::vector<double>());
+            RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Boxes().State(), state.moves) : std::vector<double>());
   for (int l = 0; l < hierarchy.Levels(); ++l) WriteLevel(file, hierarchy, l);
   for (int b = 0; b + 1 < hierarchy.Levels(); ++b) WriteBorder(file, hierarchy, b);
   return file.Finish();

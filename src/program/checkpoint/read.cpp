@@ -150,7 +150,7 @@ void CheckpointReader::ReadFollowing(RunState *state)
   }
   if (wrong_.empty()) Record(WrongBoxes(following, case_));
   AgreeOnError("checkpoint_following");
-  if (Follows()) ExitOnError(hierarchy_.RestoreFollowing(following));
+  if (Follows()) ExitOnError(hierarchy_.Boxes().Restore(following));
 }
 
 /// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
@@ -159,7 +159,7 @@ void CheckpointReader::ReadTotals()
   constexpr hsize_t kMaxRanks = 1 << 24;
   hsize_t writers = 0;
   std::vector<double> all; // as many for each of the writers, in the order of Parts
-  for (const Budgets *part : hierarchy_.Parts()) part->AppendKept(&all);
+  for (const Budgets *part : PartsOfBudgets(hierarchy_.Connected())) part->AppendKept(&all);
   const std::size_t count = all.size();
   if (Found(file_.Rows("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), &writers) && writers > 0 && writers <= kMaxRanks,
             "totals")) {
@@ -173,7 +173,7 @@ void CheckpointReader::ReadTotals()
   const PetscMPIInt rank = RankIn(comm_);
   for (std::size_t r = 0; r < writers; ++r) {
     const double *next = &all[r * count];
-    for (Budgets *part : hierarchy_.Parts())
+    for (Budgets *part : PartsOfBudgets(hierarchy_.Connected()))
       if (next && static_cast<int>(same_ranks_ ? r : 0) == rank) next = part->AddKept(next);
     if (!next) Record("totals has a count that is none");
   }
@@ -303,11 +303,11 @@ void CheckpointReader::ReadPatches(const std::string &group, int l)
 void CheckpointReader::ReadBorder(int b)
 {
   std::vector<double> state;
-  const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.InterfaceNodes(b);
+  const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.Connected().Border(b).Count();
   if (FoundList(BorderName(b), &state)) Record(NotFinite(state, BorderName(b)));
   Found(state.size() == size || (Follows() && state.empty()), BorderName(b)); // a border that has just moved has none
   AgreeOnError("checkpoint_border");
-  ExitOnError(hierarchy_.RestoreInterfaceState(b, state));
+  ExitOnError(hierarchy_.Connected().RestoreBorder(b, state));
 }
 
 /// Checks that need the points of all levels together.

@@ -156,7 +156,7 @@ void Simulation::CheckPace()
 {
   const FollowSettings &follow = case_.hierarchy.follow;
   if (follow.kind != FollowKind::kContact) return;
-  const int finest = hierarchy_.Following().plan.active - 1;
+  const int finest = hierarchy_.Boxes().State().plan.active - 1;
   const double room = case_.hierarchy.rules.Border(finest), soon = NextCheck();
   const double distance = Norm(hierarchy_.Tip().At(soon) - hierarchy_.Tip().At(state_.time));
   if (finest > 0 && distance > room)

@@ -156,11 +156,11 @@ std::string Simulation::WriteSummary(const std::string &status)
   double mapped = 0, unmapped = 0;
   Budgets budgets;
   ExitOnError(hierarchy_.ReduceBudgets(&budgets));
-  ExitOnError(hierarchy_.BytesBetweenLevels(&mapped, &unmapped));
+  ExitOnError(hierarchy_.Connected().BytesBetweenLevels(&mapped, &unmapped));
   const double created = Case::PointsCreated(budgets) - state_.initial_created;
   Json levels = Json::array();
   std::vector<double> points, largest;
-  ExitOnError(hierarchy_.CountPoints(&points, &largest));
+  ExitOnError(hierarchy_.Connected().CountPoints(&points, &largest));
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     levels.push_back(LevelJson(hierarchy_.At(l), points[l], largest[l], state_.time_step / std::pow(case_.hierarchy.ratio, l)));
   Json json = {{"status", status},

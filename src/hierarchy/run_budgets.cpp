@@ -1,5 +1,5 @@
 // The budgets of a run and its failures, over all levels and ranks.
-#include "hierarchy/hierarchy.hpp"
+#include "hierarchy/run_budgets.hpp"
 
 #include "base/text.hpp"
 
@@ -9,49 +9,46 @@
 namespace mlgimp
 {
 
-std::vector<Budgets *> Hierarchy::Parts()
+std::vector<Budgets *> PartsOfBudgets(ConnectedLevels &levels)
 {
   std::vector<Budgets *> parts;
-  for (auto &level : levels_) parts.push_back(&level->Totals());
-  for (int b = 0; b + 1 < Levels(); ++b) parts.insert(parts.end(), {&borders_[b]->Totals(), &transfers_[b]->Totals()});
+  for (int l = 0; l < levels.Count(); ++l) parts.push_back(&levels.At(l).Totals());
+  for (int b = 0; b + 1 < levels.Count(); ++b)
+    parts.insert(parts.end(), {&levels.Border(b).Totals(), &levels.Transfer(b).Totals()});
   return parts;
 }
 
-void Hierarchy::MeasureNoise(bool measures)
+Budgets SumBudgets(ConnectedLevels &levels, const Model &model)
 {
-  for (auto &level : levels_) level->MeasureNoise(measures);
-}
-
-Budgets Hierarchy::SumBudgets()
-{
+  const bool coupled = levels.Settings().CouplesNodes();
   Budgets sum;
-  for (int l = 0; l < Levels(); ++l) {
-    Budgets part = levels_[l]->Totals();
-    levels_[l]->SumPoints(&part);
-    if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness += Levels() - l;
+  for (int l = 0; l < levels.Count(); ++l) {
+    Budgets part = levels.At(l).Totals();
+    levels.At(l).SumPoints(&part);
+    if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness += levels.Count() - l;
     part.support_impulse += part.xpic_side_impulse;
-    if (CoupledByNodes()) part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
+    if (coupled) part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
     sum.Add(part);
   }
-  for (int b = 0; b + 1 < Levels(); ++b) sum.Add(borders_[b]->Totals()), sum.Add(transfers_[b]->Totals());
-  if (CoupledByNodes() || (Levels() == 1 && model_->VolumeAverages() > 0)) {
+  for (int b = 0; b + 1 < levels.Count(); ++b) sum.Add(levels.Border(b).Totals()), sum.Add(levels.Transfer(b).Totals());
+  if (coupled || (levels.Count() == 1 && model.VolumeAverages() > 0)) {
     sum.exchange_energy += sum.strain_energy + sum.short_wave_dissipation + sum.averaging_work + sum.plastic_work +
                            sum.damping_work - sum.external_work;
-    for (const auto &transfer : transfers_) sum.exchange_energy -= transfer->Totals().transfer_strain_energy;
+    for (int b = 0; b + 1 < levels.Count(); ++b) sum.exchange_energy -= levels.Transfer(b).Totals().transfer_strain_energy;
   }
   sum.strain_energy += sum.contact_strain_energy;
   sum.plastic_work += sum.contact_plastic_work;
   sum.viscous_work = sum.Viscous();
   sum.dissipated_energy = sum.Dissipated();
-  sum.failed = DescribeFailure().empty() ? 0 : 1;
+  sum.failed = DescribeFailure(levels, model.geometry.Dim()).empty() ? 0 : 1;
   return sum;
 }
 
-PetscErrorCode Hierarchy::ReduceBudgets(Budgets *budgets)
+PetscErrorCode ReduceBudgets(ConnectedLevels &levels, const Model &model, Budgets *budgets)
 {
-  std::vector<Budgets> sums = {SumBudgets()};
+  std::vector<Budgets> sums = {SumBudgets(levels, model)};
   PetscFunctionBeginUser;
-  PetscCall(AddRanks(comm_, &sums));
+  PetscCall(AddRanks(levels.Comm(), &sums));
   *budgets = sums[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -86,14 +83,14 @@ static std::string Describe(const LevelFailure &failure, int l, int dim)
   return text;
 }
 
-std::string Hierarchy::DescribeFailure() const
+std::string DescribeFailure(ConnectedLevels &levels, int dim)
 {
   int first = -1; // the first failure may spoil other levels before it is found
-  for (int l = 0; l < Levels(); ++l) {
-    const LevelFailure &failure = levels_[l]->Failure();
-    if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels_[first]->Failure().time)) first = l;
+  for (int l = 0; l < levels.Count(); ++l) {
+    const LevelFailure &failure = levels.At(l).Failure();
+    if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels.At(first).Failure().time)) first = l;
   }
-  return first < 0 ? "" : Describe(levels_[first]->Failure(), first, model_->geometry.Dim());
+  return first < 0 ? "" : Describe(levels.At(first).Failure(), first, dim);
 }
 
 } // namespace mlgimp

@@ -82,7 +82,7 @@ public:
   /// Collective on all.
   PetscErrorCode RestoreState(const std::vector<double> &state);
   static constexpr int kState =
-      10; ///< of an interface node: the coarse force, the impulse of coarse contact, what is left of it, and its finer mass
+      10; ///< size; of an interface node: the coarse force, the impulse of coarse contact, what is left of it, and its finer mass
   std::size_t InterfaceNodes() const;
 
   /// What the border adds up on this rank.

@@ -12,12 +12,12 @@
 namespace mlgimp
 {
 
-inline constexpr PetscMPIInt kFewRanks = 8; ///< among so many a message to each takes no longer than a collective call
+inline constexpr PetscMPIInt kFewRanks = 8; ///< size: among so many a message to each takes no longer than a collective call
 
 /// Which rank may send to which other rank in an exchange among few ranks, as all of them know it: a bit for each pair (sender,
 /// receiver).
 using SendPattern = std::uint64_t;
-inline constexpr SendPattern kAnyToAny = ~SendPattern(0);
+inline constexpr SendPattern kAnyToAny = ~SendPattern(0); // size
 inline constexpr SendPattern Sends(PetscMPIInt from, PetscMPIInt to) { return SendPattern(1) << (kFewRanks * from + to); }
 inline constexpr SendPattern kFirstToAll = 0xff;                  ///< those from the first rank
 inline constexpr SendPattern kAllToFirst = 0x0101010101010101ULL; ///< those to it

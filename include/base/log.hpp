@@ -10,7 +10,7 @@ namespace mlgimp
 {
 
 /// ln 2 in two parts, the first of which is exact times a whole number.
-inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10;
+inline constexpr double kLn2Upper = 6.93147180369123816490e-01, kLn2Lower = 1.90821492927058770002e-10; // exact
 
 /// 1/n!
 inline constexpr std::array<double, 14> kInverseFactorial = [] {
@@ -24,7 +24,7 @@ inline constexpr std::array<double, 14> kInverseFactorial = [] {
 /// coefficients of the C library of Sun Microsystems (1993).
 [[gnu::always_inline]] inline double Log(double x)
 {
-  constexpr std::uint64_t kRootHalf = 0x3fe6a09e667f3bcd, kBias = 1024, kTwoTo52 = 0x4330000000000000;
+  constexpr std::uint64_t kRootHalf = 0x3fe6a09e667f3bcd, kBias = 1024, kTwoTo52 = 0x4330000000000000; // exact
   std::uint64_t bits;
   std::memcpy(&bits, &x, 8);
   const std::uint64_t biased = (bits - kRootHalf + (kBias << 52)) >> 52, k_bits = kTwoTo52 | biased;
@@ -51,8 +51,8 @@ inline constexpr std::array<double, 14> kInverseFactorial = [] {
 /// x = k ln 2 + r with |r| <= (ln 2)/2; exp r by its series.
 [[gnu::always_inline]] inline double Exp(double x)
 {
-  constexpr double kMaxExponent = 690, kInverseLn2 = 1.44269504088896338700, kRounding = 6755399441055744.0; // 1.5 2^52
-  constexpr std::uint64_t kBias = 1023;
+  constexpr double kMaxExponent = 690, kInverseLn2 = 1.44269504088896338700, kRounding = 6755399441055744.0; // exact: 1.5 2^52
+  constexpr std::uint64_t kBias = 1023;                                                                      // exact
   const double limited = std::min(std::max(x, -kMaxExponent), kMaxExponent), shifted = limited * kInverseLn2 + kRounding;
   const double k = shifted - kRounding, r = limited - k * kLn2Upper - k * kLn2Lower;
   double sum = kInverseFactorial[13];
@@ -69,7 +69,7 @@ inline constexpr std::array<double, 14> kInverseFactorial = [] {
 /// x^y for x >= 0, y >= 0; less than 1e-299 for 0 where y is above 1e-297.
 [[gnu::always_inline]] inline double Pow(double x, double y)
 {
-  constexpr double kLogZero = -1e300;
+  constexpr double kLogZero = -1e300; // exact
   return Exp(y * (x > 0 ? Log(x) : kLogZero));
 }
 

@@ -12,15 +12,15 @@ namespace mlgimp
 
 typedef double Pack __attribute__((vector_size(32)));
 typedef double HalfPack __attribute__((vector_size(16)));
-inline constexpr int kLanes = 4;
+inline constexpr int kLanes = 4; // size
 
 /// As many doubles as one register holds, and the number of registers.
 #ifdef __AVX512VL__
 typedef double WidePack __attribute__((vector_size(64)));
-inline constexpr int kRegisters = 32;
+inline constexpr int kRegisters = 32; // size
 #else
 typedef Pack WidePack;
-inline constexpr int kRegisters = 16;
+inline constexpr int kRegisters = 16; // size
 #endif
 inline constexpr int kWideLanes = sizeof(WidePack) / sizeof(double);
 

@@ -42,7 +42,7 @@ inline void TurnPlane(double &first, double &second, double &between, double &fi
 inline Spectrum Decompose(Sym3 a)
 {
   Vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
-  constexpr int kMaxSweeps = 12;
+  constexpr int kMaxSweeps = 12; // rounding
   for (int sweep = 0; sweep < kMaxSweeps && (a.xy != 0 || a.yz != 0 || a.xz != 0); ++sweep) {
     TurnPlane(a.xx, a.yy, a.xy, a.xz, a.yz, x, y);
     TurnPlane(a.yy, a.zz, a.yz, a.xy, a.xz, y, z);

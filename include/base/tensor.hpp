@@ -8,7 +8,7 @@
 namespace mlgimp
 {
 
-inline constexpr double kThird = 1.0 / 3;
+inline constexpr double kThird = 1.0 / 3; // exact
 
 using Vec3 = std::array<double, 3>;
 

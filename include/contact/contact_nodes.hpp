@@ -13,7 +13,7 @@ namespace mlgimp
 /// A number for a node of a level or of the next coarser one, rising with its place.
 inline std::uint64_t NodeKey(Index node, bool coarser)
 {
-  constexpr std::uint64_t kMiddle = 1 << 20; // indices have 21 bits
+  constexpr std::uint64_t kMiddle = 1 << 20; // size: indices have 21 bits
   std::uint64_t key = 0;
   for (int a = 2; a >= 0; --a) key = key << 21 | (static_cast<std::uint64_t>(node[a]) + kMiddle);
   return key << 1 | (coarser ? 1 : 0);

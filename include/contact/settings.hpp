@@ -16,7 +16,7 @@ struct ContactSettings {
 };
 
 /// Room for the numbers that a column of cells, or a patch, leaves to the next step with `pressure`; the first is not negative.
-inline constexpr int kKeptOfEach = 8;
+inline constexpr int kKeptOfEach = 8; // size
 /// The same with any method; one for each unknown with the others.
 inline int KeptOfEach(const ContactSettings &settings) { return settings.method == "pressure" ? kKeptOfEach : 1; }
 

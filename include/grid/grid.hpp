@@ -232,6 +232,6 @@ std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int par
 
 /// Ghost nodes a step needs: the stencil's reach of one, a point's drift of less than one cell between migrations, and
 /// one for a face, which lies up to half a cell from its point.
-inline constexpr int kHaloWidth = 3;
+inline constexpr int kHaloWidth = 3; // size
 
 } // namespace mlgimp

@@ -26,7 +26,7 @@ public:
   static constexpr double kLight = 0.05;
 
   static constexpr int kReach = 2;         ///< cells to what they hang on
-  static constexpr double kWithFiner = -1; ///< in place of a share: of nodes that move with the next finer level's
+  static constexpr double kWithFiner = -1; ///< size; in place of a share: of nodes that move with the next finer level's
   /// For a grid. shares: by place, of the nodes' motion that is their own level's. Where that is nothing, they are never light;
   /// where it is a part, they hang on nodes with the same part, so that the level's sums and the part's go together.
   void Create(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, bool hoop,

@@ -22,12 +22,12 @@ enum class LevelCoupling { kNodes, kPoints };
 struct HierarchySettings {
   std::vector<LevelGeometry> levels;
   int sort_interval = 50;
-  double rebalance_threshold = 1.1;
-  int ratio = 2;               ///< of neighbouring levels' cells and steps
-  int tip_level = 0;           ///< the finest that holds the surface under the indenter's tip
-  bool merge_siblings = false; ///< points that leave a level become their parent again
-  double most_loss = HUGE_VAL; ///< share of their strain energy that may be lost by it, else they stay
-  int points_per_rank = 1000;  ///< a level uses fewer ranks where it has fewer points
+  double rebalance_threshold = 1.1; ///< size: speed only
+  int ratio = 2;                    ///< of neighbouring levels' cells and steps
+  int tip_level = 0;                ///< the finest that holds the surface under the indenter's tip
+  bool merge_siblings = false;      ///< points that leave a level become their parent again
+  double most_loss = HUGE_VAL;      ///< share of their strain energy that may be lost by it, else they stay
+  int points_per_rank = 1000;       ///< a level uses fewer ranks where it has fewer points
   LevelCoupling coupling = LevelCoupling::kNodes;
   CopyRepairs repairs; ///< of the coupling by points
   int ghost_cells = 4; ///< the coupling by points copies so far outside a level's box, cells of the level

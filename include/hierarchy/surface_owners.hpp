@@ -28,7 +28,7 @@ public:
   /// number of ranks. Collective.
   PetscErrorCode Gather(int l, std::vector<double> *numbers) const;
   PetscErrorCode Restore(int l, const std::vector<double> &numbers);
-  static constexpr int kOfPatch = 17;
+  static constexpr int kOfPatch = 17; // size
   double Drift() const { return drift_; }
   void SetDrift(double cells) { drift_ = cells; }
 

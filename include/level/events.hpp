@@ -54,8 +54,8 @@ struct Flops {
   explicit constexpr Flops(int dim)
       : rows(dim == 3 ? 9 : 3), stencil(26 * dim), scatter(rows * (8 + 3 * 16)), gather(3 * rows * 4 * dim * (1 + dim)),
         points_to_grid(stencil + 17 + scatter), grid_to_points(stencil + gather + 6 * dim), scatter_rates(8 + scatter),
-        gather_rates(stencil + gather + rows * (24 + 8)), stress(22.5 * dim * dim), short_wave(8.75 * dim * dim), node(10 * dim),
-        rates(9 + 5 * dim)
+        gather_rates(stencil + gather + rows * (24 + 8)), stress(22.5 * dim * dim), short_wave(8.75 * dim * dim), // size
+        node(10 * dim), rates(9 + 5 * dim)
   {
   }
   double rows, stencil, scatter, gather;

@@ -69,8 +69,9 @@ struct Model {
   /// which lie beside a finer level, still fill space, twofold.
   double LeastHalfSize() const
   {
+    constexpr double kMinOfUndeformed = 0.5;
     double least = SplitsStretched() ? kMinFlowHalfSize : kMinHalfSize;
-    for (const Body &body : bodies) least = std::min(least, 0.5 * 0.5 / body.points_per_cell);
+    for (const Body &body : bodies) least = std::min(least, kMinOfUndeformed * 0.5 / body.points_per_cell);
     return least;
   }
   /// Number of materials that average the growth of volume over cells.

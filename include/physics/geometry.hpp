@@ -23,7 +23,7 @@ inline int UpAxis(GeometryKind kind) { return kind == GeometryKind::kSpatial ? 2
 /// component.
 struct PlaneStrain {
   static constexpr GeometryKind kKind = GeometryKind::kPlaneStrain;
-  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< rate: xx, yy, xy
+  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 3; ///< size; rate: xx, yy, xy
   static constexpr bool kHoop = false;
   static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {0, 1}};
 };
@@ -31,14 +31,14 @@ struct PlaneStrain {
 /// x is the radius, y the axis; zz is the hoop direction, with F_zz = r/R.
 struct Axisymmetric {
   static constexpr GeometryKind kKind = GeometryKind::kAxisymmetric;
-  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< rate: xx, yy, zz, xy
+  static constexpr int kDim = 2, kGradient = 4, kStress = 4, kRate = 4; ///< size; rate: xx, yy, zz, xy
   static constexpr bool kHoop = true;
   static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}};
 };
 
 struct Spatial {
   static constexpr GeometryKind kKind = GeometryKind::kSpatial;
-  static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< rate: as the stress
+  static constexpr int kDim = 3, kGradient = 9, kStress = 6, kRate = 6; ///< size; rate: as the stress
   static constexpr bool kHoop = false;
   static constexpr int kRateAxes[kRate][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 };
@@ -53,7 +53,7 @@ struct Geometry {
   /// What a length or an area of the plane is multiplied by to be an area or a volume: thickness, 2 pi r, or 1.
   double OutOfPlane(double r) const
   {
-    constexpr double kTwoPi = 6.283185307179586;
+    constexpr double kTwoPi = 6.283185307179586; // exact
     return kind == GeometryKind::kPlaneStrain ? thickness : kind == GeometryKind::kAxisymmetric ? kTwoPi * r : 1;
   }
 };

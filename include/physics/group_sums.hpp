@@ -27,7 +27,7 @@ template <int dim, int components> inline double *MiddleOfRow(const Lattice &gri
 }
 
 /// How far ahead along x a group asks for the nodes above it, which no group before has used.
-inline constexpr int kNodesAhead = 4;
+inline constexpr int kNodesAhead = 4; // size
 
 /// The stencils of a group of points as lanes of vectors, and their nodes in an array with so many components. Lanes beyond the
 /// group hold the weights of other points, or zero.
@@ -82,7 +82,7 @@ inline Gathered<axes> Gather(const GroupStencil<dim, components> &at, int compon
 }
 
 /// How many rows of nodes a scatter adds to at once: as many as have their sums in registers.
-template <int dim> inline constexpr int kRowsAtOnce = dim == 2 && kRegisters >= 32 ? 3 : 1;
+template <int dim> inline constexpr int kRowsAtOnce = dim == 2 && kRegisters >= 32 ? 3 : 1; // size
 
 /// Some of the rows of nodes along x of a group of points, from one on, and for each point the products of its weights along the
 /// other axes.

@@ -162,7 +162,7 @@ template <class Law>
 [[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, bool halves, FlowSearch &search,
                                               double *strain)
 {
-  constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // of q; of d, as the error after a step is about its square
+  constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // rounding: of q; of d, as the error after a step is about its square
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   const double rate = states.rate_per_strain;
   double still_open = 0;
@@ -193,7 +193,7 @@ template <class Law>
 template <class Law>
 [[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
 {
-  constexpr int kMaxSteps = 200, kFewSteps = 8;
+  constexpr int kMaxSteps = 200, kFewSteps = 8; // rounding
   FlowSearch search;
   alignas(64) double start[kBlock];
   double open = 0;

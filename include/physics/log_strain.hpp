@@ -19,7 +19,7 @@ struct LogStrain {
   Sym3 deviator; ///< e'
   double norm2;  ///< about 4 e':e'; where it is above kLargestNorm2, LogarithmicStrain is not to be used
 };
-inline constexpr double kLargestNorm2 = 0.01;
+inline constexpr double kLargestNorm2 = 0.01; // rounding
 
 /// Where b has the plane's components only: by ln b = (ln det)/2 I + atanh(s) n in the plane, with n the deviator of the two by
 /// two over its size, s its size over half its trace; and by the ratio of those two and zz.
@@ -71,7 +71,7 @@ struct PowerOf {
 template <bool in_plane> [[gnu::always_inline]] inline LogStrain LogarithmicStrain(const Sym3 &b)
 {
   if constexpr (in_plane) return LogarithmicStrainInPlane(b);
-  constexpr int kTerms = 14;
+  constexpr int kTerms = 14; // rounding
   const Sym3 y = (3 / Trace(b)) * b - Sphere(1), square = Square(y);
   const double norm2 = Trace(square), determinant = kThird * Contract(square, y);
   PowerOf power = {0, 1, 0};
@@ -89,7 +89,7 @@ template <bool in_plane> [[gnu::always_inline]] inline LogStrain LogarithmicStra
 template <bool in_plane> [[gnu::always_inline]] inline Sym3 Exponential(const Sym3 &a)
 {
   if constexpr (in_plane) return ExponentialInPlane(a);
-  constexpr int kTerms = 11;
+  constexpr int kTerms = 11; // rounding
   const Sym3 square = Square(a);
   const double half = 0.5 * Trace(square), determinant = kThird * Contract(square, a);
   PowerOf power = {0, 1, 0};

@@ -83,7 +83,7 @@ Tile TileOf(const PartOfTile &part, const Tile &tile, int dim);
 using CellSizeAt = std::function<double(Vec3)>;
 
 /// What is the same but for rounding, of the length in question.
-inline constexpr double kRounding = 1e-6;
+inline constexpr double kRounding = 1e-6; // rounding
 /// A piece of a box at a cell line that is thinner than this part of a cell belongs to the cell on the other side: alone with
 /// the nodes beyond, its points would be unstable (docs/decisions.md). At borders of levels it is at most one cell of
 /// the finer one.

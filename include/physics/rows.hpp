@@ -10,7 +10,7 @@ namespace mlgimp
 {
 
 /// Points are worked on in blocks of this many, small enough for the first-level cache.
-inline constexpr int kBlock = 64;
+inline constexpr int kBlock = 64; // size
 
 /// One number of each point of a block, and room for a vector that begins at the last one.
 using Row = double[kBlock + kLanes];
@@ -18,7 +18,7 @@ using Row = double[kBlock + kLanes];
 /// Asks the memory for n components of points p to p + kLanes - 1, field [][stride]; there may be no such points.
 template <int n, class Number> [[gnu::always_inline]] inline void Prefetch(const Number *field, int p, int stride = n)
 {
-  constexpr int kLine = 64 / sizeof(Number); // numbers of a cache line
+  constexpr int kLine = 64 / sizeof(Number); // size: numbers of a cache line
   const auto first = reinterpret_cast<std::uintptr_t>(field) + sizeof(Number) * stride * static_cast<std::uintptr_t>(p);
 #pragma GCC unroll 5
   for (int k = 0; k < n * kLanes; k += kLine)

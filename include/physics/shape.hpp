@@ -184,7 +184,7 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
 /// of S along the axes. For code outside the sweeps.
 template <int dim, class Work> void ForEachNodeOf(const AxisStencils<dim> &block, int p, const Lattice &grid, Work work)
 {
-  constexpr int kNodes = dim == 2 ? 9 : 27;
+  constexpr int kNodes = dim == 2 ? 9 : 27; // size
   for (int k = 0; k < kNodes; ++k) {
     const int at[3] = {k % 3, k / 3 % 3, k / 9};
     auto node = static_cast<std::ptrdiff_t>(block.node[p]);

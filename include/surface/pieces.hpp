@@ -38,7 +38,7 @@ struct SurfaceSegment {
   double half_width; ///< half its length in the plane, m
 };
 
-inline constexpr int kMaxParts = 4; ///< of an edge of a face
+inline constexpr int kMaxParts = 4; ///< size: of an edge of a face
 /// Calls work(segment) for those of all outer faces of a point: midpoints of parts along each edge, of which there are so many
 /// that none is longer than `longest`, m, but at most kMaxParts.
 template <class Work> void ForEachSegment(const PointArrays &points, int p, const Geometry &geometry, double longest, Work work)

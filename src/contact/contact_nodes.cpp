@@ -72,7 +72,7 @@ void AddDonors(const NodeMotion &motion, std::vector<NodeState> *nodes, std::vec
 /// Fills in what the owner knows.
 void FindState(const NodeMotion &motion, NodeState *node)
 {
-  constexpr Vec3 kAll = {1, 1, 1};
+  constexpr Vec3 kAll = {1, 1, 1}; // size
   const double mass = node->coarser ? motion.Border()->MassOf(node->at) : motion.MassOf(node->at);
   node->rank = RankIn(motion.Group().Comm());
   if (node->coarser)
@@ -98,7 +98,7 @@ void FindState(const NodeMotion &motion, NodeState *node)
 
 void PushOwned(const NodeMotion &motion, const NodeImpulse &one, ContactReport *report)
 {
-  constexpr double kRounding = 1e-9; // of the impulse
+  constexpr double kRounding = 1e-9; // rounding: of the impulse
   if (one.coarser) {
     const Vec3 taken = motion.Border()->FreePart(one.at, one.impulse);
     motion.Border()->Push(one.at, (1 / motion.Border()->MassOf(one.at)) * taken);

@@ -10,7 +10,8 @@ namespace mlgimp
 
 Vec3 SurfaceTangent(Vec3 normal, int axis, int up)
 {
-  constexpr double kOpposite = 1e-12; // of a normal that points up there is no smallest turn; an indenter's tip has none
+  constexpr double kOpposite =
+      1e-12; // rounding: of a normal that points up there is no smallest turn; an indenter's tip has none
   Vec3 tangent{}, middle = -1 * normal;
   const double turned = -normal[axis] / std::max(1 - normal[up], kOpposite);
   middle[up] += 1;
@@ -104,8 +105,8 @@ static double LimitTo(double most, Friction::Along *traction)
 
 double Friction::Solve(const SegmentProblem &problem, const std::vector<double> &q, Vec3 way)
 {
-  constexpr int kMaxIterations = 1000;
-  constexpr double kStop = 1e-10; // of the tractions' size
+  constexpr int kMaxIterations = 1000; // rounding
+  constexpr double kStop = 1e-10;      // rounding: of the tractions' size
   const std::size_t count = tangents_.size();
   const std::vector<Vec3> forces_before = forces_;
   // What slips without friction.

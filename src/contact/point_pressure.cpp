@@ -85,7 +85,7 @@ public:
   const std::vector<PressedPoint> &Of() const { return points_; }
 
 private:
-  static constexpr int kNodes = 9;
+  static constexpr int kNodes = 9;       // size
   static constexpr double kShift = 1e-2; ///< of the diagonal, added to it
 
   Vec3 At(int p, const std::vector<Vec3> &nodes) const

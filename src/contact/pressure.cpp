@@ -46,7 +46,7 @@ public:
   }
   void SetPressures(const ContactPressures &pressures) override
   {
-    const auto whole = [](double number) { return static_cast<std::int64_t>(std::clamp(number, 0.0, 9e15)); };
+    const auto whole = [](double number) { return static_cast<std::int64_t>(std::clamp(number, 0.0, 9e15)); }; // size
     means_.clear(), strains_.clear(), last_.clear();
     for (const auto &[key, value] : pressures)
       if (key >= 0) (key % kKeptOfEach == 0 ? means_ : strains_)[key / kKeptOfEach] = value;
@@ -174,11 +174,12 @@ private:
   }
   static std::vector<PressedFace> FacesOfPoints(const SurfaceInputs &surface, Vec3 tip)
   {
+    constexpr double kLength = 0.125; // cells, of a segment
     std::vector<PressedFace> faces;
     const PointArrays points = surface.points.Arrays();
     for (const int p : surface.points.SurfacePoints()) {
       if (FarFromIndenter(surface, tip, points.Position(p))) continue;
-      ForEachSegment(points, p, surface.geometry, 0.125 * surface.grid.Geometry().spacing,
+      ForEachSegment(points, p, surface.geometry, kLength * surface.grid.Geometry().spacing,
                      [&](const SurfaceSegment &s) { AddFace(surface, tip, p, s, true, &faces); });
     }
     return faces;
@@ -294,8 +295,8 @@ private:
                              std::vector<double> *q, Friction *friction, std::vector<Vec3> *impulses, PressureReport *found,
                              ContactReport *report)
   {
-    constexpr int kMaxTurns = 20;
-    constexpr double kStop = 1e-7; // of the pressures' impulse
+    constexpr int kMaxTurns = 20;  // rounding
+    constexpr double kStop = 1e-7; // rounding: of the pressures' impulse
     PetscFunctionBeginUser;
     friction->Begin(sides, indenter.up + 1, problem_);
     for (int turn = 0; turn < kMaxTurns; ++turn) {
@@ -325,7 +326,7 @@ private:
     return area / surface.geometry.OutOfPlane(0) * (parts == 2 ? 1 : 0.5);
   }
 
-  static constexpr int kOfPatch = 5; ///< numbers that a patch leaves to the next step, by keys below zero: its own two, a
+  static constexpr int kOfPatch = 5; ///< size: numbers that a patch leaves to the next step, by keys below zero: its own two, a
                                      ///< pressure, tractions; a column, from zero on, leaves a mean pressure and a plastic strain
 
   ContactSettings settings_;

@@ -7,7 +7,8 @@
 namespace mlgimp
 {
 
-static constexpr int kMaxTurns = 100;
+static constexpr int kMaxTurns = 100;  ///< rounding: some ten turns are usual
+static constexpr double kOfGoal = 0.3; ///< rounding: of what the last turn may leave over, for the solve in each turn
 
 static double Square(double x) { return x * x; }
 
@@ -53,7 +54,7 @@ PetscErrorCode PressureSolver::MultiplyFree(Mat A, Vec x, Vec y)
   for (int k = 0; k < solver->size_; ++k) to[k] = solver->free_[k] ? to[k] / solver->roots_[k] : from[k];
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
-  PetscCall(PetscLogFlops(60.0 * solver->size_));
+  PetscCall(PetscLogFlops(60.0 * solver->size_)); // size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,7 +156,7 @@ double PressureSolver::EnergyChange(const std::vector<double> &before, const std
 bool PressureSolver::GoDownhill(const std::vector<double> &way, const std::vector<double> &before,
                                 const std::vector<double> &gradient_before, double travel, std::vector<double> *q)
 {
-  constexpr int kMaxHalvings = 20; // less of it is rounding
+  constexpr int kMaxHalvings = 20; // rounding
   double part = 1;
   for (int halved = 0; halved < kMaxHalvings; ++halved, part /= 2) {
     for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, before[k] + part * way[k]);
@@ -182,7 +183,7 @@ PetscErrorCode PressureSolver::SolveAtRest(std::vector<double> *q, double travel
     ++report->turns;
     FindFree(*q);
     for (int k = 0; k < size_; ++k) right_side[k] = -gradient_[k], way[k] = 0;
-    PetscCall(SolveFree(right_side, 0.3 * goal, &way, report));
+    PetscCall(SolveFree(right_side, kOfGoal * goal, &way, report));
     before = *q, old_gradient = gradient_;
     if (GoDownhill(way, before, old_gradient, travel, q)) continue;
     for (int k = 0; k < size_; ++k) way[k] = -old_gradient[k] / Square(roots_[k]);
@@ -212,8 +213,8 @@ double PressureSolver::FirstTouch(double travel) const
 /// met exactly in the end, by all pressures alike.
 PetscErrorCode PressureSolver::SolveByLoad(double load, double most, std::vector<double> *q, PressureReport *report)
 {
-  constexpr int kMaxPasses = 50;
-  constexpr double kLoad = 1e-7, kSlope = 1e-3, kPastTouch = 1e-9; // of the load; of the norm of closing; of `most`
+  constexpr int kMaxPasses = 50;                                   // rounding
+  constexpr double kLoad = 1e-7, kSlope = 1e-3, kPastTouch = 1e-9; // rounding: of the load; of the norm of closing; of `most`
   double &u = report->travel;
   bool held = false; // at the most that it may travel
   PetscFunctionBeginUser;

@@ -56,7 +56,7 @@ const std::array<int, 8> &SegmentProblem::NodesOfCell(Index cell)
 /// The nodes that move the corners of its patch, with their weights in it; false where none does.
 bool SegmentProblem::FindWeights(const Segment &segment, Candidate *one)
 {
-  constexpr double kNothing = 1e-9; // of a hat: a corner on a line of nodes but for rounding pushes none beyond
+  constexpr double kNothing = 1e-9; // rounding: of a hat: a corner on a line of nodes but for rounding pushes none beyond
   std::array<NodeWeight, 32> found; // in the order of nodes
   int count = 0;
   for (int c = 0; c < OnColumns(); ++c) {

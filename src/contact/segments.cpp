@@ -13,7 +13,8 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kWallDepth = 0.1; ///< cells; see PressedShare
+constexpr double kWallDepth = 0.1;                           ///< cells; see PressedShare
+constexpr double kLevelFacing = 0.5, kMinLevelFacing = 0.25; ///< of a level surface's; from the first on all of a segment counts
 
 /// The part of a segment that counts. What does not face down its axis, as the side of a flat punch, closes no gap as the
 /// indenter moves, nor does surface that faces the indenter less than half as much as a level one, as the side of a bar under a
@@ -21,11 +22,11 @@ constexpr double kWallDepth = 0.1; ///< cells; see PressedShare
 double PressedShare(double h, int up, const SurfaceSegment &segment, const SurfaceGap &gap)
 {
   const double level = -gap.normal[up], facing = std::min(segment.normal[up], -Dot(segment.normal, gap.normal));
-  if (level > kMinFacing && facing >= 0.5 * level) return 1;
+  if (level > kMinFacing && facing >= kLevelFacing * level) return 1;
   const double within = std::clamp(-gap.distance / (kWallDepth * h), 0.0, 1.0);
   if (level <= kMinFacing) return within;
-  const double least = std::min(kMinFacing, 0.25 * level);
-  return std::max(within, (facing - least) / (0.5 * level - least));
+  const double least = std::min(kMinFacing, kMinLevelFacing * level);
+  return std::max(within, (facing - least) / (kLevelFacing * level - least));
 }
 
 } // namespace

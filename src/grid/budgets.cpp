@@ -44,7 +44,7 @@ void Budgets::AppendKept(std::vector<double> *numbers) const
 
 const double *Budgets::AddKept(const double *numbers)
 {
-  constexpr double kLargestCount = 9007199254740992; // 2^53
+  constexpr double kLargestCount = 9007199254740992; // exact: 2^53
   for (Budget &row : *this)
     for (int c = 0; row.IsKept() && c < row.components; ++c) {
       const double x = *numbers++;

@@ -100,7 +100,7 @@ void LightNodes::FitLinear(std::vector<Near> *nodes, int dim) const
 /// Mass of the node amid material, halved at sides, where the grid's half beyond is empty.
 double LightNodes::FullMass(const Grid &grid, Index node) const
 {
-  constexpr double kAtAxis = 1.0 / 6; // mass of a node at the axis, of that one cell from it
+  constexpr double kAtAxis = 1.0 / 6; // exact: mass of a node at the axis, of that one cell from it
   const double radius = grid.Coordinate(0, node[0]) / grid.Geometry().spacing;
   const bool at_axis = rule_.hoop && radius < 0.5;
   double share = rule_.hoop ? std::max(radius, kAtAxis) : 1;
@@ -149,8 +149,9 @@ int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
 /// they count. The fit is that of a pattern of full nodes, which is kept, but where some are between light and full.
 void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index node, Light *light)
 {
-  constexpr double kSame = 1e-9, kMayTake = 1.0 / 32; // of shares; of a node's mass, see below
-  constexpr std::size_t kMaxFits = 10000;
+  constexpr double kSame = 1e-9;          // rounding: of shares
+  constexpr double kMayTake = 1.0 / 32;   // of a node's mass, see below
+  constexpr std::size_t kMaxFits = 10000; // size
   const int dim = grid.Geometry().dim;
   const double share = tables_.shares[light->place];
   FullPattern full{};
@@ -201,7 +202,7 @@ void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index no
 }
 
 /// Where points may be gone within a step of the coarser level, nothing of a node's motion is its own.
-static constexpr double kMinOwnShare = 1e-12;
+static constexpr double kMinOwnShare = 1e-12; // rounding
 
 void LightNodes::Find(const Grid &grid, const NodeBodies &bodies, const double *more)
 {

@@ -17,7 +17,7 @@ void NodeBodies::SetGroups(std::vector<int> groups)
 /// The nodes within a cell and half the point's size.
 void NodeBodies::Mark(const Grid &grid, const PointArrays &points, int p)
 {
-  constexpr int kBits = 32;
+  constexpr int kBits = 32; // size
   IndexBox nodes{{}, {1, 1, 1}};
   for (int axis = 0; axis < points.dim; ++axis) {
     const double h = grid.Geometry().spacing, place = (points.Position(p)[axis] - grid.Geometry().lower[axis]) / h,

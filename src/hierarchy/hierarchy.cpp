@@ -203,7 +203,7 @@ static IndexBox ZoneOf(const HierarchySettings &settings, int l, const Box &near
 PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
 {
   constexpr Box kNowhere{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-  constexpr int kOfLevel = 7; // whether its own points are near; minus the lower end and the upper end of all that are
+  constexpr int kOfLevel = 7; // size: whether its own points are near; minus the lower end and the upper end of all that are
   std::vector<double> largest;
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {

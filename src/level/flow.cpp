@@ -89,10 +89,11 @@ void Straighten(const PointArrays &a, int p)
 /// Whether the face of a point on a side lies on that side of the domain, which is not free: the axis, a plane of symmetry.
 bool IsHeld(const LevelGeometry &geometry, const PointArrays &a, int p, Side side)
 {
+  constexpr double kHeldRange = 1.5; // half edges; the next point is 3 away
   if (geometry.sides.kind[side] == BoundaryKind::kFree) return false;
   const int axis = AxisOf(side);
   const double place = geometry.grid.lower[axis] + geometry.sides.node[side] * geometry.grid.spacing;
-  return std::abs(a.Position(p)[axis] - place) < 1.5 * std::abs(a.HalfEdge(p, axis)[axis]); // of the next point: 3
+  return std::abs(a.Position(p)[axis] - place) < kHeldRange * std::abs(a.HalfEdge(p, axis)[axis]);
 }
 
 } // namespace

@@ -9,8 +9,9 @@ namespace mlgimp
 /// A place on the other side of a tile's face.
 static Vec3 BeyondFace(const Tile &tile, Side side)
 {
+  constexpr double kBeyond = 1e-3; // of the tile's half size
   Vec3 x = tile.center;
-  x[AxisOf(side)] += SignOf(side) * tile.half_size[AxisOf(side)] * (1 + 1e-3);
+  x[AxisOf(side)] += SignOf(side) * tile.half_size[AxisOf(side)] * (1 + kBeyond);
   return x;
 }
 
@@ -62,7 +63,8 @@ PartOfTile Seeding::Inside(std::size_t body, const Tile &tile, Vec3 origin) cons
 /// A tile is a body's where at least half of it is; see PointOf for others.
 bool Seeding::IsInside(std::size_t body, const Tile &tile) const
 {
-  return model_.bodies[body].region->IsBox() || Inside(body, tile, tile.center).share >= 0.5 * (1 - kRounding);
+  constexpr double kMinInside = 0.5;
+  return model_.bodies[body].region->IsBox() || Inside(body, tile, tile.center).share >= kMinInside * (1 - kRounding);
 }
 
 /// Calls work(tile) for the tiles of a body's level on the other sides of a tile's faces.
@@ -224,7 +226,7 @@ bool Seeding::EndsAt(const Seed &seed, Side side, Vec3 corner) const
 /// Where a corner of a seed's face lies on the outline of its body. A corner at a side that holds the body stays there.
 Vec3 Seeding::OnOutline(const Seed &seed, Side face, Vec3 corner) const
 {
-  constexpr int kTurns = 8; // between the outline and the sides, to which it is all but normal
+  constexpr int kTurns = 8; // rounding: between the outline and the sides, to which it is all but normal
   const Region &region = *model_.bodies[seed.body].region;
   const bool at_edge = !region.IsBox() && EndsAt(seed, face, corner);
   Vec3 x = corner;

@@ -111,7 +111,7 @@ class HalfSpaces : public IndenterSurface
 public:
   SurfaceGap Gap(Vec3 x) const override
   {
-    constexpr double kEdge = 1e-6; // of the way to the plane's point: so near to an edge rounding would choose
+    constexpr double kEdge = 1e-6; // rounding; of the way to the plane's point
     SurfaceGap gap{-HUGE_VAL, {}};
     int faces = 0;
     for (const Plane &plane : planes_) gap.distance = std::max(gap.distance, Dot(plane.normal, x - plane.point));
@@ -123,7 +123,7 @@ public:
   }
   bool MayBeMirrored(int axis) const final
   {
-    constexpr double kRounding = 1e-6; // of typed angles and of lengths
+    constexpr double kRounding = 1e-6; // rounding: of typed angles and of lengths
     const auto ends_there = [axis](const Plane &plane) {
       return std::abs(plane.normal[axis]) > 1 - kRounding && std::abs(plane.point[axis]) <= kRounding * Norm(plane.point);
     };
@@ -266,7 +266,7 @@ std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertice
 
 std::vector<Vec3> CornersOf(const std::vector<Vec3> &v)
 {
-  constexpr double kFlat = 1e-9; // sine of the angle
+  constexpr double kFlat = 1e-9; // rounding: sine of the angle
   std::vector<Vec3> corners;
   for (std::size_t k = 0; k < v.size(); ++k) {
     const Vec3 a = v[k] - v[(k + v.size() - 1) % v.size()], b = v[(k + 1) % v.size()] - v[k];

@@ -18,7 +18,7 @@ namespace
 /// it, the temperature.
 template <class Hardening, class Geometry> class Metal : public Material
 {
-  static constexpr int kS = Geometry::kStress, kStrain = 0, kHeat = 1, kHistory = 1 + Hardening::kThermal;
+  static constexpr int kS = Geometry::kStress, kStrain = 0, kHeat = 1, kHistory = 1 + Hardening::kThermal; // size
   static constexpr bool kInPlane = Geometry::kDim == 2;
 
 public:
@@ -34,7 +34,8 @@ public:
   }
   double RateScale() const override
   {
-    constexpr double kStrain = 0.1, kFastRate = 1e30; // 1/s
+    constexpr double kStrain = 0.1,
+                     kFastRate = 1e30; // size: any strain, and a rate in 1/s far beyond all, to see whether the law knows a rate
     return hardening_.At(kStrain, kFastRate, initial_temperature_).stress == FlowStress(kStrain) ? 0 : rate_scale_;
   }
 

@@ -199,8 +199,9 @@ PartOfTile WholeOf(const Tile &tile, Vec3 origin, int dim)
 
 PartOfTile PartInside(const Region &region, const Tile &tile, Vec3 origin, int dim)
 {
+  constexpr int kPlacesInPlane = 16, kPlacesInSpace = 6; // along an axis
   const bool cut = std::abs(region.Distance(tile.center)) <= Norm(tile.half_size);
-  const int along = !cut ? 1 : dim == 3 ? 6 : 16; // places along an axis
+  const int along = !cut ? 1 : dim == 3 ? kPlacesInSpace : kPlacesInPlane;
   const double width = 2 * *std::max_element(tile.half_size.begin(), tile.half_size.end()) / along;
   PartOfTile part;
   ForEach({{0, 0, 0}, {along, along, dim == 3 ? along : 1}}, [&](Index k) {
@@ -236,7 +237,7 @@ static int CountTiles(int per_cell, double length)
 /// True where a cell line divides the body: not where one of its sides is beyond the line by less than a sliver.
 bool Tiling::IsCut(int axis, int line, Vec3 cell_center) const
 {
-  constexpr double kMinDistance = 2; // cells; slivers are at most 1 wide
+  constexpr double kMinDistance = 2; // size: cells; slivers are at most 1 wide
   const double place = Line(axis, line);
   if (place - bounds_.lower[axis] > kMinDistance * cell_size_ && bounds_.upper[axis] - place > kMinDistance * cell_size_)
     return true;
@@ -306,7 +307,7 @@ bool Tiling::At(Vec3 x, Tile &tile) const
 
 bool SurfaceAbove(const Region &region, Vec3 x, int up, double *height)
 {
-  constexpr int kLattice = 4096;
+  constexpr int kLattice = 4096; // size
   const double lower = region.Bounds().lower[up], upper = region.Bounds().upper[up], step = (upper - lower) / kLattice;
   for (int k = 0; k < kLattice; ++k) {
     double inside = upper - (k + 0.5) * step, outside = inside + step;

@@ -12,7 +12,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr int kNoInterest = -2, kNone = -1;
+constexpr int kNoInterest = -2, kNone = -1; // size
 
 /// Cells around one in which points within a cell of a place in it lie.
 IndexBox Around(const Grid &grid, Index cell)
@@ -61,7 +61,7 @@ void NearPoints::Mark(const Grid &grid, Vec3 x)
 void NearPoints::FindAround(const Grid &grid, Points &points, double path)
 {
   constexpr double kMarked = 2, kMargin = 1,
-                   kMotion = 0.5; // cells: of two marked ones; for other places, and for points that move
+                   kMotion = 0.5; // size; cells: of two marked ones; for other places, and for points that move
   const double h = grid.Geometry().spacing;
   const int dim = grid.Geometry().dim;
   const auto around_places = [&](double width) {

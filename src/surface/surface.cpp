@@ -13,7 +13,7 @@ namespace mlgimp
 /// Whether a place is at a side of the domain, or beyond it.
 static bool IsAt(const Grid &grid, const BoundaryConditions &sides, Side side, Vec3 x)
 {
-  constexpr double kAt = 1e-6; // cells
+  constexpr double kAt = 1e-6; // rounding; cells
   const double beyond = SignOf(side) * (x[AxisOf(side)] - grid.Coordinate(AxisOf(side), sides.node[side]));
   return beyond > -kAt * grid.Geometry().spacing;
 }

@@ -67,7 +67,7 @@ public:
   PetscErrorCode Take(Budgets &budgets);
 
   /// What an owned node keeps from step to step: impulse of contact, and what fine points have not got of it, N s.
-  static constexpr int kState = 6;
+  static constexpr int kState = 6; ///< size
   void GetState(int k, double *state) const;
   void SetState(int k, const double *state);
 

@@ -52,7 +52,7 @@ public:
   /// Collective on all.
   PetscErrorCode RestoreState(const std::vector<double> &state);
   /// Of an interface node: the coarse force, what its contact keeps, and its finer mass.
-  static constexpr int kState = 3 + BorderContact::kState + 1;
+  static constexpr int kState = 3 + BorderContact::kState + 1; ///< size
 
   /// What the border adds up on this rank.
   Budgets &Totals() { return budgets_; }

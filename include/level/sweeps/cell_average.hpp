@@ -75,7 +75,7 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
   CellSums *const cells = grid.Cells(b.average);
-  constexpr int kApart = 8; // points of a cell lie beside each other, and their sums would wait for each other
+  constexpr int kApart = 8; // size: points of a cell lie beside each other, and their sums would wait for each other
   for (int first = 0; first < kApart; ++first)
     for (int p = first; p < b.count; p += kApart) {
       CellSums &cell = cells[parts.cell[p]];
@@ -95,7 +95,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
                    Motion<Geometry::kDim> &motion, Budgets &budgets)
 {
   constexpr int dim = Geometry::kDim;
-  constexpr double kMinSum = 0.1; // less is refused as a strain, by a message that a division by zero would spoil
+  constexpr double kMinSum = 0.1; // rounding: less is refused as a strain, by a message that a division by zero would spoil
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   alignas(64) double sums[3][kBlock]; // of the point's cell
   alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors

@@ -40,6 +40,9 @@ template <class Geometry> double GreenStrainSquared(const Row *F, double hoop, i
 /// Part of the strength by the cells that a point moves in a step. Without it waves of a body that crosses cells grow (MUSL).
 inline constexpr double kOfMotion = 30;
 
+/// Largest strength, which keeps the explicit viscosity stable.
+inline constexpr double kMaxStrength = 0.3;
+
 /// h_p = min(0.3, a + b |E|^2 + kOfMotion (|u| dt/h)^2): E is the Green strain, in metals the elastic strain, as flow would make
 /// it a rate effect. cells_per_speed: dt/h; u: the grid's velocity at the points.
 template <class Geometry>
@@ -64,7 +67,7 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
     double speed2 = 0;
 #pragma GCC unroll 3
     for (int d = 0; d < Geometry::kDim; ++d) speed2 += u[d][p] * u[d][p];
-    strength[p] = std::min(0.3, viscosity.a + viscosity.b * strength[p] + of_motion * speed2);
+    strength[p] = std::min(kMaxStrength, viscosity.a + viscosity.b * strength[p] + of_motion * speed2);
   }
 }
 

@@ -48,7 +48,7 @@ public:
   static bool IsState(const std::vector<double> &state, const std::vector<std::string> &lines);
 
 private:
-  static constexpr std::size_t kAtStart = 99; ///< kind of those before the first step
+  static constexpr std::size_t kAtStart = 99; ///< size: kind of those before the first step
   struct Issued {
     std::size_t kind;
     bool at_end;

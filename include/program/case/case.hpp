@@ -18,9 +18,9 @@ namespace mlgimp
 inline constexpr double kLargestCfl = 1;
 
 // How far from a line of cells a place counts as on it, in cells.
-inline constexpr double kOnLine = 1e-6;       ///< of what the program has put there
-inline constexpr double kGivenOffLine = 1e-5; ///< of a box that the user gives: its grid is shifted by so much
-inline constexpr double kMovedOffLine = 1e-4; ///< of a box in a checkpoint, which has moved
+inline constexpr double kOnLine = 1e-6;       ///< rounding: of what the program has put there
+inline constexpr double kGivenOffLine = 1e-5; ///< rounding: of a box that the user gives: its grid is shifted by so much
+inline constexpr double kMovedOffLine = 1e-4; ///< rounding: of a box in a checkpoint, which has moved
 
 /// When a run ends and how long its steps are.
 struct TimeSettings {

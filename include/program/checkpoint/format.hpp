@@ -11,12 +11,12 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 23;
+inline constexpr int kFormatVersion = 23; // size
 
 inline std::string LevelName(int l) { return Format("/level_{}", l); }
 
 /// Numbers of a level's clock.
-inline constexpr int kOfClock = 10;
+inline constexpr int kOfClock = 10; // size
 
 /// Group of the copies of points that the next coarser (0) or finer level (1) owns.
 inline std::string CopiesName(int l, int origin) { return Format("{}/copies_{}", LevelName(l), origin); }

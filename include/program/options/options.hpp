@@ -12,7 +12,7 @@
 namespace mlgimp
 {
 
-inline constexpr std::size_t kLongestValue = 65535; ///< characters of an option's value
+inline constexpr std::size_t kLongestValue = 65535; ///< size: characters of an option's value
 
 /// The interval that a number must lie in.
 struct Range {
@@ -22,7 +22,7 @@ struct Range {
   std::string Text() const;
 };
 inline constexpr Range kAnyNumber = {-HUGE_VAL, HUGE_VAL, true, true}, kPositive = {0, HUGE_VAL, true, true},
-                       kNotNegative = {0, HUGE_VAL, false, true};
+                       kNotNegative = {0, HUGE_VAL, false, true}; // size
 inline Range Open(double lower, double upper) { return {lower, upper, true, true}; }
 inline Range Closed(double lower, double upper) { return {lower, upper, false, false}; }
 

@@ -119,7 +119,7 @@ bool CutWithin(const Layers &layers, double limit, std::vector<PetscInt> *cuts)
 /// Takes work from the busiest block by the best cuts along each axis in turn, those along the others being kept. Collective.
 PetscErrorCode ImproveCuts(const PointCloud &cloud, GridLayout *layout, double *work)
 {
-  constexpr double kTolerance = 1e-4;
+  constexpr double kTolerance = 1e-4; // size: speed only
   Layers layers;
   double before = 0;
   PetscFunctionBeginUser;
@@ -217,8 +217,10 @@ PetscErrorCode FirstLayout(MPI_Comm world, int ranks, double least_points, const
 
 bool NeedsOtherRanks(double points, int blocks, int ranks, double least_points)
 {
+  constexpr double kMinPoints = 0.5, kMaxPoints = 2; // size: speed only; of the points asked for a rank
   const double each = points / blocks;
-  return (each < 0.5 * least_points || each > 2 * least_points) && SuitableRanks(points, ranks, least_points) != blocks;
+  return (each < kMinPoints * least_points || each > kMaxPoints * least_points) &&
+         SuitableRanks(points, ranks, least_points) != blocks;
 }
 
 PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &grid, double least_points, GridLayout *layout)
@@ -230,7 +232,7 @@ PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &gri
 
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
-  constexpr double kWorthWhile = 0.98; // of the busiest block's work
+  constexpr double kWorthWhile = 0.98; // size: speed only; of the busiest block's work
   const GridLayout &present = level.Mesh().Layout();
   const GridGeometry &grid = level.Mesh().Geometry();
   const std::vector<Index> nodes = NodesOf(level.PointStore(), grid);

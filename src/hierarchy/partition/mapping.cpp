@@ -33,13 +33,14 @@ std::vector<idx_t> Partition(const BlockGraph &graph)
 {
   idx_t vertices = graph.First(graph.levels), levels = graph.levels, count = graph.ranks, cut = 0;
   std::vector<idx_t> starts{0}, ends, weights, constraints(static_cast<std::size_t>(vertices) * levels, 0), part(vertices, 0);
+  constexpr double kLargestWeight = 1e4; // size: METIS takes whole numbers
   double largest = 1;
   for (const auto &list : graph.neighbours)
     for (const auto &[to, bytes] : list) largest = std::max(largest, bytes);
   for (const auto &list : graph.neighbours) {
     for (const auto &[to, bytes] : list) {
       ends.push_back(to);
-      weights.push_back(1 + static_cast<idx_t>(1e4 * bytes / largest));
+      weights.push_back(1 + static_cast<idx_t>(kLargestWeight * bytes / largest));
     }
     starts.push_back(static_cast<idx_t>(ends.size()));
   }
@@ -84,7 +85,7 @@ void Repair(const BlockGraph &graph, int level, std::vector<PetscMPIInt> &rank_o
 /// Swaps the ranks of two blocks of a level while that saves bytes.
 void Refine(const BlockGraph &graph, int level, std::vector<PetscMPIInt> &rank_of)
 {
-  constexpr int kSweeps = 8, kMaxRanks = 1024; // the search is quadratic in ranks
+  constexpr int kSweeps = 8, kMaxRanks = 1024; // size: speed only; the search is quadratic in ranks
   if (graph.ranks > kMaxRanks) return;
   bool changed = true;
   for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {

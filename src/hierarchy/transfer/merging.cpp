@@ -31,10 +31,11 @@ double UsualSize(Level &level, int body)
 /// This rank's points that are smaller than usual on their level and were made by splitting.
 std::vector<Sibling> FindSmall(Level &level, const PointNumbers &numbers, PetscMPIInt rank)
 {
+  constexpr double kMaxSmallSize = 0.75; // of the usual half size
   const PointArrays a = level.PointStore().Arrays();
   std::vector<Sibling> found;
   for (int p = 0; p < a.count; ++p) {
-    if (LargestComponent(a.HalfSize(p)) < 0.75 * UsualSize(level, a.body[p]) && numbers.Parent(a.id[p]) >= 0)
+    if (LargestComponent(a.HalfSize(p)) < kMaxSmallSize * UsualSize(level, a.body[p]) && numbers.Parent(a.id[p]) >= 0)
       found.push_back({a.id[p], rank, p});
   }
   return found;

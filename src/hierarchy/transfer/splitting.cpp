@@ -136,11 +136,12 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
 std::vector<int> FindParents(Level &level, const std::vector<int> &points, double spacing, int ratio, const PointNumbers &numbers,
                              Budgets *budgets)
 {
+  constexpr double kMinParentSize = 0.75; // of the coarser level's usual half size
   const PointArrays a = level.PointStore().Arrays();
   std::vector<int> parents;
   for (int p : points) {
     const double usual = 0.5 * spacing / level.Physics().bodies[a.body[p]].points_per_cell;
-    if (LargestComponent(a.HalfSize(p)) <= 0.75 * ratio * usual) continue;
+    if (LargestComponent(a.HalfSize(p)) <= kMinParentSize * ratio * usual) continue;
     if (numbers.CanSplit(a.id[p]))
       parents.push_back(p);
     else
@@ -153,6 +154,7 @@ std::vector<int> FindParents(Level &level, const std::vector<int> &points, doubl
 /// A child beyond the grid would be lost: such a point stays whole.
 static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers, const std::vector<int> &axes)
 {
+  constexpr double kMaxHalfEdge = 0.5, kMinRadius = 0.75; // cells; half edges: a child on the axis would have no mass
   const GridGeometry &grid = level.Geometry().grid;
   const PointArrays a = level.PointStore().Arrays();
   const Model &model = level.Physics();
@@ -164,14 +166,14 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
   };
   std::vector<double> most2; // of half an edge of a body's points, m2
   for (const Body &body : model.bodies) {
-    const double most = grid.spacing * std::max(0.5, 1.0 / body.points_per_cell);
+    const double most = grid.spacing * std::max(kMaxHalfEdge, 1.0 / body.points_per_cell);
     most2.push_back(model.materials[body.material]->SplitsStretched() ? most * most : HUGE_VAL);
   }
   for (int p = 0; p < a.count; ++p)
     for (int axis : axes) {
       const Vec3 edge = a.HalfEdge(p, axis);
       if (Dot(edge, edge) <= most2[a.body[p]] || !numbers.CanSplit(a.id[p])) continue;
-      if (a.initial_radius && a.Position(p)[0] < 0.75 * std::abs(edge[0])) continue; // a child on the axis would have no mass
+      if (a.initial_radius && a.Position(p)[0] < kMinRadius * std::abs(edge[0])) continue;
       if (lies_within(a.Position(p) - 0.5 * edge) && lies_within(a.Position(p) + 0.5 * edge)) found.push_back(p);
     }
   return found;

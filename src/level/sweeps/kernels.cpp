@@ -152,7 +152,7 @@ private:
     ForEachGroup(w, b.count, [&](int p, int) {
       const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.VelocityArray());
       PrefetchNext<Geometry>(b, p, kMomentum);
-      constexpr int kChange = NodeLayout::Velocity(dim) / 2;
+      constexpr int kChange = NodeLayout::Velocity(dim) / 2; // size
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
         KeepGathered(Gather<dim>(at, d), d, p, motion);

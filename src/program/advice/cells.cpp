@@ -23,7 +23,7 @@ struct Extent {
 };
 Extent ExtentAlong(const Region &region, Vec3 x, int axis)
 {
-  constexpr int kPlaces = 4096;
+  constexpr int kPlaces = 4096; // size
   const Box bounds = region.Bounds();
   const double start = bounds.lower[axis], step = (bounds.upper[axis] - start) / kPlaces;
   Extent extent{HUGE_VAL, -HUGE_VAL, 0};

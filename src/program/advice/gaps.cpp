@@ -66,7 +66,7 @@ int WarnOfGap(OptionReader &reader, const Case &c, const Neighbour &a, const Nei
               const std::string &between)
 {
   constexpr double kTouching = 1e-3; // cells
-  constexpr int kPlaces = 33;        // along an axis
+  constexpr int kPlaces = 33;        // size: along an axis
   const double tolerance = kTouching * c.CellSize(c.levels - 1);
   Box gap;
   const int across = FindGap(a.bounds, b.bounds, c.Dim(), tolerance, &gap);

@@ -15,7 +15,7 @@ namespace
 /// Lowest place of the tip during the run; -infinity where the end of the run is not known.
 double LowestTip(const Indenter &indenter, double end_time)
 {
-  constexpr int kSamples = 1000;
+  constexpr int kSamples = 1000; // size
   if (!std::isfinite(end_time) || indenter.by_load) return -HUGE_VAL;
   double lowest = indenter.Tip(std::min(end_time, indenter.motion.turning_time))[indenter.up];
   for (int k = 0; k <= kSamples; ++k) lowest = std::min(lowest, indenter.Tip(end_time * k / kSamples)[indenter.up]);
@@ -121,7 +121,7 @@ void CheckSupport(OptionReader &reader, const Case &c)
 /// where the lowest place is not.
 Box TipPath(const Indenter &indenter, double end_time)
 {
-  constexpr int kSamples = 1000;
+  constexpr int kSamples = 1000; // size
   Box path{indenter.tip, indenter.tip};
   for (int axis = 0; axis < indenter.up; ++axis) {
     const double end = std::isfinite(end_time) ? end_time : indenter.sideways[axis].EndTime();

@@ -57,7 +57,7 @@ void CheckMemory(MPI_Comm comm, const Case &c)
 {
   const double kPoint = c.Dim() == 3 ? 400 : 220,
                kNode = c.Dim() == 3 ? 300 : 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
-  constexpr double kGigabyte = 1e9;
+  constexpr double kGigabyte = 1e9;              // exact
   double nodes, points, bytes = BytesForRank(comm);
   CountAll(c, &nodes, &points);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);

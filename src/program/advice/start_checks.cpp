@@ -10,7 +10,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kSame = 1e-9; ///< relative; sums over many points are exact to 1e-12
+constexpr double kSame = 1e-9; ///< rounding: relative; sums over many points are exact to 1e-12
 
 /// What the points of a body add up to.
 struct BodySums {

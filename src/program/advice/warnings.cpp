@@ -17,7 +17,7 @@ namespace
 constexpr double kUnexplained = 0.15;
 
 /// Energies below so many times the rounding of bodies at rest are none.
-constexpr double kRoundings = 1e6;
+constexpr double kRoundings = 1e6; // rounding
 
 /// A viscosity that is too strong for the step gives energy in place of taking it, and the run comes to a wrong end.
 std::string ViscosityWarning(const Case &c, const Budgets &budgets, const Watched &watched)
@@ -267,7 +267,7 @@ double Warnings::Record(const Case &c, const Budgets &budgets)
 void Warnings::Check(MPI_Comm comm, const Case &c, const Budgets &budgets, const QuasiStaticWatch &slow, bool ended)
 {
   const double unexplained = Record(c, budgets);
-  constexpr double kRounding = 1e-15; // of mass times the square of the speed of waves
+  constexpr double kRounding = 1e-15; // rounding: of mass times the square of the speed of waves
   double stiffness = 0;
   for (const auto &material : c.model.materials)
     stiffness = std::max(stiffness, budgets.mass * std::pow(material->SpeedOfSound(), 2));
@@ -320,7 +320,7 @@ void Warnings::SetState(const std::vector<double> &state, const std::vector<std:
 
 bool Warnings::IsState(const std::vector<double> &state, const std::vector<std::string> &lines)
 {
-  constexpr double kMaxKinds = kAtStart + 1;
+  constexpr double kMaxKinds = kAtStart + 1; // size
   const auto is_kind = [](double kind) { return kind >= 0 && kind < kMaxKinds && kind == std::floor(kind); };
   return state.size() == kFirstKind + lines.size() && std::all_of(state.begin() + kFirstKind, state.end(), is_kind);
 }

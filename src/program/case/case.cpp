@@ -6,7 +6,7 @@ namespace mlgimp
 
 std::vector<BoxesAtTime> BoxesAlongPaths(const Case &c)
 {
-  constexpr int kTimes = 1000;
+  constexpr int kTimes = 1000; // size
   const FollowSettings &follow = c.hierarchy.follow;
   std::vector<BoxesAtTime> all;
   double end = 0;

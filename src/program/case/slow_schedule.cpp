@@ -8,7 +8,7 @@ namespace mlgimp
 
 PiecewiseLinear SmoothRise(double value, double duration)
 {
-  constexpr int kPieces = 16;
+  constexpr int kPieces = 16; // size
   std::vector<double> times = {0}, values = {0};
   for (int k = 1; k <= kPieces; ++k) {
     const double s = static_cast<double>(k) / kPieces;
@@ -86,7 +86,7 @@ double SlowSchedule::LargestSpeed() const { return PiecewiseLinear(times_, speed
 
 PiecewiseLinear SlowSchedule::Power(double power) const
 {
-  constexpr int kPieces = 16;
+  constexpr int kPieces = 16; // size
   const PiecewiseLinear speed = Speed();
   std::vector<double> times = {0}, values = {0};
   double x = 0, largest = 0;

@@ -44,7 +44,7 @@ static void AddBox(const Box &box, std::vector<double> *numbers)
 
 static Box TakeBox(const double *n) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 
-static constexpr std::size_t kOfBox = 6, kOfMove = 9; ///< numbers of a box; of a move beside its box
+static constexpr std::size_t kOfBox = 6, kOfMove = 9; ///< size: numbers of a box; of a move beside its box
 
 std::vector<double> FollowingAsNumbers(const FollowState &now, const std::vector<LevelMove> &moves)
 {

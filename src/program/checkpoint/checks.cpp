@@ -32,8 +32,8 @@ bool AllWhole(const std::vector<double> &values, double least, double most)
 /// What is wrong with one point; null where nothing is.
 const char *WrongPoint(const PointArrays &a, std::ptrdiff_t p, int bodies)
 {
-  constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // see PointNumbers
-  constexpr double kMinVolume = 1e-12;                       // of that at the start; below it are zeros with rounding
+  constexpr std::int64_t kLargestId = std::int64_t{1} << 61; // size: see PointNumbers
+  constexpr double kMinVolume = 1e-12;                       // rounding; of that at the start
   const auto finite = [&](const double *field, int components) {
     return !field || AllFinite(field + p * components, static_cast<std::size_t>(components));
   };
@@ -72,7 +72,7 @@ std::string WrongValues(const PointArrays &points, int bodies)
 
 std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
 {
-  constexpr int kStray = kHaloWidth - 1; // nodes beyond its own that a rank can serve: a stencil reaches one further
+  constexpr int kStray = kHaloWidth - 1; // size: nodes beyond its own that a rank can serve: a stencil reaches one further
   const Grid &grid = level.Mesh();
   if (own && !grid.Participates() && points.count > 0) return "a rank without a part of the grid has points";
   IndexBox allowed = level.Geometry().PointNodes();
@@ -92,7 +92,7 @@ std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
 
 std::string WrongState(const std::vector<double> &n, const Case &settings)
 {
-  constexpr double kRounding = 1e-9, kMaxFrames = 1e6;
+  constexpr double kRounding = 1e-9, kMaxFrames = 1e6; // rounding
   const double time = n[0], time_step = n[1], end_time = n[2], given_step = n[3], cfl = n[4], wave_speed = n[5];
   for (std::size_t k = 0; k < n.size(); ++k)
     if (!std::isfinite(n[k]) && !(k == 2 && n[k] == HUGE_VAL)) return "its state has a value that is not finite";
@@ -108,7 +108,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
 
 std::string WrongTip(const std::vector<double> &n, std::size_t count, double time)
 {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-9; // rounding
   const bool right = n.size() == count && AllFinite(n.data(), n.size()) &&
                      (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
   return right ? "" : "its tip of the indenter is inconsistent";

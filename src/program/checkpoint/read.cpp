@@ -156,7 +156,7 @@ void CheckpointReader::ReadFollowing(RunState *state)
 /// Totals of each rank that wrote: each its own where there are as many now, else all on the first.
 void CheckpointReader::ReadTotals()
 {
-  constexpr hsize_t kMaxRanks = 1 << 24;
+  constexpr hsize_t kMaxRanks = 1 << 24; // size
   hsize_t writers = 0;
   std::vector<double> all; // as many for each of the writers, in the order of Parts
   for (const Budgets *part : PartsOfBudgets(hierarchy_.Connected())) part->AppendKept(&all);
@@ -313,7 +313,7 @@ void CheckpointReader::ReadBorder(int b)
 /// Checks that need the points of all levels together.
 void CheckpointReader::CheckWhole(const RunState &state)
 {
-  constexpr double kMassError = 1e-6;
+  constexpr double kMassError = 1e-6; // rounding
   std::vector<std::int64_t> ids;
   Budgets budgets;
   for (int l = 0; l < hierarchy_.Levels(); ++l) {

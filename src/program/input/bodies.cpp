@@ -92,7 +92,7 @@ void CutAtHeldSides(const Case &c, std::unique_ptr<Region> *region)
 /// points a tenth of a cell apart, up to kMaxPlaces along an axis.
 bool Overlap(const Region &a, const Region &b, bool boxes, double cell, int dim)
 {
-  const double kPlaces = 10, kMinPlaces = dim == 3 ? 32 : 64, kMaxPlaces = dim == 3 ? 100 : 500; // in a cell; along an axis
+  const double kPlaces = 10, kMinPlaces = dim == 3 ? 32 : 64, kMaxPlaces = dim == 3 ? 100 : 500; // size: in a cell; along an axis
   const Box A = a.Bounds(), B = b.Bounds();
   Vec3 lower{}, size{};
   IndexBox places{{0, 0, 0}, {1, 1, 1}};

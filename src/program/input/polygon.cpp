@@ -12,7 +12,7 @@ namespace mlgimp
 namespace
 {
 
-constexpr double kRounding = 1e-12; ///< of a product of lengths: written vertices are on a line no better
+constexpr double kRounding = 1e-12; ///< rounding; of a product of lengths: written vertices are on a line no better
 
 /// Sign of the area of a triangle: 1 where c lies to the left of the line from a to b, 0 where it lies on it.
 int Orientation(Vec3 a, Vec3 b, Vec3 c)

@@ -19,7 +19,7 @@ namespace mlgimp
 namespace
 {
 
-const Range kCellSizes = Closed(1e-100, 1e100); ///< m
+const Range kCellSizes = Closed(1e-100, 1e100); ///< size: m
 
 void ReadGeometry(OptionReader &reader, Geometry *geometry)
 {
@@ -90,7 +90,9 @@ void ReadMethod(OptionReader &reader, Case *c)
 {
   const std::vector<std::string> updates = {"usl", "usf", "musl"};
   std::string update = "musl";
-  std::vector<double> viscosity = {0.001, 8};
+  constexpr double kAtRest = 0.001, kByStrain = 8; // of the viscosity
+  constexpr double kMetalXpic = 0.02, kIncompressibleXpic = 0.05;
+  std::vector<double> viscosity = {kAtRest, kByStrain};
   Model &model = c->model;
   reader.Choice({"-shape_function", "weights of points on nodes"}, ShapeFunctions(), &model.shape_function);
   model.stress_update =
@@ -105,8 +107,9 @@ void ReadMethod(OptionReader &reader, Case *c)
   model.short_wave = {viscosity[0], viscosity[1]};
   for (const auto &material : model.materials) {
     constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
-    if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, 0.02);
-    if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu()) model.nodal.xpic_fraction = 0.05;
+    if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, kMetalXpic);
+    if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu())
+      model.nodal.xpic_fraction = kIncompressibleXpic;
   }
   c->quasi_static.own_xpic =
       !reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or "

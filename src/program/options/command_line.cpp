@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-constexpr std::size_t kMaxOptions = 512; ///< names that PETSc's table holds, in some of its versions
+constexpr std::size_t kMaxOptions = 512; ///< size: names that PETSc's table holds, in some of its versions
 
 bool IsOptionName(const std::string &word)
 {
@@ -42,8 +42,8 @@ std::string Printable(std::string text)
 /// All of a file or pipe; false where it cannot be read, or nothing comes for some seconds.
 bool ReadAll(const std::string &path, std::string *text)
 {
-  constexpr int kTimeout = 5000; // ms
-  constexpr std::size_t kMaxBytes = 100000000;
+  constexpr int kTimeout = 5000;               // size: ms
+  constexpr std::size_t kMaxBytes = 100000000; // size
   char buffer[1 << 16];
   Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC), close); // a pipe without a writer would be waited for
   while (file.Valid() && text->size() < kMaxBytes) {

@@ -38,7 +38,7 @@ std::string Range::Text() const
 
 std::string Shortened(const std::string &value)
 {
-  constexpr std::size_t kMaxShown = 200;
+  constexpr std::size_t kMaxShown = 200; // size
   return value.size() <= kMaxShown ? value : Format("{}... ({} characters)", value.substr(0, kMaxShown), value.size());
 }
 
@@ -118,7 +118,7 @@ void OptionReader::Integer(const OptionText &option, const Range &range, int *va
   std::string text;
   double number;
   Raw(option, std::to_string(*value), &text);
-  constexpr double kLargestInt = 2e9;
+  constexpr double kLargestInt = 2e9; // size
   if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargestInt)
     Refuse(
         option.name, text.empty() ? "(nothing)" : text,
@@ -266,7 +266,7 @@ static bool LooksLikePetsc(const std::string &option)
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
-constexpr std::size_t kMaxTypingErrors = 2; ///< typing errors
+constexpr std::size_t kMaxTypingErrors = 2; ///< size: typing errors
 
 /// The known name that is most like an option's.
 static const std::string &Nearest(const std::string &option, const std::vector<std::string> &known)

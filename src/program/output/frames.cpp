@@ -222,7 +222,7 @@ std::string FrameWriter::ReplaceSeries(const std::string &name, const std::vecto
 std::string FrameWriter::WriteSeries(MPI_Comm comm, bool whole)
 {
   return OnFirstRank(comm, "series", [&]() -> std::string {
-    constexpr std::size_t kEachFrame = 32, kOneIn = 16;
+    constexpr std::size_t kEachFrame = 32, kOneIn = 16; // size
     const std::size_t count = frames_.size(),
                       due = whole || count <= kEachFrame ? in_series_ + 1 : in_series_ + in_series_ / kOneIn;
     if (count < due) return "";

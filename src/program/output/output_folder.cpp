@@ -23,7 +23,7 @@ static constexpr char kLockName[] = ".mlgimp_lock";
 /// The number in `name` between start and end, of six digits or more as it is written; -1 for any other name.
 static long NumberIn(const std::string &name, const std::string &start, const std::string &end)
 {
-  constexpr std::size_t kDigits = 6, kMaxDigits = 18;
+  constexpr std::size_t kDigits = 6, kMaxDigits = 18; // size
   if (name.size() < start.size() + kDigits + end.size() || name.rfind(start, 0) != 0) return -1;
   const std::string digits = name.substr(start.size(), name.size() - start.size() - end.size());
   if (name.substr(start.size() + digits.size()) != end || digits.size() > kMaxDigits) return -1;

@@ -38,7 +38,7 @@ class VtkhdfFile
 public:
   VtkhdfFile()
   {
-    constexpr std::size_t kGrowth = 1 << 20; // bytes
+    constexpr std::size_t kGrowth = 1 << 20; // size: bytes
     const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fapl_core(access, kGrowth, false);
     file_ = H5Handle(H5Fcreate("series.vtkhdf", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
@@ -213,7 +213,7 @@ void AddField(VtkhdfFile &file, const std::string &name, const FrameField &field
 {
   const auto stored = static_cast<hsize_t>(field.components);
   if (field.name == "deformation_gradient" && stored == 4) {
-    constexpr hsize_t kOutOfPlane = 8;
+    constexpr hsize_t kOutOfPlane = 8; // size
     const auto hoop = std::find_if(fields.begin(), fields.end(), [](const FrameField &one) { return one.name == kHoopStretch; });
     const Source stretch = hoop == fields.end() ? Own("/ones", kOutOfPlane) : FromFrames(*hoop, kOutOfPlane, 1, 1);
     file.Virtual(name, field.type, 9, parts, corners, 0, {FromFrames(field, 0, 2, 3), stretch}); // xx, xy, yx, yy, zz

@@ -115,7 +115,7 @@ void Simulation::CheckStep(double speed)
                left = time.end_time - state_.time;
   const bool by_damping = scale < case_.cell_size / speed;
   const std::string end = "-end_time " + FormatNumber(time.end_time);
-  constexpr double kMaxSteps = 1e15; // far fewer than a double counts, far more than a machine makes
+  constexpr double kMaxSteps = 1e15; // size: far fewer than a double counts, far more than a machine makes
   if (time.time_step > limit)
     FailOrRefuse(Format("-time_step {}: must be <= {}{}{}", FormatNumber(time.time_step), limit,
                         by_damping ? ", the inverse of -damping" : ", the cell size over the wave speed or the indenter's",
@@ -191,7 +191,7 @@ int Simulation::Run()
 /// All between the set-up and the first step.
 void Simulation::Begin()
 {
-  constexpr double kBytesPerPoint = 400, kSlowDisk = 100e6; // of a point in a checkpoint; of a slow disk in a second
+  constexpr double kBytesPerPoint = 400, kSlowDisk = 100e6; // size: of a point in a checkpoint; of a slow disk in a second
   PrepareOutputFolder();
   ListenToOrders();
   if (case_.model.indenter && case_.model.contact.method == "point_pressure")
@@ -229,7 +229,7 @@ void Simulation::Step()
 /// the ranks at different steps, so that one to write counts once in two checks.
 void Simulation::ObeyOrders()
 {
-  constexpr int kTimeIsShort = 4; // beside those of signals
+  constexpr int kTimeIsShort = 4; // size: beside those of signals
   static_assert(kTimeIsShort > kWriteOrder + kEndOrder);
   int orders = TakeOrders() | (wall_.IsShort() ? kTimeIsShort : 0);
   MPI_Allreduce(MPI_IN_PLACE, &orders, 1, MPI_INT, MPI_BOR, comm_);

@@ -38,7 +38,7 @@ double Slowness(const Material &material)
 /// Mean of the time that waves take for a length over all bodies, s/m.
 double MeanSlowness(const Case &c)
 {
-  constexpr int kSamples = 40; // along each axis
+  constexpr int kSamples = 40; // size: along each axis
   const bool is_space = c.Dim() == 3;
   const Vec3 step = (1.0 / kSamples) * (c.domain.upper - c.domain.lower);
   double sum = 0;
@@ -54,7 +54,7 @@ double MeanSlowness(const Case &c)
 /// Where the tip meets the body, just inside it.
 Vec3 ContactPlace(const Case &c)
 {
-  constexpr double kInside = 1e-6; // of the domain
+  constexpr double kInside = 1e-6; // rounding: of the domain
   const Indenter &indenter = *c.model.indenter;
   Vec3 x = indenter.tip;
   x[indenter.up] = indenter.initial_surface;

@@ -82,7 +82,7 @@ void ErrorExit::Free() { MPI_Comm_free(&comm_); }
 /// True where every rank gets here within a few seconds.
 bool ErrorExit::AllArrive() const
 {
-  constexpr double kTimeout = 3; // s
+  constexpr double kTimeout = 3; // size: s
   const double start = MPI_Wtime();
   MPI_Request arrival;
   int done = 0;
@@ -102,7 +102,7 @@ void ErrorExit::Meet(const std::string &line)
     if (rank_ == 0) PrintError(line);
     return;
   }
-  constexpr useconds_t kTurn = 200000, kLastTurn = 2000000; // us; the first of several ranks that fail ends the others
+  constexpr useconds_t kTurn = 200000, kLastTurn = 2000000; // size: us; the first of several ranks that fail ends the others
   usleep(std::min(static_cast<useconds_t>(rank_) * kTurn, kLastTurn));
   PrintError(line);
   EndAll();

@@ -73,7 +73,7 @@ void H5Writer::AgreeOnError(const char *place) { good_ = Agree(comm_, place, goo
 /// Makes sure of room for the first `size` bytes of the file, and for what the library adds to them.
 void H5Writer::Reserve(off_t size)
 {
-  constexpr off_t kOverhead = 1 << 16; // bytes for names and attributes
+  constexpr off_t kOverhead = 1 << 16; // size: bytes for names and attributes
   if (good_ && part_.Valid()) {
     const off_t end = size + kOverhead;
     const int error = end > reserved_ ? posix_fallocate(part_, reserved_, end - reserved_) : 0;
@@ -132,7 +132,7 @@ void H5Writer::Attribute(const std::string &object, const std::string &name, con
 /// How a dataset lies in the file: checksums need chunks; those are equal and of about a megabyte.
 H5Handle H5Writer::Layout(int components, hsize_t rows, std::size_t row_size) const
 {
-  constexpr hsize_t kChunk = 1 << 20;
+  constexpr hsize_t kChunk = 1 << 20; // size
   H5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   if (!checked_ || rows == 0) return layout;
   const hsize_t chunks = (rows * row_size + kChunk - 1) / kChunk;

@@ -53,7 +53,7 @@ std::string ProgressLine(const Progress &now, std::size_t columns)
 
 std::size_t TerminalColumns()
 {
-  constexpr std::size_t kUsual = 80;
+  constexpr std::size_t kUsual = 80; // size
   winsize size{};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   const char *const columns = std::getenv("COLUMNS");

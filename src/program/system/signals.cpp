@@ -44,7 +44,7 @@ std::int64_t Milliseconds()
 
 void AskForEnd(int signal)
 {
-  constexpr std::int64_t kSameSignal = 100; // ms: a signal to all processes comes here twice, as mpiexec sends its own on
+  constexpr std::int64_t kSameSignal = 100; // size; ms: a signal to all processes comes here twice, as mpiexec sends its own on
   if (!listens || (end_asked && Milliseconds() - end_asked_at > kSameSignal)) EndBySignal(signal);
   if (!end_asked) end_asked_at = Milliseconds();
   end_asked = 1;

@@ -16,7 +16,7 @@ void WallTime::RecordWriting(double seconds) { writing_ = std::max(writing_, sec
 
 bool WallTime::IsShort()
 {
-  constexpr double kEnding = 0.5, kMargin = 1.5; // s, to close what is open; steps and disks may be slower the next time
+  constexpr double kEnding = 0.5, kMargin = 1.5; // size; s, to close what is open; steps and disks may be slower the next time
   const double now = MPI_Wtime();
   longest_ = std::max(longest_, now - last_check_);
   last_check_ = now;

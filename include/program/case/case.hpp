@@ -5,6 +5,7 @@
 #include "program/case/slow_schedule.hpp"
 #include "program/options/options.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -29,6 +30,18 @@ struct TimeSettings {
   double time_step = 0;            ///< s; 0 = from cfl
   double cfl = 0.4;                ///< fraction of h/(c + |v|)
   double max_wall_time = HUGE_VAL; ///< by the clock, s
+
+  /// Whether the run ends with a step that leads to a time.
+  bool IsEnd(long step, double time) const
+  {
+    return (max_steps > 0 && step >= max_steps) || time >= end_time * (1 - 1e-12);
+  }
+  /// Share of the run that is done then.
+  double Done(long step, double time) const
+  {
+    const double by_steps = max_steps > 0 ? static_cast<double>(step) / max_steps : 0;
+    return IsEnd(step, time) ? 1 : std::max(by_steps, time / end_time);
+  }
 };
 
 /// A slow test: what -quasi_static has chosen.

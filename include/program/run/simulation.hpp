@@ -1,14 +1,11 @@
-// A run: set-up from a case, the loop over steps, and all that is written on the way.
+// A run: set-up from a case, and the loop over steps of level 0.
 #pragma once
 
 #include "hierarchy/hierarchy.hpp"
-#include "program/advice/warnings.hpp"
 #include "program/case/case.hpp"
 #include "program/checkpoint/checkpoint.hpp"
-#include "program/output/frames.hpp"
-#include "program/output/history.hpp"
-#include "program/output/output_folder.hpp"
-#include "program/slow_test/watch.hpp"
+#include "program/run/limits.hpp"
+#include "program/run/run_output.hpp"
 #include "program/system/wall_time.hpp"
 
 #include <string>
@@ -16,16 +13,12 @@
 namespace mlgimp
 {
 
-/// Steps between two checks of what all ranks must know: speeds, balance, failures, rows.
-inline constexpr int kControlInterval = 10;
-
 class Simulation
 {
 public:
   /// The case is kept by reference and must outlive the simulation.
   explicit Simulation(const Case &settings)
-      : case_(settings), folder_(settings.output), frames_(settings.output.directory, settings.model),
-        watch_(settings.quasi_static), wall_(settings.time.max_wall_time)
+      : case_(settings), output_(settings, hierarchy_, state_, cost_), wall_(settings.time.max_wall_time)
   {
   }
 
@@ -39,77 +32,41 @@ public:
 
 private:
   void Begin();
-  void PrepareOutputFolder();
   void Step();
-  void ControlStep();
+  void WriteFrameDue();
   void FollowBoxes();
-  void CheckPace();
+  void ControlStep();
+  void WriteDue(); ///< rows of the history, checkpoint
+  void WriteState();
+  void ObeyOrders();
+  void ReportStop() const;
+
+  bool AtEnd() const { return case_.time.IsEnd(state_.step, state_.time); }
+  bool IsChecked() const { return state_.step % kControlInterval == 0 && !AtEnd(); }
   /// When boxes may move again.
   double NextCheck() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
-  void WriteFrameDue();
-  void WriteDue(); ///< rows of the history, checkpoint
-  void ObeyOrders();
-  void ReportStop();
-  void RecordRow();
-  std::string WriteRows();
-  void SetFrictionForce(double time);
-  void WriteState();
-  std::string WriteSummary(const std::string &status);
+  std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
+
+  /// Ends the run with what it has written so far.
   [[noreturn]] void Fail(const std::string &message);
-  /// Ends the run where something could not be written.
-  void CheckWritten(const std::string &problem)
+  /// Each ends the run where there is a problem; the second, before the first step, as one with wrong input.
+  void FailIf(const std::string &problem)
   {
     if (!problem.empty()) Fail(problem);
   }
-  std::string FindKept() const;
-  std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }
-  void ShowProgress(bool last);
-  void CheckFailure();
-  std::string DescribeTip();
-  void CheckState();
-  /// Whether the run ends, or a row of the history is written, after a step that ends at a time.
-  bool IsEnd(long step, double time) const;
-  bool IsRowDue(long step, double time) const;
-  bool AtEnd() const { return IsEnd(state_.step, state_.time); }
-  double Done() const; ///< share of the run
-  /// Frames behind that of the start that this case would have written by now.
-  int FramesDue() const;
-  double TimeScale(double speed) const;
-  double StepLength(double speed) const;
-  double FastestSignal(const SpeedCheck &speeds) const;
-  void CheckStep(double speed);
-  [[noreturn]] void FailOrRefuse(const std::string &message);
-
-  /// A row of the history that waits for the next check: what all ranks know of it.
-  struct Row {
-    long step;
-    double time;
-    Vec3 tip;
-  };
-  void Complete(const Row &row);
+  void FailOrRefuseIf(const std::string &problem);
+  void CheckFailure() { FailIf(FindFailure(case_, hierarchy_, state_.time)); }
 
   const Case &case_;
-  MPI_Comm comm_ = MPI_COMM_NULL;
-  LogEvents events_{};
   Hierarchy hierarchy_;
   RunState state_;
-  Budgets budgets_{};             ///< of the last history row
-  std::vector<Row> rows_;         ///< that wait
-  std::vector<Budgets> row_sums_; ///< this rank's part of each
-  OutputFolder folder_;
-  History history_;
-  FrameWriter frames_;
-  QuasiStaticWatch watch_;
+  RunCost cost_;
+  RunOutput output_;
   WallTime wall_;
-  std::string stopped_; ///< why the run stops before its end
-  int stop_signal_ = 0; ///< that has asked for it
-  double start_wall_ = 0, last_shown_ = 0, level_seconds_ = 0, point_steps_ = 0;
-  long start_step_ = 0, last_checkpoint_ = -1;
-  std::size_t shown_ = 0; ///< characters of the progress line
-  int frames_before_ = 0; ///< more than FramesDue() at the start: a restart with another end, or number of frames, counts on
-  double start_progress_ = 0, load_ = 0, friction_force_ = 0;
   std::vector<std::string> at_start_; ///< warnings
-  Warnings warnings_;
+  std::string stopped_;               ///< why the run stops before its end
+  int stop_signal_ = 0;               ///< that has asked for it
+  long start_step_ = 0;
 };
 
 } // namespace mlgimp

@@ -62,6 +62,9 @@ void ReadContact(OptionReader &reader, ContactSettings *contact)
   ReadFriction(reader, contact);
   if (reader.Help() || (contact->method != "pressure" && contact->method != "point_pressure")) return;
   CheckContactSolver(reader);
+  if (contact->method == "point_pressure")
+    reader.WarnLater("-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
+                     "contact comes late");
 }
 
 } // namespace mlgimp

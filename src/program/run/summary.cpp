@@ -1,5 +1,5 @@
 // summary.json: what a run was, how it ended and what it cost.
-#include "program/run/simulation.hpp"
+#include "program/run/summary.hpp"
 
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
@@ -139,57 +139,59 @@ Json MovesJson(const std::vector<LevelMove> &moves, int dim)
 
 } // namespace
 
-std::string Simulation::WriteSummary(const std::string &status)
+std::string WriteSummary(const Case &c, Hierarchy &hierarchy, const RunState &state, const RunCost &cost, const RowWriter &rows,
+                         const std::string &status)
 {
-  const std::vector<PetscLogStage> &stages = hierarchy_.Stages();
+  const MPI_Comm comm = hierarchy.Comm();
+  const std::vector<PetscLogStage> &stages = hierarchy.Stages();
   enum { kSteps, kPointSteps, kContact, kHalo, kTransfer, kCoupling, kSweep, kTimes };
-  double times[kTimes] = {level_seconds_,
-                          point_steps_,
-                          EventSeconds(stages, events_.contact),
-                          EventSeconds(stages, events_.halo),
-                          EventSeconds(stages, events_.transfer),
-                          EventSeconds(stages, events_.coupling),
-                          EventSeconds(stages, events_.points_to_grid)};
-  MPI_Allreduce(MPI_IN_PLACE, times, kTimes, MPI_DOUBLE, MPI_SUM, comm_);
+  double times[kTimes] = {cost.level_seconds,
+                          cost.point_steps,
+                          EventSeconds(stages, cost.events.contact),
+                          EventSeconds(stages, cost.events.halo),
+                          EventSeconds(stages, cost.events.transfer),
+                          EventSeconds(stages, cost.events.coupling),
+                          EventSeconds(stages, cost.events.points_to_grid)};
+  MPI_Allreduce(MPI_IN_PLACE, times, kTimes, MPI_DOUBLE, MPI_SUM, comm);
   const bool has_times = times[kSweep] > 0 && !LogsTree(); // another log, as -log_trace, may keep none
   const auto share = [&](int event) { return has_times ? Number(times[event] / std::max(times[kSteps], 1e-30)) : Json(nullptr); };
   double mapped = 0, unmapped = 0;
   Budgets budgets;
-  ExitOnError(hierarchy_.ReduceBudgets(&budgets));
-  ExitOnError(hierarchy_.Connected().BytesBetweenLevels(&mapped, &unmapped));
-  const double created = Case::PointsCreated(budgets) - state_.initial_created;
+  ExitOnError(hierarchy.ReduceBudgets(&budgets));
+  ExitOnError(hierarchy.Connected().BytesBetweenLevels(&mapped, &unmapped));
+  const double created = Case::PointsCreated(budgets) - state.initial_created;
   Json levels = Json::array();
   std::vector<double> points, largest;
-  ExitOnError(hierarchy_.Connected().CountPoints(&points, &largest));
-  for (int l = 0; l < hierarchy_.Levels(); ++l)
-    levels.push_back(LevelJson(hierarchy_.At(l), points[l], largest[l], state_.time_step / std::pow(case_.hierarchy.ratio, l)));
+  ExitOnError(hierarchy.Connected().CountPoints(&points, &largest));
+  for (int l = 0; l < hierarchy.Levels(); ++l)
+    levels.push_back(LevelJson(hierarchy.At(l), points[l], largest[l], state.time_step / std::pow(c.hierarchy.ratio, l)));
   Json json = {{"status", status},
-               {"case", case_.name},
-               {"ranks", RanksOf(comm_)},
+               {"case", c.name},
+               {"ranks", RanksOf(comm)},
                {"levels", levels},
-               {"steps", state_.step},
-               {"simulated_time", Number(state_.time)},
-               {"wall_seconds", Number(MPI_Wtime() - start_wall_)},
+               {"steps", state.step},
+               {"simulated_time", Number(state.time)},
+               {"wall_seconds", Number(MPI_Wtime() - cost.begin)},
                {"seconds_per_point_step", Number(times[kPointSteps] > 0 ? times[kSteps] / times[kPointSteps] : 0)},
                {"contact_share", share(kContact)},
                {"halo_share", share(kHalo)},
                {"transfer_share", share(kTransfer)},
                {"coupling_share", share(kCoupling)},
                {"bytes_between_levels", {{"mapped", Number(mapped)}, {"unmapped", Number(unmapped)}}},
-               {"mass_error", Number(budgets.mass / state_.initial_mass - 1)},
+               {"mass_error", Number(budgets.mass / state.initial_mass - 1)},
                {"points_created", Number(created)},
-               {"points_lost", Number(state_.initial_points + created - budgets.points)},
-               {"transfers", BudgetsJson(budgets, Shown::kTransfers, case_.Dim())}};
-  json.update(BudgetsJson(budgets, Shown::kSummary, case_.Dim()));
+               {"points_lost", Number(state.initial_points + created - budgets.points)},
+               {"transfers", BudgetsJson(budgets, Shown::kTransfers, c.Dim())}};
+  json.update(BudgetsJson(budgets, Shown::kSummary, c.Dim()));
   json["contact_excess"] = Number(budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
-  if (case_.quasi_static.on) json["quasi_static"] = QuasiStaticJson(case_, watch_);
-  if (case_.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state_.moves, case_.Dim());
-  json["warnings"] = warnings_.Lines();
-  json["options"] = OptionsJson(case_.identity);
+  if (c.quasi_static.on) json["quasi_static"] = QuasiStaticJson(c, rows.Watch());
+  if (c.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state.moves, c.Dim());
+  json["warnings"] = rows.Advice().Lines();
+  json["options"] = OptionsJson(c.identity);
   json["versions"] = VersionsJson();
-  return OnFirstRank(comm_, "summary", [&] { // what is no UTF-8 is replaced
-    return ReplaceFile(case_.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return OnFirstRank(comm, "summary", [&] { // what is no UTF-8 is replaced
+    return ReplaceFile(c.output.directory + "/summary.json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   });
 }
 

@@ -1,4 +1,4 @@
-// Recursion over levels, reductions over ranks, and balance.
+// Recursion over levels, and what is due between steps of level 0.
 #include "hierarchy/hierarchy.hpp"
 
 #include "level/flow.hpp"

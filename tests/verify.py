@@ -4,7 +4,7 @@
 usage: tests/verify.py [WORD ...]      only the studies whose name (file.study) is, or else contains, one of the words
        tests/verify.py --report        none: only writes the page and the document anew
 
-Writes to output/verify/: report.html, one page with all figures, goals and plots; verification.md, docs/verification.md
+Writes to output/verify/: report.html, one page with all figures, goals and plots; report.md, docs/report.md
 with the figures of this run; studies/NAME.json, what each study found. Studies that were not selected are shown as they
 were found last. The exit status is 0 only if every study shown reached all its goals.
 """
@@ -23,7 +23,7 @@ import report_markdown
 
 PREFIX = "verify_"  # of the functions that are studies
 FOLDER = harness.ROOT / "output" / "verify"
-DOCUMENT = harness.ROOT / "docs" / "verification.md"
+DOCUMENT = harness.ROOT / "docs" / "report.md"
 INTRODUCTION = [
     "Every figure that the program is judged by, as computed by make verify. Unless said, with default settings: cpGIMP, MUSL, "
     "short-wave viscosity 0.001,8, CFL 0.4, neo-Hookean, four points per cell, plane strain.",
@@ -107,19 +107,19 @@ def known(names):
 
 
 def check_document(studies):
-    """A study about docs/verification.md itself: it has the rows of all studies, with the same goals."""
-    study = Study("--report", "docs/verification.md",
+    """A study about docs/report.md itself: it has the rows of all studies, with the same goals."""
+    study = Study("--report", "docs/report.md",
                   "The committed document has a row for each figure of this page, with the same goal.")
     lines = report_markdown.differences(DOCUMENT.read_text(), studies)
     differ = f"{len(lines)} differences, the first: {lines[0]}" if lines else ""
-    study.expect.that("docs/verification.md has the figures and goals of this page", not lines, differ)
+    study.expect.that("docs/report.md has the figures and goals of this page", not lines, differ)
     return study.result()
 
 
 def write(studies):
     """The page and the document."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    (FOLDER / "verification.md").write_text(report_markdown.fill_in(DOCUMENT.read_text(), studies))
+    (FOLDER / "report.md").write_text(report_markdown.fill_in(DOCUMENT.read_text(), studies))
     shown = studies + [check_document(studies)]
     (FOLDER / "report.html").write_text(report.page("Verification of mlgimp", INTRODUCTION, shown))
     return report.falls_short(shown)

@@ -1,4 +1,4 @@
-"""Every number that steers a result has a name in the sources and a row in docs/decisions.md, with its value and a test."""
+"""Every number that steers a result has a name and a row in docs/decisions.md with its value and a test; claims have tests, too."""
 import re
 from fractions import Fraction
 
@@ -74,11 +74,16 @@ def sources():
     return [Source(path) for folder in ("include", "src") for path in sorted((harness.ROOT / folder).rglob("*.[hc]pp"))]
 
 
+def rows_of(text):
+    """Rows of tables, each a list of cells."""
+    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in text.split("\n") if line.startswith("|")]
+    return [row for row in rows if not set(row[0]) <= set("- ")]
+
+
 def table(title):
-    """Rows of the tables below a heading of the page, each a list of cells."""
+    """Rows below a heading of the page."""
     part = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", PAGE.read_text(), re.M | re.S)[1]
-    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in part.split("\n") if line.startswith("|")]
-    return [row for row in rows if row[0] != "name" and not set(row[0]) <= set("- ")]
+    return [row for row in rows_of(part) if row[0] not in ("name", "choice")]
 
 
 def steering():
@@ -125,14 +130,28 @@ def test_options_of_rows(expect):
     expect.that("options of rows are in the sources", not unknown, ", ".join(unknown))
 
 
+def unknown_tests(rows):
+    """Names in the last cells of rows that are neither a function nor a file of tests."""
+    text = "".join(path.read_text() for path in sorted((harness.ROOT / "tests").rglob("*")) if path.suffix in (".py", ".cpp"))
+    known = {name for pair in re.findall(r"^def (\w+)|\bTEST(?:_[FP])?\(\w+,\s*(\w+)\)", text, re.M) for name in pair}
+    return [name for row in rows for name in re.findall(r"`([^`]+)`", row[-1])
+            if name not in known and not ("/" in name and (harness.ROOT / name).exists())]
+
+
 def test_tests_of_rows(expect):
     """The last column names functions or files of tests that exist, or is "-" where none is known."""
-    text = "".join(path.read_text() for path in sorted((harness.ROOT / "tests").rglob("*")) if path.suffix in (".py", ".cpp"))
-    known = set(re.findall(r"^def (\w+)|\bTEST(?:_[FP])?\(\w+,\s*(\w+)\)", text, re.M))
-    known = {name for pair in known for name in pair}
-    unknown = [name for row in steering() + table("Choices") for name in re.findall(r"`([^`]+)`", row[-1])
-               if name not in known and not ("/" in name and (harness.ROOT / name).exists())]
+    unknown = unknown_tests(steering() + table("Choices"))
     expect.that("tests of rows exist", not unknown, ", ".join(unknown))
+
+
+def test_claims(expect):
+    """Each row of docs/verification.md is a claim, its figure, and a test that exists."""
+    page = (harness.ROOT / "docs" / "verification.md").read_text()
+    rows = [row for row in rows_of(page) if row[0] != "claim"]
+    expect("claims", len(rows), at_least=30)
+    expect("lines of docs/verification.md", page.count("\n"), at_most=150)
+    bare = [row[0] for row in rows if not re.search(r"\d", row[1]) or "`" not in row[-1]] + unknown_tests(rows)
+    expect.that("claims have figures and tests", not bare, ", ".join(bare))
 
 
 def test_no_number_without_a_name(expect):

@@ -32,7 +32,9 @@ def momentum_left(history, axis):
 
 
 def test_cylinder_under_pressure(expect):
-    """Lame's solid cylinder: -p everywhere, u = -p r (1 + nu)(1 - 2 nu)/E; the outermost cell has GIMP's own error."""
+    """Lame's solid cylinder: -p everywhere, u = -p r (1 + nu)(1 - 2 nu)/E; the outermost cell has GIMP's own error. Budgets are at rounding.
+
+    Seen: 8e-5, 4e-5, 1.2e-3, as much on cells of a half, and a tenth at a tenth of the pressure: what the linear theory leaves out."""
     result = harness.run(CYLINDER)
     frame, pressure, strain = result.frame(), 1e-3, -1e-3 * 1.3 * 0.4
     inside = frame["position"][:, 0] < 14
@@ -46,7 +48,8 @@ def test_cylinder_under_pressure(expect):
 
 
 def test_ring_under_inner_pressure(expect):
-    """Lame's ring, b = 2 a, a of 16 cells: u = (k/2 mu)((1 - 2 nu) r + b^2/r), stresses k (1 -+ b^2/r^2)."""
+    """Lame's ring, b = 2 a, a of 16 cells: u = (k/2 mu)((1 - 2 nu) r + b^2/r), stresses k (1 -+ b^2/r^2). Seen: 1.7e-4; 0.032 and 0.014, of first
+    order: half of it on cells of a half."""
     pressure, inner, outer = 1e-5, 16, 32
     case = {**CYLINDER, "domain_lower": "0,0", "domain_upper": f"{outer + 4},4", "rod_lower": f"{inner},0", "rod_upper": f"{outer},4",
             "p_side": "x_lower", "p_times": "0,300,301", "p_pressures": [0, pressure, pressure], "damping": 0.08, "end_time": 900}
@@ -62,7 +65,11 @@ def test_ring_under_inner_pressure(expect):
 
 
 def test_sphere(expect):
-    """Hertz from the load: width, largest pressure; what the block adds to the depth is left out."""
+    """Hertz from the load: width, largest pressure; what the block adds to the depth is left out. Budgets are at rounding.
+
+    Seen: 1 + 6e-5, 1.005, 0.986, -0.538, 1.002, 0.0018; on cells of a half 1 + 3e-5, 0.992, 1.005, -0.535, 1.001, 0.0007. The
+    limits are some twice what the cell changes.
+    """
     result = harness.run(SPHERE)
     history = result.history
     expect("load of the pressures on the points", harness.load_on_points(result.frame(), hoop=True) / history["load"][-1], near=1,
@@ -85,6 +92,7 @@ def cone():
 
 
 def test_budgets_on_levels(expect):
+    """All at rounding. Seen: 3e-16, 0."""
     for axis in "xy":
         expect(f"momentum along {axis} less impulses", momentum_left(cone().history, axis), at_most=1e-10)
     expect("mass", abs(cone().summary["mass_error"]), at_most=1e-13)

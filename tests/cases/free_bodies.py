@@ -43,6 +43,8 @@ def gained_energy(history):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_collision(expect, ranks):
+    """Momentum is at rounding. Seen: energy 0.008, of first order in the step: 0.034 with four times the step (verify_collision); 0.88,
+    4.7 cells, 111 m/s, whose limits say only that the disks have met, were pressed and have parted."""
     result = harness.run(DISKS, ranks=ranks)
     history, points, name = result.history, result.frame(), f"collision, {ranks} ranks"
     start = history["kinetic_energy"][0]
@@ -59,7 +61,7 @@ def test_collision(expect, ranks):
 
 
 def test_disks_before_they_meet(expect):
-    """Less than three cells apart, each flies as if it were alone: no node of one hangs on the other's."""
+    """Less than three cells apart, each flies as if it were alone: no node of one hangs on the other's. Seen: 2.509, 4e-16."""
     points = harness.run({**DISKS, "end_time": 1e-5}).frame()
     left, right = (points["body"].ravel() == body for body in (0, 1))
     gap = points["position"][right, 0].min() - points["position"][left, 0].max()
@@ -69,6 +71,7 @@ def test_disks_before_they_meet(expect):
 
 
 def test_free_fall(expect):
+    """Exact: all at rounding, the sideways speed relative to that of the fall. Seen: 1e-14 at most."""
     result = harness.run(FALL)
     history, points, gravity = result.history, result.frame(), 50000
     speed = gravity * history["time"][-1]
@@ -83,6 +86,7 @@ def test_free_fall(expect):
 
 
 def test_blow(expect):
+    """Seen: 5e5 J, 0.78, 0.0017, 8e7 N, 2e-15. The limits of work and load say that there was a blow."""
     history = harness.run(BLOW).history
     work = history["indenter_work"][-1]
     expect("blow: work of the indenter [J]", work, at_least=1e5)
@@ -149,7 +153,7 @@ FLIGHT = {
                          ids=["one level", "a finer level"])
 def test_waves_of_a_flying_block_do_not_grow(expect, levels):
     """Its waves keep the energy that they have, whatever cells and levels it crosses: they once had twice as much on one level in
-    the end, and 60 times as much on two, without a word."""
+    the end, and 60 times as much on two, without a word. Seen: 0.56, 0.54."""
     history = harness.run({**FLIGHT, **levels, "b_velocity": "6,2"}).history
     speed2 = (history["momentum_x"]**2 + history["momentum_y"]**2) / history["mass"]**2
     waves = history["kinetic_energy"] + history["strain_energy"] - 0.5 * history["mass"] * speed2

@@ -97,6 +97,7 @@ def compare_cone(expect, width, height, depth, level_1, level_2, hold):
 
 
 def test_cone_on_levels(expect):
+    """Seen: 0.005, 8, 0.002, 0.0009: half a per cent, as in the larger block of verify_cone_on_levels (0.004, 0.0006, 0.001)."""
     compare_cone(expect, 16, 20, 0.9, (11, 10), (6, 5), 10e-9)
 
 
@@ -157,6 +158,7 @@ def round_sphere(expect):
 
 
 def test_sphere_on_levels(expect):
+    """Seen: 1.008, 0.005, 0.991, on eight cells of half width."""
     round_sphere(expect)
 
 

@@ -39,6 +39,7 @@ def late_work(result):
     ("cone", {"indenter_velocities": "0,100", "indenter_times": "0,1.6e-9"}, "inertia"),
     ("ball", {"indenter_velocities": "0,200", "indenter_times": "0,8e-10"}, "inertia")])
 def test_motion_in_the_load(expect, name, change, word):
+    """The factor of two is what the warning promises. Seen: 0.84, 0.84, 0.82, 1.16, 0.95."""
     result = harness.run({**CASES[name], **change})
     added = 100 * (late_work(result) / late_work(reference(name)) - 1)
     expect(f"{name}: {word} of {change}: percent said over percent added", said(result, word) / added, at_least=0.5, at_most=2)
@@ -60,7 +61,8 @@ def pressed(rise, hold=30, **others):
 
 @pytest.mark.parametrize("rise", (1, 8, 32))
 def test_overshoot_of_a_pressure(expect, rise):
-    """Plastic work at rest, with the true stress p = s + H a of the face that stays under p: (s a + H a^2/2) V."""
+    """Plastic work at rest, with the true stress p = s + H a of the face that stays under p: (s a + H a^2/2) V. The factor of
+    two is what the warning promises. Seen: 0.78, 0.63, 0.97."""
     result = pressed(rise)
     strain = (5e8 - 4e8) / 5e9
     static = (4e8 * strain + 0.5 * 5e9 * strain**2) * numpy.pi * 2e-6**2 * 8e-6
@@ -69,5 +71,5 @@ def test_overshoot_of_a_pressure(expect, rise):
 
 
 def test_pressure_that_rises_slowly_overshoots_little(expect):
-    """Waves of plastic strain take a quarter of the speed."""
+    """Waves of plastic strain take a quarter of the speed. Seen: 2.8 %."""
     expect("percent", said(pressed(400, damping=5e7), "motion"), at_most=5)

@@ -51,10 +51,10 @@ int Main(const CommandLine &line, const std::string &program)
   }
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
-  reader.RefuseUnused();
+  RefuseUnused(reader.Known());
   simulation.WarnAtStart(reader.Warnings());
   const int signal = simulation.Run();
-  reader.WarnUnused();
+  WarnUnused(PETSC_COMM_WORLD);
   return signal;
 }
 

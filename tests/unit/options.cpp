@@ -1,6 +1,6 @@
 // The option reader: values, defaults, and the one line that refuses what is not allowed.
 #include "program/options/options.hpp"
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 #include "program/options/command_line.hpp"
 
 #include <gtest/gtest.h>
@@ -50,17 +50,17 @@ std::string Refusal(const std::string &options, const Read &read, bool help = fa
 
 std::string ReadNumber(const std::string &options, double *value, const Range &range = kPositive, bool required = false)
 {
-  return Refusal(options, [&](OptionReader &reader) { return reader.Number({"-size", "edge", "m"}, range, required, value); });
+  return Refusal(options, [&](OptionReader &reader) { return reader.Read({"-size", "edge", "m", range}, value, required); });
 }
 
 std::string ReadInteger(const std::string &options, int *value)
 {
-  return Refusal(options, [&](OptionReader &reader) { return reader.Integer({"-count", "number", ""}, Closed(1, 16), value); });
+  return Refusal(options, [&](OptionReader &reader) { return reader.Read({"-count", "number", "", Closed(1, 16)}, value); });
 }
 
 std::string ReadNames(const std::string &options, std::vector<std::string> *names)
 {
-  return Refusal(options, [&](OptionReader &reader) { return reader.Names({"-bodies", "names", ""}, false, names); });
+  return Refusal(options, [&](OptionReader &reader) { return reader.Read({"-bodies", "names", ""}, names); });
 }
 
 std::string CheckWords(std::vector<std::string> words)
@@ -96,7 +96,7 @@ std::string ReadOneIndenter(GeometryKind geometry, const std::string &options,
   return Refusal("-indenter " + options + motion, [&](OptionReader &reader) {
     reader.SetDim(c.Dim());
     ReadIndenter(reader, &c);
-    reader.RefuseUnused();
+    RefuseUnused(reader.Known());
     if (surface) *surface = std::move(c.model.indenter->surface);
   });
 }
@@ -161,7 +161,7 @@ TEST(Options, Numbers)
 TEST(Options, HelpRequiresNothing)
 {
   double value = 3;
-  const Read read = [&](OptionReader &reader) { return reader.Number({"-size", "edge", "m"}, kPositive, true, &value); };
+  const Read read = [&](OptionReader &reader) { return reader.Read({"-size", "edge", "m", kPositive}, &value, kRequired); };
   EXPECT_EQ(Refusal("", read, true), "");
 }
 
@@ -181,10 +181,8 @@ TEST(Options, ListsAndVectors)
 {
   std::vector<double> values = {9};
   Vec3 vector{};
-  const Read read = [&](OptionReader &reader) {
-    return reader.Numbers({"-times", "t", "s"}, kNotNegative, 2, 0, false, &values);
-  };
-  const Read pair = [&](OptionReader &reader) { return reader.Vector({"-tip", "place", "m"}, true, &vector); };
+  const Read read = [&](OptionReader &reader) { return reader.Read({"-times", "t", "s", kNotNegative, 2}, &values); };
+  const Read pair = [&](OptionReader &reader) { return reader.Read({"-tip", "place", "m"}, &vector, kRequired); };
   EXPECT_EQ(Refusal("-times 0,1e-3,4", read), "");
   EXPECT_EQ(values, (std::vector<double>{0, 1e-3, 4}));
   EXPECT_EQ(Refusal("-times 1", read), "-times 1: must be at least 2 numbers >= 0");
@@ -204,7 +202,7 @@ TEST(Options, WordsAndFlags)
   std::string kind = "box";
   bool on = true;
   const Read choose = [&](OptionReader &reader) { return reader.Choice({"-kind", "shape", ""}, {"box", "disk"}, &kind); };
-  const Read flag = [&](OptionReader &reader) { return reader.Flag({"-on", "flag", ""}, &on); };
+  const Read flag = [&](OptionReader &reader) { return reader.Read({"-on", "flag", ""}, &on); };
   EXPECT_EQ(Refusal("", choose), "");
   EXPECT_EQ(kind, "box");
   EXPECT_EQ(Refusal("-kind disk", choose), "");
@@ -232,8 +230,8 @@ TEST(Options, NoNameTwice)
 {
   double value = 1;
   const Read twice = [&](OptionReader &reader) {
-    reader.Number({"-size", "edge", "m"}, kPositive, false, &value);
-    reader.Number({"-size", "edge", "m"}, kPositive, false, &value);
+    reader.Read({"-size", "edge", "m", kPositive}, &value);
+    reader.Read({"-size", "edge", "m", kPositive}, &value);
   };
   EXPECT_EQ(Refusal("", twice), "-size: must be an option of one body, material or load; rename one of those that it belongs to");
 }
@@ -242,9 +240,9 @@ TEST(Options, WhatNothingReads)
 {
   double value = 1;
   const Read read = [&](OptionReader &reader) {
-    reader.Number({"-cell_size", "h", "m"}, kPositive, false, &value);
-    reader.Number({"-thickness", "t", "m"}, kPositive, false, &value);
-    reader.RefuseUnused();
+    reader.Read({"-cell_size", "h", "m", kPositive}, &value);
+    reader.Read({"-thickness", "t", "m", kPositive}, &value);
+    RefuseUnused(reader.Known());
   };
   EXPECT_EQ(Refusal("-cell_size 1", read), "");
   EXPECT_EQ(Refusal("-cell_siez 1", read),
@@ -259,9 +257,9 @@ TEST(Options, Identity)
   double value = 5;
   std::vector<std::string> identity;
   const Read read = [&](OptionReader &reader) {
-    reader.Number({"-size", "edge", "m"}, kPositive, false, &value);
+    reader.Read({"-size", "edge", "m", kPositive}, &value);
     reader.Identify(false);
-    reader.Number({"-frames", "n", ""}, kPositive, false, &value);
+    reader.Read({"-frames", "n", "", kPositive}, &value);
     identity = reader.Identity();
   };
   EXPECT_EQ(Refusal("-size 1.0 -frames 3", read), "");

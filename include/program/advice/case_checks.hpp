@@ -1,4 +1,5 @@
-// Checks of a case once all of its options have been read: what is refused, and what is only warned of.
+// Checks of a case once all of its options have been read, and before its first step: what is refused, and what is only warned
+// of.
 //
 // The lists of all checks, each with the options that it names: at the foot of indenter_checks.cpp, times.cpp, cells.cpp and
 // gaps.cpp for those of options, of start_checks.cpp for those that need points, and of warnings.cpp (kRunWarnings) for those of
@@ -8,6 +9,7 @@
 #include "program/case/case.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mlgimp
 {
@@ -26,5 +28,14 @@ void CheckLevelsHoldTip(OptionReader &reader, const Case &c);
 void WarnOfCells(OptionReader &reader, const Case &c);
 /// Warns of a run that is too long, of loads after its end, and of an indenter or a load that is fast beside waves.
 void CheckTimes(OptionReader &reader, const Case &c);
+
+/// Ends the run where a rank would need more memory than its machine has for it. Collective.
+void CheckMemory(MPI_Comm comm, const Case &c);
+/// Ends the run where a body has no points, where its mass or its outer faces are not those of its shape, or where a load acts
+/// on no face. Returns lines that warn where a load acts on a part of its side only, and of points too thin for the steps.
+/// Collective.
+std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c);
+/// Ends the run where the indenter starts inside a body. Collective.
+void CheckIndenter(Hierarchy &hierarchy, const Case &c);
 
 } // namespace mlgimp

@@ -32,10 +32,7 @@ struct TimeSettings {
   double max_wall_time = HUGE_VAL; ///< by the clock, s
 
   /// Whether the run ends with a step that leads to a time.
-  bool IsEnd(long step, double time) const
-  {
-    return (max_steps > 0 && step >= max_steps) || time >= end_time * (1 - 1e-12);
-  }
+  bool IsEnd(long step, double time) const { return (max_steps > 0 && step >= max_steps) || time >= end_time * (1 - 1e-12); }
   /// Share of the run that is done then.
   double Done(long step, double time) const
   {

@@ -30,7 +30,6 @@ std::string WrongLayout(const std::array<std::vector<double>, 3> &widths, const 
                         const GridGeometry &grid, std::size_t ranks);
 /// per_column: numbers of a column, of which the first is a pressure.
 std::string WrongPressures(const std::vector<double> &keys, const std::vector<double> &pressures, int per_column);
-std::string NotFinite(const std::vector<double> &numbers, const std::string &name);
 
 /// Searches for identity numbers that two points have. Collective; a rank has the answer of its part of the numbers.
 std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids);

@@ -9,14 +9,6 @@
 namespace mlgimp
 {
 
-/// A file that a run writes, known by its full name; all other files in the folder are the user's.
-struct ResultName {
-  enum Kind { kNone, kHistory, kSummary, kSeries, kFrame, kCheckpoint } kind = kNone;
-  long number = 0;   ///< of a frame or a checkpoint
-  bool part = false; ///< not complete
-};
-ResultName ParseResultName(const std::string &name);
-
 class OutputFolder
 {
 public:

@@ -67,7 +67,7 @@ std::string NarrowestContactWarning(const Case &c, const Budgets &budgets, const
   if (cells >= min_cells || c.model.indenter->surface->Width(0) > 2 * (cells + 1) * cell) return "";
   return Format("{}: half the contact's width is at most {} cells of level {}, fewer than {}: the load is dominated by "
                 "discretisation error; try {}",
-                follows ? Format("-levels {}", c.levels) : "-cell_size " + FormatNumber(c.cell_size), cells, level,
+                follows ? Format("-levels {}", c.levels) : Format("-cell_size {}", FormatNumber(c.cell_size)), cells, level,
                 follows ? "-level_cells_min" : FormatNumber(min_cells),
                 follows                ? "more levels"
                 : level < c.levels - 1 ? "a finer level there"

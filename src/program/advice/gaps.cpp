@@ -114,8 +114,8 @@ void WarnOfGaps(OptionReader &reader, const Case &c, const Body &body)
     Box beyond = own.bounds;
     (SignOf(side) < 0 ? beyond.upper : beyond.lower)[AxisOf(side)] = c.domain.At(side);
     (SignOf(side) < 0 ? beyond.lower : beyond.upper)[AxisOf(side)] = SignOf(side) * HUGE_VAL;
-    const std::string option = std::string("-boundary_") + kSideNames[side];
-    WarnOfGap(reader, c, own, {beyond, nullptr}, option, "this side and body " + body.name);
+    const std::string option = Format("-boundary_{}", kSideNames[side]);
+    WarnOfGap(reader, c, own, {beyond, nullptr}, option, Format("this side and body {}", body.name));
   }
 }
 

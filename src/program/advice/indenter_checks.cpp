@@ -49,12 +49,11 @@ void CheckReach(OptionReader &reader, const Case &c)
   const double nearest = LowestTip(indenter, c.time.end_time) - indenter.initial_surface;
   if (!std::isfinite(above)) return; // there is no body
   if (above > height)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "at most the height of the domain, {}, above the body; it is {}",
-                  height, above);
+    reader.Refuse("-indenter_tip", indenter.tip, "at most the height of the domain, {}, above the body; it is {}", height, above);
   const double deepest = -nearest;
   const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
   if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip),
+    reader.Refuse("-indenter_tip", indenter.tip,
                   "such that the tip stays in the domain; its motion leads to a depth of {} m, where the domain ends at {} m",
                   deepest, floor);
   bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
@@ -145,10 +144,9 @@ void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
     if (c.model.sides[side] != BoundaryKind::kSymmetry) continue;
     const double off = std::abs(tip[axis] - c.domain.At(side)), beyond = SignOf(side) * (path.At(side) - c.domain.At(side));
     if (off < kMinDistance * c.CellSize(c.LevelAtTip()))
-      reader.Refuse("-indenter_tip", reader.Text(tip), "on the side of symmetry {}, or away from it; it is {} m off",
-                    kSideNames[side], off);
+      reader.Refuse("-indenter_tip", tip, "on the side of symmetry {}, or away from it; it is {} m off", kSideNames[side], off);
     if (beyond > 0 && std::isfinite(c.model.indenter->surface->Width(0)))
-      reader.Refuse("-indenter_tip", reader.Text(tip), "inside {}, a side of symmetry, at all times; the tip gets {} m beyond it",
+      reader.Refuse("-indenter_tip", tip, "inside {}, a side of symmetry, at all times; the tip gets {} m beyond it",
                     kSideNames[side], beyond);
   }
 }
@@ -214,19 +212,18 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
       return Format("{} from the indenter's tip at {} = {}{}, or the level away from it", needed, "xyz"[axis], x, when);
     };
     if (is_border(static_cast<Side>(2 * axis)) && path.lower[axis] < box.lower[axis] + margin)
-      reader.Refuse(option + "_lower", reader.Text(box.lower), from(path.lower[axis]));
+      reader.Refuse(option + "_lower", box.lower, "{}", from(path.lower[axis]));
     if (is_border(static_cast<Side>(2 * axis + 1)) && path.upper[axis] > box.upper[axis] - margin)
-      reader.Refuse(option + "_upper", reader.Text(box.upper), from(path.upper[axis]));
+      reader.Refuse(option + "_upper", box.upper, "{}", from(path.upper[axis]));
   }
   if (!is_border(static_cast<Side>(2 * up))) return true;
   if (std::isfinite(path.lower[up]) && path.lower[up] < box.lower[up] + margin)
-    reader.Refuse(option + "_lower", reader.Text(box.lower), "{} below the indenter's lowest place, {}{}", needed, path.lower[up],
-                  when);
+    reader.Refuse(option + "_lower", box.lower, "{} below the indenter's lowest place, {}{}", needed, path.lower[up], when);
   // A load moves the tip to a depth that is not known yet, but from where it meets the body.
   const double start = std::min(path.upper[up], c.model.indenter->initial_surface);
   if (!std::isfinite(path.lower[up]) && start < box.lower[up] + margin + kRounding * c.CellSize(k))
-    reader.Refuse(option + "_lower", reader.Text(box.lower), "more than {} below where the indenter begins to press, {}{}",
-                  margin, start, when);
+    reader.Refuse(option + "_lower", box.lower, "more than {} below where the indenter begins to press, {}{}", margin, start,
+                  when);
   return true;
 }
 

@@ -1,5 +1,5 @@
 // An estimate of the memory that grids and points take, and what the machine has.
-#include "program/advice/memory.hpp"
+#include "program/advice/case_checks.hpp"
 
 #include <algorithm>
 #include <fstream>

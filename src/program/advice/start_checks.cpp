@@ -1,5 +1,5 @@
 // Compares the sums over the points of each body at the start with its shape.
-#include "program/advice/start_checks.hpp"
+#include "program/advice/case_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

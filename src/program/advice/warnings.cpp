@@ -89,8 +89,8 @@ std::string EnergyWarning(const Case &c, const Budgets &budgets, const Watched &
 {
   constexpr double kMaxGain = 0.25; // of what they were given
   if (watched.made <= kMaxGain * std::max(watched.given, kRoundings * watched.floor)) return "";
-  const std::string option =
-      c.time.time_step > 0 ? "-time_step " + FormatNumber(c.time.time_step) : "-cfl " + FormatNumber(c.time.cfl);
+  const std::string option = c.time.time_step > 0 ? Format("-time_step {}", FormatNumber(c.time.time_step))
+                                                  : Format("-cfl {}", FormatNumber(c.time.cfl));
   return Format(
       "{}: the bodies have made {} J{}, where they had or got {} J: steps are too long, and the results wrong; try a smaller one",
       option, watched.made, When(budgets), watched.given);

@@ -72,35 +72,39 @@ bool FollowingFromNumbers(const std::vector<double> &numbers, int levels, Follow
   return true;
 }
 
+/// A list that is the same on all ranks, or that the first rank alone has.
+static void WriteList(H5Writer &file, MPI_Comm comm, const std::string &name, const std::vector<double> &values)
+{
+  file.List(name, RankIn(comm) == 0 ? values : std::vector<double>());
+}
+
 static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
 {
+  const MPI_Comm comm = hierarchy.Comm();
   Level &level = hierarchy.At(l);
   const std::string group = LevelName(l);
   const GridLayout &layout = level.Mesh().Layout();
   const LevelClock &clock = level.Clock();
   std::vector<double> keys, pressures;
-  const PetscMPIInt rank = RankIn(hierarchy.Comm());
-  const bool first = rank == 0;
-  WritePoints(file, hierarchy.Comm(), group, level.PointStore());
+  WritePoints(file, comm, group, level.PointStore());
   std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(level.Contact().WithinReach())};
   for (const Index &corner : {level.Contact().Zone().lower, level.Contact().Zone().upper})
     pace.insert(pace.end(), corner.begin(), corner.end());
   file.Attribute(group, "pace", pace);
-  for (int axis = 0; axis < 3; ++axis)
-    file.List(group + kWidthNames[axis], first ? Numbers(layout.widths[axis]) : std::vector<double>());
-  file.List(group + "/ranks", first ? Numbers(layout.ranks) : std::vector<double>());
-  if (rank == level.Contact().Root(level.Mesh()))
+  for (int axis = 0; axis < 3; ++axis) WriteList(file, comm, group + kWidthNames[axis], Numbers(layout.widths[axis]));
+  WriteList(file, comm, group + "/ranks", Numbers(layout.ranks));
+  if (RankIn(comm) == level.Contact().Root(level.Mesh()))
     for (const auto &[key, pressure] : level.Contact().Pressures()) {
       keys.push_back(static_cast<double>(key));
       pressures.push_back(pressure);
     }
   std::vector<double> patches;
   ExitOnError(hierarchy.SurfaceOf().Gather(l, &patches));
-  file.List(group + "/patches", first ? patches : std::vector<double>());
+  WriteList(file, comm, group + "/patches", patches);
   file.List(group + "/pressure_keys", keys);
   file.List(group + "/pressures", pressures);
   for (int origin = 0; origin < 2 && hierarchy.Copies().ready; ++origin)
-    WritePoints(file, hierarchy.Comm(), CopiesName(l, origin), level.CopyStore(origin));
+    WritePoints(file, comm, CopiesName(l, origin), level.CopyStore(origin));
 }
 
 /// The first rank writes what a border keeps.
@@ -114,26 +118,26 @@ static void WriteBorder(H5Writer &file, Hierarchy &hierarchy, int b)
 std::string WriteCheckpoint(const std::string &directory, const std::vector<std::string> &identity, Hierarchy &hierarchy,
                             const RunState &state)
 {
+  const MPI_Comm comm = hierarchy.Comm();
+  const auto text = [comm](const std::vector<std::string> &lines) { return RankIn(comm) == 0 ? Join(lines, "\n") : ""; };
   H5Writer file;
   std::vector<double> totals;
   const CopyState copies = hierarchy.Copies();
   for (const Budgets *part : PartsOfBudgets(hierarchy.Connected())) part->AppendKept(&totals);
-  file.Open(hierarchy.Comm(), CheckpointPath(directory, state.step), true);
+  file.Open(comm, CheckpointPath(directory, state.step), true);
   file.Attribute("/", "format_version", {double(kFormatVersion)});
-  file.Text("/identity", RankIn(hierarchy.Comm()) == 0 ? Join(identity, "\n") : ""); // of any length, as no attribute may be
+  file.Text("/identity", text(identity)); // of any length, as no attribute may be
   file.Attribute("/", "state", ToNumbers(state));
   file.Attribute("/", "copies",
                  {double(copies.ready), copies.momentum_left[0], copies.momentum_left[1], copies.momentum_left[2]});
-  file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), MakeSlab(hierarchy.Comm(), 1), totals.data());
-  file.List("/tip", RankIn(hierarchy.Comm()) == 0 ? hierarchy.Tip().State() : std::vector<double>());
-  if (!state.quasi_static.empty())
-    file.List("/quasi_static", RankIn(hierarchy.Comm()) == 0 ? state.quasi_static : std::vector<double>());
-  file.List("/watched", RankIn(hierarchy.Comm()) == 0 ? state.watched : std::vector<double>());
-  file.Text("/warnings", RankIn(hierarchy.Comm()) == 0 ? Join(state.warnings, "\n") : "");
+  file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), MakeSlab(comm, 1), totals.data());
+  WriteList(file, comm, "/tip", hierarchy.Tip().State());
+  if (!state.quasi_static.empty()) WriteList(file, comm, "/quasi_static", state.quasi_static);
+  WriteList(file, comm, "/watched", state.watched);
+  file.Text("/warnings", text(state.warnings));
   file.Attribute("/", "patch_drift", {hierarchy.SurfaceOf().Drift()});
   ExitOnError(hierarchy.Boxes().ShareReach());
-  file.List("/following",
-            RankIn(hierarchy.Comm()) == 0 ? FollowingAsNumbers(hierarchy.Boxes().State(), state.moves) : std::vector<double>());
+  WriteList(file, comm, "/following", FollowingAsNumbers(hierarchy.Boxes().State(), state.moves));
   for (int l = 0; l < hierarchy.Levels(); ++l) WriteLevel(file, hierarchy, l);
   for (int b = 0; b + 1 < hierarchy.Levels(); ++b) WriteBorder(file, hierarchy, b);
   return file.Finish();

@@ -109,8 +109,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
 std::string WrongTip(const std::vector<double> &n, std::size_t count, double time)
 {
   constexpr double kRounding = 1e-9; // rounding
-  const bool right = n.size() == count && AllFinite(n.data(), n.size()) &&
-                     (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
+  const bool right = n.size() == count && (count == 0 || (std::abs(n[0] - time) <= kRounding * time && n[3] >= 0));
   return right ? "" : "its tip of the indenter is inconsistent";
 }
 
@@ -139,7 +138,7 @@ std::string WrongClock(const std::vector<double> &n, long step, const Case &sett
   const double most = static_cast<double>(step) * std::pow(settings.hierarchy.ratio, l);
   const bool rests = settings.hierarchy.follow.kind == FollowKind::kContact && l > 0; // at times, without points
   const bool whole = IsWhole(n[0], rests ? 0 : 1, kLargestWhole) && (rests ? n[0] <= most : n[0] == most);
-  const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0 && std::isfinite(n[2]);
+  const bool drifts = n[1] >= 0 && n[1] <= 1 && n[2] > 0;
   const bool places = AllWhole({n.begin() + 4, n.end()}, INT_MIN, INT_MAX); // of nodes
   return whole && drifts && places && IsWhole(n[3], 0, 1) ? "" : Format("the steps of level {} are inconsistent", l);
 }
@@ -174,14 +173,9 @@ std::string WrongPressures(const std::vector<double> &keys, const std::vector<do
 {
   bool right = keys.size() == pressures.size() && AllWhole(keys, -kLargestWhole, kLargestWhole);
   for (std::size_t k = 0; right && k < keys.size(); ++k)
-    right = std::isfinite(pressures[k]) && (pressures[k] >= 0 || static_cast<std::int64_t>(keys[k]) % per_column != 0);
+    right = pressures[k] >= 0 || static_cast<std::int64_t>(keys[k]) % per_column != 0;
   right = right && std::is_sorted(keys.begin(), keys.end(), std::less_equal<>()); // as a map is: none twice
   return right ? "" : "its contact pressures are inconsistent";
-}
-
-std::string NotFinite(const std::vector<double> &numbers, const std::string &name)
-{
-  return AllFinite(numbers.data(), numbers.size()) ? "" : name + " has a value that is not finite";
 }
 
 std::string FindRepeated(MPI_Comm comm, std::vector<std::int64_t> ids)

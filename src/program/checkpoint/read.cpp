@@ -43,10 +43,24 @@ private:
   /// Notes what is not there, or not as it should be.
   bool Found(bool found, const std::string &name)
   {
-    if (!found) Record("parts of it are missing or damaged: " + name);
+    if (!found) Record(Format("parts of it are missing or damaged: {}", name));
     return found;
   }
-  bool FoundList(const std::string &name, std::vector<double> *values) { return Found(file_.List(name, values), name); }
+  /// The same of numbers, which must be finite: a list of any length, and an attribute of as many as `values` has.
+  bool FoundList(const std::string &name, std::vector<double> *values)
+  {
+    return Found(file_.List(name, values), name) && AreFinite(*values, name);
+  }
+  bool FoundAttribute(const std::string &object, const std::string &name, std::vector<double> *values)
+  {
+    return Found(file_.Attribute(object, name, values), name) && AreFinite(*values, name);
+  }
+  bool AreFinite(const std::vector<double> &numbers, const std::string &name)
+  {
+    const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+    if (!finite) Record(Format("{} has a value that is not finite", name));
+    return finite;
+  }
   bool Follows() const { return case_.hierarchy.follow.kind != FollowKind::kNone; }
   /// Whether points are neither lost nor doubled: the paper's rule of ownership by place does both.
   bool KeepsPoints() const
@@ -103,7 +117,7 @@ void CheckpointReader::Open()
   MPI_Bcast(version.data(), 1, MPI_DOUBLE, 0, comm_);
   if (version[0] != kFormatVersion)
     Refuse("-restart {}: must have format version {}; it has {}", Shortened(path), kFormatVersion, FormatNumber(version[0]));
-  if (rank != 0 && !file_.Open(path)) wrong_ = unknown + ", or not every rank can read it";
+  if (rank != 0 && !file_.Open(path)) wrong_ = Format("{}, or not every rank can read it", unknown);
   AgreeOnError("checkpoint_open");
 }
 
@@ -118,16 +132,14 @@ void CheckpointReader::ReadHead(RunState *state)
   difference = Agree(comm_, "checkpoint_case", difference);
   if (!difference.empty()) Refuse("-restart {}: must be of the same case; {}", Shortened(case_.output.restart), difference);
   if (Found(file_.Attribute("/", "state", &numbers), "state")) Record(WrongState(numbers, case_));
-  if (Found(file_.Attribute("/", "copies", &copies), "copies")) {
-    if (copies[0] != (with_copies ? 1 : 0)) Record("its copies of points are inconsistent");
-    Record(NotFinite(copies, "copies"));
-  }
-  if (Found(file_.Attribute("/", "patch_drift", &drift), "patch_drift")) hierarchy_.SurfaceOf().SetDrift(drift[0]);
+  if (FoundAttribute("/", "copies", &copies) && copies[0] != (with_copies ? 1 : 0))
+    Record("its copies of points are inconsistent");
+  if (FoundAttribute("/", "patch_drift", &drift)) hierarchy_.SurfaceOf().SetDrift(drift[0]);
   if (FoundList("/tip", &tip)) Record(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
-  if (case_.quasi_static.on && FoundList("/quasi_static", &watch)) Record(NotFinite(watch, "quasi_static"));
+  if (case_.quasi_static.on) FoundList("/quasi_static", &watch);
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
   if (Found(file_.Text("/warnings", &lines), "warnings") && !lines.empty()) warnings = Split(lines, '\n');
-  if (FoundList("/watched", &watched)) Record(NotFinite(watched, "watched"));
+  FoundList("/watched", &watched);
   Found(Warnings::IsState(watched, warnings), "watched");
   AgreeOnError("checkpoint_state");
   *state = FromNumbers<RunState>(numbers.data());
@@ -143,11 +155,8 @@ void CheckpointReader::ReadFollowing(RunState *state)
 {
   std::vector<double> numbers;
   FollowState following;
-  if (FoundList("/following", &numbers)) {
-    Record(NotFinite(numbers, "following"));
-    if (!FollowingFromNumbers(numbers, case_.levels, &following, &state->moves))
-      Record("its boxes are inconsistent with this case");
-  }
+  if (FoundList("/following", &numbers) && !FollowingFromNumbers(numbers, case_.levels, &following, &state->moves))
+    Record("its boxes are inconsistent with this case");
   if (wrong_.empty()) Record(WrongBoxes(following, case_));
   AgreeOnError("checkpoint_following");
   if (Follows()) ExitOnError(hierarchy_.Boxes().Restore(following));
@@ -165,7 +174,7 @@ void CheckpointReader::ReadTotals()
             "totals")) {
     all.resize(writers * count);
     Found(file_.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(count), {0, writers, writers}, all.data()), "totals");
-    Record(NotFinite(all, "totals"));
+    AreFinite(all, "totals");
   }
   AgreeOnError("checkpoint_totals");
   writers_ = writers;
@@ -267,8 +276,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   const std::string group = LevelName(l);
   std::vector<double> clock(kOfClock), keys, values;
   ContactPressures pressures;
-  if (Found(file_.Has(group) && file_.Attribute(group, "pace", &clock), group + "/pace"))
-    Record(WrongClock(clock, state.step, case_, l));
+  if (Found(file_.Has(group), group) && FoundAttribute(group, "pace", &clock)) Record(WrongClock(clock, state.step, case_, l));
   if (FoundList(group + "/pressure_keys", &keys) && FoundList(group + "/pressures", &values))
     Record(WrongPressures(keys, values, KeptOfEach(case_.model.contact)));
   AgreeOnError("checkpoint_pace");
@@ -294,7 +302,7 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
 void CheckpointReader::ReadPatches(const std::string &group, int l)
 {
   std::vector<double> patches;
-  if (FoundList(group + "/patches", &patches)) Record(NotFinite(patches, group + "/patches"));
+  FoundList(group + "/patches", &patches);
   Found(patches.size() % SurfaceOwners::kOfPatch == 0, group + "/patches");
   AgreeOnError("checkpoint_patches");
   ExitOnError(hierarchy_.SurfaceOf().Restore(l, patches));
@@ -304,7 +312,7 @@ void CheckpointReader::ReadBorder(int b)
 {
   std::vector<double> state;
   const std::size_t size = hierarchy_.Copies().ready ? 0 : LevelInterface::kState * hierarchy_.Connected().Border(b).Count();
-  if (FoundList(BorderName(b), &state)) Record(NotFinite(state, BorderName(b)));
+  FoundList(BorderName(b), &state);
   Found(state.size() == size || (Follows() && state.empty()), BorderName(b)); // a border that has just moved has none
   AgreeOnError("checkpoint_border");
   ExitOnError(hierarchy_.Connected().RestoreBorder(b, state));

@@ -1,8 +1,7 @@
 // Options of bodies and loads.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include "program/advice/case_checks.hpp"
-#include "program/input/polygon.hpp"
 
 #include "base/index.hpp"
 
@@ -29,14 +28,14 @@ const std::vector<NamedInGeometry> kShapes = {
     {"ball", {false, false, true}}, {"cylinder", {false, false, true}},
 };
 
-void ReadBox(OptionReader &reader, const std::string &prefix, std::unique_ptr<Region> *region)
+void ReadBox(OptionReader &reader, int dim, const std::string &prefix, std::unique_ptr<Region> *region)
 {
   Box box;
-  reader.Vector({prefix + "lower", "lower corner (box)", "m"}, true, &box.lower);
-  reader.Vector({prefix + "upper", "upper corner (box)", "m"}, true, &box.upper);
-  for (int axis = 0; axis < reader.Dim() && !reader.Help(); ++axis)
+  reader.Read({prefix + "lower", "lower corner (box)", "m"}, &box.lower, kRequired);
+  reader.Read({prefix + "upper", "upper corner (box)", "m"}, &box.upper, kRequired);
+  for (int axis = 0; axis < dim && !reader.Help(); ++axis)
     if (!(box.upper[axis] > box.lower[axis]))
-      reader.Refuse(prefix + "upper", reader.Text(box.upper), "above {}lower {}", prefix, reader.Text(box.lower));
+      reader.Refuse(prefix + "upper", box.upper, "above {}lower {}", prefix, reader.Text(box.lower));
   *region = CreateBoxRegion(box);
 }
 
@@ -44,30 +43,31 @@ void ReadPolygon(OptionReader &reader, const std::string &prefix, std::unique_pt
 {
   std::vector<double> numbers;
   std::vector<Vec3> vertices;
-  reader.Numbers({prefix + "vertices", "x,y of the vertices in order (polygon)", "m"}, kAnyNumber, 6, 0, true, &numbers);
+  reader.Read({prefix + "vertices", "x,y of the vertices in order (polygon)", "m", kAnyNumber, 6}, &numbers, kRequired);
   if (numbers.size() % 2) reader.Refuse(prefix + "vertices", Format("{} numbers", numbers.size()), "x,y pairs");
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices.push_back({numbers[k], numbers[k + 1]});
   if (reader.Help()) return;
   if (const std::string wrong = WrongPolygon(vertices); !wrong.empty())
-    reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; " + wrong);
+    reader.Refuse(prefix + "vertices", "", "a polygon whose edges meet only at its vertices; {}", wrong);
   *region = CreatePolygonRegion(vertices);
 }
 
-void ReadRegion(OptionReader &reader, GeometryKind geometry, const std::string &name, std::string *shape,
+void ReadRegion(OptionReader &reader, const Geometry &geometry, const std::string &name, std::string *shape,
                 std::unique_ptr<Region> *region)
 {
   const std::string prefix = "-" + name + "_";
   *shape = "box";
-  ChooseInGeometry(reader, {prefix + "shape", "shape of the body"}, geometry, kShapes, shape);
+  ChooseInGeometry(reader, {prefix + "shape", "shape of the body"}, geometry.kind, kShapes, shape);
   const bool cylinder = *shape == "cylinder", round = cylinder || *shape == "disk" || *shape == "ball";
-  if (*shape == "box" || reader.Help()) ReadBox(reader, prefix, region);
+  if (*shape == "box" || reader.Help()) ReadBox(reader, geometry.Dim(), prefix, region);
   if (round || reader.Help()) {
     Vec3 center{};
     double radius = 0, height = 0;
-    reader.Vector({prefix + "center", "centre (disk, ball) or centre of the bottom (cylinder)", "m"}, true, &center);
-    reader.Number({prefix + "radius", "radius (disk, ball, cylinder)", "m"}, kPositive, true, &radius);
-    if (cylinder || reader.Help()) reader.Number({prefix + "height", "height along z (cylinder)", "m"}, kPositive, true, &height);
-    *region = cylinder ? CreateCylinderRegion(center, radius, height) : CreateBallRegion(geometry, center, radius);
+    reader.Read({prefix + "center", "centre (disk, ball) or centre of the bottom (cylinder)", "m"}, &center, kRequired);
+    reader.Read({prefix + "radius", "radius (disk, ball, cylinder)", "m", kPositive}, &radius, kRequired);
+    if (cylinder || reader.Help())
+      reader.Read({prefix + "height", "height along z (cylinder)", "m", kPositive}, &height, kRequired);
+    *region = cylinder ? CreateCylinderRegion(center, radius, height) : CreateBallRegion(geometry.kind, center, radius);
   }
   if (*shape == "polygon" || reader.Help()) ReadPolygon(reader, prefix, region);
 }
@@ -135,8 +135,7 @@ void CheckPlace(OptionReader &reader, const Case &c, const Body &body, const std
                     reader.Text(c.domain.upper), body.name, reader.Text(bounds.lower), reader.Text(bounds.upper));
     }
   if (c.model.geometry.HasHoop() && body.region->Bounds().lower[0] <= 0 && body.velocity[0] != 0)
-    reader.Refuse(Format("-{}_velocity", body.name), reader.Text(body.velocity),
-                  "0 along x: the body reaches the axis, which stays");
+    reader.Refuse(Format("-{}_velocity", body.name), body.velocity, "0 along x: the body reaches the axis, which stays");
   for (std::size_t k = 0; k < c.model.bodies.size(); ++k) {
     const Body &other = c.model.bodies[k];
     if (Overlap(*body.region, *other.region, shape == "box" && shapes[k] == "box", c.CellSize(c.levels - 1), c.Dim()))
@@ -165,7 +164,7 @@ void KeepMaterialsOfBodies(OptionReader &reader, const std::vector<std::string> 
 
 } // namespace
 
-void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKind geometry,
+void ChooseInGeometry(OptionReader &reader, const Option &option, GeometryKind geometry,
                       const std::vector<NamedInGeometry> &values, std::string *value)
 {
   std::vector<std::string> all, here;
@@ -182,18 +181,19 @@ void ChooseInGeometry(OptionReader &reader, const OptionText &option, GeometryKi
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names)
 {
   std::vector<std::string> shapes;
-  reader.Names({"-bodies", "names of the bodies"}, true, names);
+  reader.Read({"-bodies", "names of the bodies"}, names, kRequired);
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
     Body body{name, nullptr, 0, {}, 2};
     std::string shape, material = materials.size() == 1 ? materials[0] : "";
-    ReadRegion(reader, c->model.geometry.kind, name, &shape, &body.region);
+    ReadRegion(reader, c->model.geometry, name, &shape, &body.region);
     if (!reader.Help() && shape != "box" && shape != "polygon") CutAtHeldSides(*c, &body.region);
-    reader.Text({prefix + "material", "name of its material (default: the only one, else required)"}, materials.size() > 1,
-                &material);
+    reader.Read({prefix + "material", "name of its material (default: the only one, else required)"}, &material,
+                materials.size() > 1);
     body.material = FindName(reader, prefix + "material", materials, "-materials", material);
-    reader.Vector({prefix + "velocity", "initial velocity", "m/s"}, false, &body.velocity);
-    reader.Integer({prefix + "points_per_cell", "material points per direction in a cell"}, Closed(1, 16), &body.points_per_cell);
+    reader.Read({prefix + "velocity", "initial velocity", "m/s"}, &body.velocity);
+    reader.Read({prefix + "points_per_cell", "material points per direction in a cell", "", Closed(1, 16)},
+                &body.points_per_cell);
     if (!reader.Help()) CheckPlace(reader, *c, body, shape, shapes);
     shapes.push_back(shape);
     c->model.bodies.push_back(std::move(body));
@@ -203,18 +203,17 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 
 bool ReadTimes(OptionReader &reader, const std::string &name, bool required, std::vector<double> *times)
 {
-  const bool given = reader.Numbers({name, "times of the history, increasing", "s"}, kNotNegative, 1, 0, required, times);
+  const bool given = reader.Read({name, "times of the history, increasing", "s", kNotNegative}, times, required);
   for (std::size_t k = 1; k < times->size() && !reader.Help(); ++k)
-    if ((*times)[k] <= (*times)[k - 1]) reader.Refuse(name, FormatNumber((*times)[k]), "increasing");
+    if ((*times)[k] <= (*times)[k - 1]) reader.Refuse(name, (*times)[k], "increasing");
   return given;
 }
 
-void ReadHistory(OptionReader &reader, const std::string &times_name, const OptionText &values_text, const Range &range,
-                 PiecewiseLinear *history)
+void ReadHistory(OptionReader &reader, const std::string &times_name, const Option &values_text, PiecewiseLinear *history)
 {
   std::vector<double> times, values;
   ReadTimes(reader, times_name, true, &times);
-  reader.Numbers(values_text, range, 1, 0, true, &values);
+  reader.Read(values_text, &values, kRequired);
   if (reader.Help()) return;
   if (times.size() != values.size())
     reader.Refuse(values_text.name, Format("{} values", values.size()), "as many as {} has: {}", times_name, times.size());
@@ -225,32 +224,33 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
 {
   std::vector<std::string> names;
   const std::vector<std::string> sides(kSideNames, kSideNames + 2 * c->Dim());
-  reader.Names({"-loads", "names of pressures on sides of bodies"}, false, &names);
+  reader.Read({"-loads", "names of pressures on sides of bodies"}, &names);
   for (const std::string &name : names) {
     const std::string prefix = "-" + name + "_";
     Load load{0, kXLower, {{-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}}, {}};
     std::string body = bodies[0], side = sides[0];
-    const int numbers = 2 * (c->Dim() - 1);
+    const std::size_t numbers = 2 * (c->Dim() - 1);
     std::vector<double> span(&load.span[0][0], &load.span[0][0] + numbers);
-    reader.Text({prefix + "body", "name of the body (default: the only one, else required)"}, bodies.size() > 1, &body);
+    reader.Read({prefix + "body", "name of the body (default: the only one, else required)"}, &body, bodies.size() > 1);
     load.body = FindName(reader, prefix + "body", bodies, "-bodies", body);
     load.side = static_cast<Side>(reader.Choice({prefix + "side", "side of the body"}, sides, &side));
-    reader.Numbers({prefix + "span", "start,end along the side, in 3d two pairs (default: the whole side)", "m"}, kAnyNumber,
-                   numbers, numbers, false, &span);
+    reader.Read({prefix + "span", "start,end along the side, in 3d two pairs (default: the whole side)", "m", kAnyNumber, numbers,
+                 numbers},
+                &span);
     std::copy_n(span.begin(), numbers, &load.span[0][0]);
     for (int k = 0; k < c->Dim() - 1; ++k)
       if (!(load.span[k][1] > load.span[k][0]))
-        reader.Refuse(prefix + "span", FormatNumber(load.span[k][0]) + "," + FormatNumber(load.span[k][1]),
+        reader.Refuse(prefix + "span", Format("{},{}", FormatNumber(load.span[k][0]), FormatNumber(load.span[k][1])),
                       "start,end with end above start");
     ReadHistory(reader, prefix + "times", {prefix + "pressures", "pressure at the times, positive into the body", "Pa"},
-                kAnyNumber, &load.pressure);
+                &load.pressure);
     c->model.loads.push_back(load);
     c->load_names.push_back(name);
   }
   Vec3 &gravity = c->model.nodal.gravity;
-  reader.Vector({"-gravity", "body acceleration", "m/s2"}, false, &gravity);
+  reader.Read({"-gravity", "body acceleration", "m/s2"}, &gravity);
   if (c->model.geometry.HasHoop() && gravity[0] != 0)
-    reader.Refuse("-gravity", reader.Text(gravity), "0 along x, which is away from the axis on all sides");
+    reader.Refuse("-gravity", gravity, "0 along x, which is away from the axis on all sides");
 }
 
 } // namespace mlgimp

@@ -1,5 +1,5 @@
 // Options of contact: kernel, friction, and the solver of the pressures.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,11 @@ namespace
 void ReadFriction(OptionReader &reader, ContactSettings *contact)
 {
   double friction = 0;
-  reader.NumberOrInfinity({"-indenter_friction", "Coulomb's coefficient of friction under the indenter; inf sticks"},
-                          kNotNegative, &friction);
+  reader.Read(
+      {"-indenter_friction", "Coulomb's coefficient of friction under the indenter; inf sticks", "", OrInfinity(kNotNegative)},
+      &friction);
   if (friction > 0 && contact->method != "pressure")
-    reader.Refuse("-indenter_friction", FormatNumber(friction), "0 with -contact " + contact->method);
+    reader.Refuse("-indenter_friction", friction, "0 with -contact {}", contact->method);
   constexpr double kMaxFriction = 3; // of dry surfaces; more is meant in per cent
   if (friction > kMaxFriction && std::isfinite(friction))
     reader.WarnLater("-indenter_friction {}: is Coulomb's coefficient, not per cent; surfaces hardly slip with as much",
@@ -35,9 +36,9 @@ const std::vector<std::string> kPreconditioners = {"jacobi", "none"};
 void CheckType(OptionReader &reader, const std::string &option, const std::vector<std::string> &types)
 {
   std::string text = "default";
-  if (reader.Text({option, "type of the solver of the contact pressures"}, false, &text) &&
+  if (reader.Read({option, "type of the solver of the contact pressures"}, &text) &&
       std::find(types.begin(), types.end(), text) == types.end())
-    reader.Refuse(option, text, "one of " + Join(types, ", "));
+    reader.Refuse(option, text, "one of {}", Join(types, ", "));
 }
 
 /// The options that the solver of the contact pressures reads by itself, checked before it does so in PETSc's way.
@@ -49,9 +50,9 @@ void CheckContactSolver(OptionReader &reader)
   reader.Identify(false);
   CheckType(reader, "-contact_ksp_type", kSolvers);
   CheckType(reader, "-contact_pc_type", kPreconditioners);
-  reader.Number({"-contact_ksp_rtol", "relative tolerance of the contact pressures"}, {0, kMaxTolerance, true, false}, false,
-                &tolerance);
-  reader.Integer({"-contact_ksp_max_it", "most iterations for the contact pressures"}, Closed(1, 2e9), &iterations);
+  reader.Read({"-contact_ksp_rtol", "relative tolerance of the contact pressures", "", {0, kMaxTolerance, true, false}},
+              &tolerance);
+  reader.Read({"-contact_ksp_max_it", "most iterations for the contact pressures", "", Closed(1, 2e9)}, &iterations);
   reader.Identify(true);
 }
 
@@ -63,8 +64,9 @@ void ReadContact(OptionReader &reader, ContactSettings *contact)
   if (reader.Help() || (contact->method != "pressure" && contact->method != "point_pressure")) return;
   CheckContactSolver(reader);
   if (contact->method == "point_pressure")
-    reader.WarnLater("-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
-                     "contact comes late");
+    reader.WarnLater(
+        "-contact point_pressure: is rank deficient, its diagonal is raised by 1 %; single pressures mean little and "
+        "contact comes late");
 }
 
 } // namespace mlgimp

@@ -1,5 +1,5 @@
 // Options of boxes that follow the contact or a path.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,21 +12,25 @@ static std::string LevelOption(int k, const char *name) { return Format("-level_
 static void ReadContactFollowing(OptionReader &reader, Case *c)
 {
   FollowSettings &follow = c->hierarchy.follow;
-  reader.Number(
-      {"-level_cells_max", "contact: cells of the finest level in half the contact's width, above which the level ends"},
-      kPositive, false, &follow.cells_max);
-  reader.Number({"-level_cells_min", "contact: cells below which a finer level begins, up to -levels"}, kNotNegative, false,
-                &follow.cells_min);
+  reader.Read({"-level_cells_max", "contact: cells of the finest level in half the contact's width, above which the level ends",
+               "", kPositive},
+              &follow.cells_max);
+  reader.Read({"-level_cells_min", "contact: cells below which a finer level begins, up to -levels", "", kNotNegative},
+              &follow.cells_min);
   if (!reader.Help() && follow.cells_max < (c->hierarchy.ratio + 1) * follow.cells_min)
-    reader.Refuse("-level_cells_max", FormatNumber(follow.cells_max),
+    reader.Refuse("-level_cells_max", follow.cells_max,
                   ">= {}, (-refinement_ratio + 1) times -level_cells_min, or levels would come and go",
                   FormatNumber((c->hierarchy.ratio + 1) * follow.cells_min));
   for (int k = 1; k <= (reader.Help() ? 1 : c->levels - 1); ++k) {
     std::vector<double> margin;
-    const OptionText text = {LevelOption(k, "_margin"),
-                             "contact: cells of the level that its box keeps free around the contact, sideways and down, or one "
-                             "number for both (default: 0.6 half widths of the contact; at least what borders need)"};
-    if (reader.Numbers(text, kNotNegative, 1, 2, false, &margin)) follow.margins[k] = {margin.front(), margin.back()};
+    const Option text = {LevelOption(k, "_margin"),
+                         "contact: cells of the level that its box keeps free around the contact, sideways and down, or one "
+                         "number for both (default: 0.6 half widths of the contact; at least what borders need)",
+                         "",
+                         kNotNegative,
+                         1,
+                         2};
+    if (reader.Read(text, &margin)) follow.margins[k] = {margin.front(), margin.back()};
   }
 }
 
@@ -35,8 +39,8 @@ static void ReadPath(OptionReader &reader, Case *c, int k)
   std::vector<double> times, path;
   const std::size_t dim = c->Dim();
   const std::string name = LevelOption(k, "_path");
-  const OptionText text = {name, "path: how far the level's box has moved at each time of -level_1_times, piecewise linear", "m"};
-  const bool moves = reader.Numbers(text, kAnyNumber, 1, 0, false, &path);
+  const Option text = {name, "path: how far the level's box has moved at each time of -level_1_times, piecewise linear", "m"};
+  const bool moves = reader.Read(text, &path);
   const bool timed = ReadTimes(reader, LevelOption(k, "_times"), moves, &times);
   if (reader.Help() || (!moves && !timed)) return; // it stays
   if (path.size() != dim * times.size())
@@ -59,8 +63,9 @@ void ReadFollowing(OptionReader &reader, Case *c)
   follow.margins.resize(c->levels);
   follow.paths.resize(std::max(c->levels, 2));
   if (follow.kind != FollowKind::kNone || reader.Help())
-    reader.Integer({"-regrid_interval", "contact, path: level-0 steps between two checks whether boxes must move"},
-                   Closed(1, 2e9), &follow.interval);
+    reader.Read(
+        {"-regrid_interval", "contact, path: level-0 steps between two checks whether boxes must move", "", Closed(1, 2e9)},
+        &follow.interval);
   if (follow.kind == FollowKind::kContact || reader.Help()) ReadContactFollowing(reader, c);
   for (int k = 1; k <= (reader.Help() ? 1 : c->levels - 1) && follow.kind != FollowKind::kContact; ++k)
     if (follow.kind == FollowKind::kPath || reader.Help()) ReadPath(reader, c, k);

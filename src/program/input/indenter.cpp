@@ -1,5 +1,5 @@
 // Options of the indenter and its motion.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include "program/advice/case_checks.hpp"
 #include "program/slow_test/plan.hpp"
@@ -34,8 +34,8 @@ constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68
 void ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
 {
   std::vector<double> numbers;
-  reader.Numbers({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m"}, kAnyNumber, 6, 0,
-                 true, &numbers);
+  reader.Read({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m", kAnyNumber, 6},
+              &numbers, kRequired);
   for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
   *vertices = CornersOf(*vertices);
   if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
@@ -54,19 +54,19 @@ void ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyrami
   for (const NamedPyramid &known : kPyramids)
     if (kind == known.name) shape->half_angle = known.half_angle, shape->faces = known.faces;
   if (std::isnan(shape->half_angle)) {
-    reader.Number({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees"},
-                  Open(0, 90), true, &shape->half_angle);
+    reader.Read({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees", Open(0, 90)},
+                &shape->half_angle, kRequired);
     if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kMinFacing)
-      reader.Refuse("-indenter_half_angle", FormatNumber(shape->half_angle),
+      reader.Refuse("-indenter_half_angle", shape->half_angle,
                     "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones");
   }
-  reader.Number({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m"}, kNotNegative, false,
-                &shape->tip_radius);
+  reader.Read({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m", kNotNegative},
+              &shape->tip_radius);
   if (kind == "pyramid" || reader.Help())
-    reader.Integer({"-indenter_faces", "number of a pyramid's faces"}, Closed(3, 360), &shape->faces);
+    reader.Read({"-indenter_faces", "number of a pyramid's faces", "", Closed(3, 360)}, &shape->faces);
   if (pyramid || reader.Help())
-    reader.Number({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
-                  kAnyNumber, false, &shape->turn);
+    reader.Read({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
+                &shape->turn);
 }
 
 void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string &kind, std::unique_ptr<IndenterSurface> *surface)
@@ -80,9 +80,9 @@ void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string 
   std::vector<Vec3> vertices;
   if (cone || pyramid || reader.Help()) ReadPointedShape(reader, kind, pyramid, &shape);
   if (sphere || (punch && !plane) || reader.Help())
-    reader.Number({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m"}, kPositive, true, &radius);
+    reader.Read({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m", kPositive}, &radius, kRequired);
   if ((punch && plane) || reader.Help())
-    reader.Number({"-indenter_width", "width of a flat punch in plane strain", "m"}, kPositive, true, &width);
+    reader.Read({"-indenter_width", "width of a flat punch in plane strain", "m", kPositive}, &width, kRequired);
   if (kind == "polygon" || reader.Help()) ReadPolygon(reader, &vertices);
   if (reader.Help()) return;
   if (cone) *surface = CreateCone(geometry, shape.half_angle, shape.tip_radius);
@@ -114,8 +114,8 @@ double InitialSurface(const Case &c, const Indenter &indenter)
 void RefuseGiven(OptionReader &reader, const std::string &option, const std::string &control)
 {
   std::string text;
-  if (reader.Text({option, "of another -indenter_control"}, false, &text))
-    reader.Refuse(option, text, "left out with -indenter_control " + control);
+  if (reader.Read({option, "of another -indenter_control"}, &text))
+    reader.Refuse(option, text, "left out with -indenter_control {}", control);
 }
 
 /// What load control asks of the rest of the case, and what follows from it.
@@ -138,10 +138,9 @@ void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *
 {
   const GeometryKind geometry = c->model.geometry.kind;
   for (int axis = 0; axis < (reader.Help() ? 2 : UpAxis(geometry)); ++axis) {
-    const std::string name = std::string("-indenter_velocities_") + "xy"[axis];
+    const std::string name = Format("-indenter_velocities_{}", "xy"[axis]);
     std::vector<double> speeds;
-    const bool given = reader.Numbers({name, "sideways speed at the times, with either -indenter_control", "m/s"}, kAnyNumber, 1,
-                                      0, false, &speeds);
+    const bool given = reader.Read({name, "sideways speed at the times, with either -indenter_control", "m/s"}, &speeds);
     if (!given) continue;
     if (geometry == GeometryKind::kAxisymmetric) reader.Refuse(name, "", "left out with -geometry axisymmetric");
     if (speeds.size() != times.size())
@@ -156,8 +155,8 @@ void ReadSideways(OptionReader &reader, const std::vector<double> &times, Case *
 void ReadControl(OptionReader &reader, Case *c)
 {
   const std::vector<std::string> controls = {"displacement", "load"};
-  const OptionText loads = {"-indenter_loads", "load at the times, of the part that is simulated, with -indenter_control load",
-                            "N"};
+  const Option loads = {"-indenter_loads", "load at the times, of the part that is simulated, with -indenter_control load", "N",
+                        kNotNegative};
   std::string control = controls[0];
   PiecewiseLinear force;
   std::vector<double> none;
@@ -165,10 +164,10 @@ void ReadControl(OptionReader &reader, Case *c)
   if (control == "displacement") {
     if (!reader.Help()) RefuseGiven(reader, loads.name, control);
     ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
-                kAnyNumber, &c->model.indenter->motion.speed);
-    if (reader.Help()) reader.Numbers(loads, kNotNegative, 1, 0, true, &none);
+                &c->model.indenter->motion.speed);
+    if (reader.Help()) reader.Read(loads, &none, kRequired);
   } else {
-    ReadHistory(reader, "-indenter_times", loads, kNotNegative, &force);
+    ReadHistory(reader, "-indenter_times", loads, &force);
     if (!reader.Help()) FinishLoadControl(reader, force, c);
   }
   ReadSideways(reader, control == "load" ? force.Times() : c->model.indenter->motion.speed.Times(), c);
@@ -179,24 +178,25 @@ void ReadTurningPoint(OptionReader &reader, Case *c)
 {
   double depth = HUGE_VAL, unload = HUGE_VAL;
   Indenter &indenter = *c->model.indenter;
-  const bool has_depth = reader.Number(
-      {"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading", "m"},
-      kPositive, false, &depth);
+  const bool has_depth =
+      reader.Read({"-indenter_max_depth", "tip depth below the body's initial surface that ends the run or turns to unloading",
+                   "m", kPositive},
+                  &depth);
   const bool has_unload =
       (has_depth || reader.Help()) &&
-      reader.Number({"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"},
-                    kAnyNumber, false, &unload);
+      reader.Read({"-indenter_unload_velocity", "speed of retraction from the largest depth on, until the tip is back", "m/s"},
+                  &unload);
   if (has_unload && unload == 0) reader.Refuse("-indenter_unload_velocity", "0", "not zero");
   if (!has_depth || reader.Help()) return;
   const double travel = depth + indenter.tip[indenter.up] - indenter.initial_surface;
   if (travel <= 0)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "above {} = {}, the depth that -indenter_max_depth gives",
-                  "xyz"[indenter.up], FormatNumber(indenter.initial_surface - depth));
+    reader.Refuse("-indenter_tip", indenter.tip, "above {} = {}, the depth that -indenter_max_depth gives", "xyz"[indenter.up],
+                  FormatNumber(indenter.initial_surface - depth));
   const double limit = std::isfinite(c->time.end_time) ? c->time.end_time : HUGE_VAL;
   const double reached = indenter.motion.speed.TimeOfIntegral(travel, limit);
   if (!std::isfinite(reached)) {
     if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0)
-      reader.Refuse("-indenter_max_depth", FormatNumber(depth), "reached by the indenter's motion, or -end_time given");
+      reader.Refuse("-indenter_max_depth", depth, "reached by the indenter's motion, or -end_time given");
     if (std::isfinite(c->time.end_time))
       reader.WarnLater("-end_time {}: comes before the tip reaches -indenter_max_depth {}{}", FormatNumber(c->time.end_time),
                        FormatNumber(depth), has_unload ? ", so that it is never unloaded" : "");
@@ -227,14 +227,14 @@ void ReadIndenter(OptionReader &reader, Case *c)
   Indenter &indenter = c->model.indenter.emplace();
   indenter.up = UpAxis(geometry);
   ReadSurface(reader, geometry, kind, &indenter.surface);
-  reader.Vector({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, true, &indenter.tip);
+  reader.Read({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, &indenter.tip, kRequired);
   const bool slow = c->quasi_static.on && !reader.Help();
   const double end_time = c->time.end_time;
   if (slow) c->time.end_time = HUGE_VAL; // it is of another clock than the schedule
   const bool by_depths = !c->quasi_static.turns.empty();
   if (!by_depths) ReadControl(reader, c);
   if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
-    reader.Refuse("-indenter_tip", reader.Text(indenter.tip), "on the axis, at x = 0, in -geometry axisymmetric");
+    reader.Refuse("-indenter_tip", indenter.tip, "on the axis, at x = 0, in -geometry axisymmetric");
   if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
   if (!indenter.by_load && !by_depths) ReadTurningPoint(reader, c);
   if (slow) PlanQuasiStatic(reader, end_time, c);

@@ -1,5 +1,5 @@
 // Options of the grid levels: boxes, ratio and coupling.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,7 @@ void CheckLines(OptionReader &reader, const Case &c, const std::string &option, 
     const double cells = (corner[axis] - c.domain.lower[axis]) / cell;
     const bool at_side = corner[axis] == c.domain.upper[axis]; // itself a whole number of cells but for rounding
     if (std::abs(cells - std::round(cells)) > kGivenOffLine && !at_side)
-      reader.Refuse(option, reader.Text(corner),
-                    "on cell lines of the next coarser level, whole cells of {} from -domain_lower {}", cell,
+      reader.Refuse(option, corner, "on cell lines of the next coarser level, whole cells of {} from -domain_lower {}", cell,
                     reader.Text(c.domain.lower));
   }
 }
@@ -45,8 +44,8 @@ void CheckNesting(OptionReader &reader, const Case &c, int k)
     const Vec3 corner = upper ? box.upper : box.lower;
     const double depth = DepthInside(c, k, side), needed = c.IsBorder(k - 1, side) ? NeededDepth(c, k) : 0;
     if (depth < needed - kOnLine * c.CellSize(k - 1))
-      reader.Refuse(option, reader.Text(corner), "at least {} inside level {} at its side {}; it is {}", needed, k - 1,
-                    kSideNames[side], depth);
+      reader.Refuse(option, corner, "at least {} inside level {} at its side {}; it is {}", needed, k - 1, kSideNames[side],
+                    depth);
   }
 }
 
@@ -55,27 +54,26 @@ void ReadBox(OptionReader &reader, Case *c, int k)
   const std::string name = Format("-level_{}", k);
   const double coarse = c->CellSize(k - 1);
   Box box;
-  reader.Vector({name + "_lower", "lower corner of the level's box", "m"}, true, &box.lower);
-  reader.Vector({name + "_upper", "upper corner of the level's box", "m"}, true, &box.upper);
+  reader.Read({name + "_lower", "lower corner of the level's box", "m"}, &box.lower, kRequired);
+  reader.Read({name + "_upper", "upper corner of the level's box", "m"}, &box.upper, kRequired);
   if (reader.Help()) return;
   CheckLines(reader, *c, name + "_lower", box.lower, coarse);
   CheckLines(reader, *c, name + "_upper", box.upper, coarse);
   for (int axis = 0; axis < c->Dim(); ++axis)
     if (box.upper[axis] - box.lower[axis] < (2 - kOnLine) * coarse)
-      reader.Refuse(name + "_upper", reader.Text(box.upper), "at least two coarser cells, {}, above {}_lower {}", 2 * coarse,
-                    name, reader.Text(box.lower));
+      reader.Refuse(name + "_upper", box.upper, "at least two coarser cells, {}, above {}_lower {}", 2 * coarse, name,
+                    reader.Text(box.lower));
   box = OnNearestLines(c->hierarchy.rules, box, coarse);
   c->boxes.push_back(box);
   CheckNesting(reader, *c, k);
   if (const double r = box.lower[0]; c->model.geometry.HasHoop() && r > 0 && r < 4 * coarse)
-    reader.Refuse(name + "_lower", reader.Text(box.lower), "at x = 0, the axis, or at least four coarser cells, {}, from it",
-                  4 * coarse);
+    reader.Refuse(name + "_lower", box.lower, "at x = 0, the axis, or at least four coarser cells, {}, from it", 4 * coarse);
   const double cell = c->CellSize(k);
   const int max_nodes = std::numeric_limits<int>::max() / NodeLayout::Viewed(c->Dim());
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= (box.upper[axis] - box.lower[axis]) / cell + 8;
   if (nodes > max_nodes)
-    reader.Refuse("-levels", std::to_string(c->levels), "such that each grid has at most {} nodes; level {} would have {}",
+    reader.Refuse("-levels", c->levels, "such that each grid has at most {} nodes; level {} would have {}",
                   FormatNumber(max_nodes), k, FormatNumber(nodes));
 }
 
@@ -83,17 +81,17 @@ void ReadNodeCoupling(OptionReader &reader, Case *c)
 {
   HierarchySettings &settings = c->hierarchy;
   double width = kBlendWidth;
-  const bool given = reader.Number({"-blend_width",
-                                    "nodes: width of the band inside a level's border in which levels blend, in coarser cells; "
-                                    "the default is reduced down to 2 where boxes are closer",
-                                    ""},
-                                   Closed(0, 64), false, &width);
+  const bool given = reader.Read({"-blend_width",
+                                  "nodes: width of the band inside a level's border in which levels blend, in coarser cells; "
+                                  "the default is reduced down to 2 where boxes are closer",
+                                  "", Closed(0, 64)},
+                                 &width);
   settings.rules.blend_widths.assign(c->levels - 1, width);
   if (given) c->least_blend_width = width;
   settings.merge_siblings = settings.ratio > 2 || settings.follow.kind != FollowKind::kNone; // small points make noise
   constexpr double kMaxLoss = 3e-4; // of strain energy: what is near the tip of an indenter, where strain varies, stays small
   if (settings.follow.kind != FollowKind::kNone) settings.most_loss = kMaxLoss;
-  reader.Flag({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true "
+  reader.Read({"-merge_siblings", "nodes: points that leave a level are merged into the one they were split from (default: true "
                                   "for ratios above 2 and with -level_follow)"},
               &settings.merge_siblings);
 }
@@ -104,16 +102,17 @@ void ReadPointCoupling(OptionReader &reader, Case *c)
   CopyRepairs &repairs = settings.repairs;
   std::string ownership = "flags";
   settings.ghost_cells = 2 * settings.ratio;
-  reader.Integer({"-ghost_cells",
-                  "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)"},
-                 Closed(settings.ratio, 64), &settings.ghost_cells);
+  reader.Read({"-ghost_cells",
+               "points: layers of cells around a level's box with copies of the coarser level's points (default: 2 x ratio)", "",
+               Closed(settings.ratio, 64)},
+              &settings.ghost_cells);
   reader.Choice({"-ghost_ownership", "points: one owner for ever (flags), or by place alone, as the paper prints (place)"},
                 {"flags", "place"}, &ownership);
   repairs.owner_flags = ownership == "flags";
-  reader.Flag({"-velocity_shift", "points: copies get the velocity of their own level's half step"}, &repairs.velocity_shift);
-  reader.Flag({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them"},
+  reader.Read({"-velocity_shift", "points: copies get the velocity of their own level's half step"}, &repairs.velocity_shift);
+  reader.Read({"-strain_smoothing", "points: copies on the finer level get F and stress as the coarser grid sees them"},
               &repairs.strain_smoothing);
-  reader.Flag({"-momentum_correction", "points: global momentum correction"}, &repairs.momentum_correction);
+  reader.Read({"-momentum_correction", "points: global momentum correction"}, &repairs.momentum_correction);
 }
 
 void ReadCoupling(OptionReader &reader, Case *c)
@@ -143,9 +142,9 @@ void FitBlendWidths(Case *c)
 
 void ReadLevels(OptionReader &reader, Case *c)
 {
-  reader.Integer({"-levels", "number of grid levels; level 0 is the coarsest"}, Closed(1, 16), &c->levels);
-  reader.Integer({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels"}, Closed(2, 16),
-                 &c->hierarchy.ratio);
+  reader.Read({"-levels", "number of grid levels; level 0 is the coarsest", "", Closed(1, 16)}, &c->levels);
+  reader.Read({"-refinement_ratio", "cell-size and time-step ratio of neighbouring levels", "", Closed(2, 16)},
+              &c->hierarchy.ratio);
   c->hierarchy.rules = {c->domain, c->cell_size, c->hierarchy.ratio, c->Dim(), c->levels, {}, kBorderCells};
   if (c->levels > 1 || reader.Help()) ReadFollowing(reader, c);
   if (c->levels > 1 || reader.Help()) ReadCoupling(reader, c);

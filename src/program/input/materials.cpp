@@ -1,5 +1,5 @@
 // Options of materials.
-#include "program/input/groups.hpp"
+#include "program/input/read_case.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,23 +15,23 @@ using Constants = MaterialConstants;
 void ReadConstant(OptionReader &reader, const std::string &prefix, const HardeningConstant &constant, Constants *c)
 {
   const Range range = {constant.least, constant.most, !constant.may_be_least, std::isinf(constant.most)};
-  reader.Number({prefix + constant.name, constant.help, constant.unit}, range, constant.required, &(c->*constant.value));
+  reader.Read({prefix + constant.name, constant.help, constant.unit, range}, &(c->*constant.value), constant.required);
 }
 
 /// The lists of a hardening table: strains that rise from 0, stresses that do not fall.
 void ReadTable(OptionReader &reader, const std::string &prefix, Constants *c)
 {
   const std::string strains = prefix + "plastic_strains", stresses = prefix + "flow_stresses";
-  reader.Numbers({strains, "equivalent plastic strains, rising from 0 (table)"}, kNotNegative, 1, 0, true, &c->plastic_strains);
-  reader.Numbers({stresses, "flow stresses at them, not falling (table)", "Pa"}, kPositive, 1, 0, true, &c->flow_stresses);
+  reader.Read({strains, "equivalent plastic strains, rising from 0 (table)", "", kNotNegative}, &c->plastic_strains, kRequired);
+  reader.Read({stresses, "flow stresses at them, not falling (table)", "Pa", kPositive}, &c->flow_stresses, kRequired);
   if (reader.Help()) return;
   const auto &strain = c->plastic_strains, &stress = c->flow_stresses;
-  if (strain[0] != 0) reader.Refuse(strains, FormatNumber(strain[0]), "0 at first: the initial yield stress is there");
+  if (strain[0] != 0) reader.Refuse(strains, strain[0], "0 at first: the initial yield stress is there");
   if (stress.size() != strain.size())
     reader.Refuse(stresses, Format("{} values", stress.size()), "as many as {} has: {}", strains, strain.size());
   for (std::size_t k = 1; k < strain.size(); ++k) {
-    if (!(strain[k] > strain[k - 1])) reader.Refuse(strains, FormatNumber(strain[k]), "rising");
-    if (stress[k] < stress[k - 1]) reader.Refuse(stresses, FormatNumber(stress[k]), "at least the one before it");
+    if (!(strain[k] > strain[k - 1])) reader.Refuse(strains, strain[k], "rising");
+    if (stress[k] < stress[k - 1]) reader.Refuse(stresses, stress[k], "at least the one before it");
   }
   c->yield_stress = stress[0];
 }
@@ -40,13 +40,13 @@ void ReadTable(OptionReader &reader, const std::string &prefix, Constants *c)
 void CheckHardening(const OptionReader &reader, const std::string &prefix, const Constants &c)
 {
   if (c.saturation_stress < c.yield_stress)
-    reader.Refuse(prefix + "saturation_stress", FormatNumber(c.saturation_stress), "at least {}yield_stress {}", prefix,
+    reader.Refuse(prefix + "saturation_stress", c.saturation_stress, "at least {}yield_stress {}", prefix,
                   FormatNumber(c.yield_stress));
   if (c.melting_temperature <= c.initial_temperature)
-    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature),
-                  "above -initial_temperature " + FormatNumber(c.initial_temperature));
+    reader.Refuse(prefix + "melting_temperature", c.melting_temperature, "above -initial_temperature {}",
+                  FormatNumber(c.initial_temperature));
   if (c.melting_temperature <= c.reference_temperature)
-    reader.Refuse(prefix + "melting_temperature", FormatNumber(c.melting_temperature), "above {}reference_temperature {}", prefix,
+    reader.Refuse(prefix + "melting_temperature", c.melting_temperature, "above {}reference_temperature {}", prefix,
                   FormatNumber(c.reference_temperature));
   if (c.adiabatic && std::isnan(c.heat_capacity)) reader.Refuse(prefix + "heat_capacity", "", "given with {}adiabatic", prefix);
 }
@@ -148,7 +148,7 @@ void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c
     }
   if (c->hardening == "table" || reader.Help()) ReadTable(reader, prefix, c);
   if (c->hardening == "johnson_cook" || reader.Help())
-    reader.Flag({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
+    reader.Read({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
   if (reader.Help()) return;
   CheckHardening(reader, prefix, *c);
   WarnOfUnits(reader, prefix, *c);
@@ -167,23 +167,23 @@ double KeptVolumeShare(const Constants &c)
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
 {
   Constants common;
-  reader.Names({"-materials", "names of the materials"}, true, names);
-  reader.Number({"-rate_scale", "simulated time over real time, for laws that know a rate"}, kPositive, false,
-                &common.rate_scale);
-  reader.Number({"-initial_temperature", "temperature at the start, and T0 of johnson_cook where a material gives none", "K"},
-                kPositive, false, &common.initial_temperature);
+  reader.Read({"-materials", "names of the materials"}, names, kRequired);
+  reader.Read({"-rate_scale", "simulated time over real time, for laws that know a rate", "", kPositive}, &common.rate_scale);
+  reader.Read(
+      {"-initial_temperature", "temperature at the start, and T0 of johnson_cook where a material gives none", "K", kPositive},
+      &common.initial_temperature);
   for (const std::string &name : *names) {
     const std::string prefix = "-" + name + "_";
     std::string model = "neo_hookean";
     Constants k = common;
     reader.Choice({prefix + "model", "constitutive law"}, MaterialModels(), &model);
-    reader.Number({prefix + "youngs_modulus", "Young's modulus", "Pa"}, kPositive, true, &k.youngs_modulus);
-    reader.Number({prefix + "poissons_ratio", "Poisson's ratio"}, Open(-1, 0.5), true, &k.poissons_ratio);
-    reader.Number({prefix + "density", "initial density", "kg/m3"}, kPositive, true, &k.density);
+    reader.Read({prefix + "youngs_modulus", "Young's modulus", "Pa", kPositive}, &k.youngs_modulus, kRequired);
+    reader.Read({prefix + "poissons_ratio", "Poisson's ratio", "", Open(-1, 0.5)}, &k.poissons_ratio, kRequired);
+    reader.Read({prefix + "density", "initial density", "kg/m3", kPositive}, &k.density, kRequired);
     bool average = model == "j2", split = average;
     if (average || reader.Help()) ReadHardening(reader, prefix, &k);
-    reader.Flag({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
-    reader.Flag({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
+    reader.Read({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
+    reader.Read({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
     c->model.materials.back()->SplitStretched(split);
     if (!reader.Help()) WarnOfLocking(reader, prefix, k.poissons_ratio, average);

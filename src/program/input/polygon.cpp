@@ -1,5 +1,5 @@
 // Compares all pairs of edges: cases have some thousand vertices at most.
-#include "program/input/polygon.hpp"
+#include "program/input/read_case.hpp"
 
 #include "base/text.hpp"
 

@@ -2,7 +2,6 @@
 #include "program/input/read_case.hpp"
 
 #include "program/advice/case_checks.hpp"
-#include "program/input/groups.hpp"
 
 #include <petscksp.h>
 
@@ -27,9 +26,9 @@ void ReadGeometry(OptionReader &reader, Geometry *geometry)
   std::string kind = kinds[0];
   geometry->kind = static_cast<GeometryKind>(
       reader.Choice({"-geometry", "kinematics; in axisymmetry x is the radius and y the axis"}, kinds, &kind));
-  if (reader.Number({"-thickness", "plane_strain: out-of-plane thickness", "m"}, kPositive, false, &geometry->thickness) &&
+  if (reader.Read({"-thickness", "plane_strain: out-of-plane thickness", "m", kPositive}, &geometry->thickness) &&
       geometry->kind != GeometryKind::kPlaneStrain)
-    reader.Refuse("-thickness", FormatNumber(geometry->thickness), "left out with -geometry {}: it is of plane strain", kind);
+    reader.Refuse("-thickness", geometry->thickness, "left out with -geometry {}: it is of plane strain", kind);
   reader.SetDim(geometry->Dim());
 }
 
@@ -40,10 +39,9 @@ void CheckAxis(OptionReader &reader, Case *c)
 {
   const double lower = c->domain.lower[0];
   if (!c->model.geometry.HasHoop()) return;
-  if (lower < 0) reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x >= 0, the radius; the axis is x = 0");
+  if (lower < 0) reader.Refuse("-domain_lower", c->domain.lower, "at x >= 0, the radius; the axis is x = 0");
   if (lower > 0 && lower < 2 * c->cell_size)
-    reader.Refuse("-domain_lower", reader.Text(c->domain.lower), "at x = 0, the axis, or at least two cells, {}, from it",
-                  2 * c->cell_size);
+    reader.Refuse("-domain_lower", c->domain.lower, "at x = 0, the axis, or at least two cells, {}, from it", 2 * c->cell_size);
   if (lower > 0) return;
   const BoundaryKind kind = c->model.sides[kXLower];
   if (kind != BoundaryKind::kSymmetry)
@@ -53,26 +51,25 @@ void CheckAxis(OptionReader &reader, Case *c)
 void ReadGrid(OptionReader &reader, Case *c)
 {
   ReadGeometry(reader, &c->model.geometry);
-  reader.Vector({"-domain_lower", "lower corner of the level-0 grid", "m"}, true, &c->domain.lower);
-  reader.Vector({"-domain_upper", "upper corner of the level-0 grid", "m"}, true, &c->domain.upper);
-  reader.Number({"-cell_size", "edge of a level-0 cell", "m"}, kPositive, true, &c->cell_size);
+  reader.Read({"-domain_lower", "lower corner of the level-0 grid", "m"}, &c->domain.lower, kRequired);
+  reader.Read({"-domain_upper", "upper corner of the level-0 grid", "m"}, &c->domain.upper, kRequired);
+  reader.Read({"-cell_size", "edge of a level-0 cell", "m", kPositive}, &c->cell_size, kRequired);
   for (int s = 0; s < (reader.Help() ? kSides : 2 * c->Dim()); ++s) {
     const bool is_axis = c->model.geometry.HasHoop() && s == kXLower && c->domain.lower[0] == 0;
     std::string kind = is_axis && !reader.Help() ? "symmetry" : "free";
     c->model.sides[s] = static_cast<BoundaryKind>(
-        reader.Choice({std::string("-boundary_") + kSideNames[s], "side of the domain"}, kSideKinds, &kind));
+        reader.Choice({Format("-boundary_{}", kSideNames[s]), "side of the domain"}, kSideKinds, &kind));
   }
   if (reader.Help()) return;
   if (!kCellSizes.Contains(c->cell_size))
-    reader.Refuse("-cell_size", FormatNumber(c->cell_size), kCellSizes.Text() + ", so that areas are numbers too");
+    reader.Refuse("-cell_size", c->cell_size, "{}, so that areas are numbers too", kCellSizes.Text());
   for (int axis = 0; axis < c->Dim(); ++axis) {
     const double edge = c->domain.upper[axis] - c->domain.lower[axis], cells = edge / c->cell_size;
-    if (!(cells > 0))
-      reader.Refuse("-domain_upper", reader.Text(c->domain.upper), "above -domain_lower " + reader.Text(c->domain.lower));
-    if (cells > 1e6) reader.Refuse("-cell_size", FormatNumber(c->cell_size), "at least a millionth of the domain's edges");
+    if (!(cells > 0)) reader.Refuse("-domain_upper", c->domain.upper, "above -domain_lower {}", reader.Text(c->domain.lower));
+    if (cells > 1e6) reader.Refuse("-cell_size", c->cell_size, "at least a millionth of the domain's edges");
     const double whole = std::max(1.0, std::round(cells));
     if (std::abs(cells - whole) > 1e-6 * std::max(1.0, cells))
-      reader.Refuse("-cell_size", FormatNumber(c->cell_size),
+      reader.Refuse("-cell_size", c->cell_size,
                     "a whole fraction of the domain's edges {} to a millionth; {} cells along {} have {}",
                     reader.Text(c->domain.upper - c->domain.lower), FormatNumber(whole), "xyz"[axis], FormatNumber(edge / whole));
   }
@@ -82,7 +79,7 @@ void ReadGrid(OptionReader &reader, Case *c)
   double nodes = 1;
   for (int axis = 0; axis < c->Dim(); ++axis) nodes *= c->Cells(axis) + 4.0;
   if (nodes > max_nodes)
-    reader.Refuse("-cell_size", FormatNumber(c->cell_size), "such that the grid has at most {} nodes; it would have {}",
+    reader.Refuse("-cell_size", c->cell_size, "such that the grid has at most {} nodes; it would have {}",
                   FormatNumber(max_nodes), FormatNumber(nodes));
 }
 
@@ -101,9 +98,10 @@ void ReadMethod(OptionReader &reader, Case *c)
     reader.Refuse("-stress_update", update, "usl or musl with more than one level");
   if (model.stress_update == StressUpdate::kUsf && model.VolumeAverages() > 0)
     reader.Refuse("-stress_update", update, "usl or musl with -NAME_volume_average, the default of j2");
-  reader.Numbers(
-      {"-short_wave_viscosity", "a,b of the viscosity min(0.3, a + b E^2 + motion) on the short-wave strain rate; 0,0 = none"},
-      kNotNegative, 2, 2, false, &viscosity);
+  reader.Read({"-short_wave_viscosity",
+               "a,b of the viscosity min(0.3, a + b E^2 + motion) on the short-wave strain rate; 0,0 = none", "", kNotNegative, 2,
+               2},
+              &viscosity);
   model.short_wave = {viscosity[0], viscosity[1]};
   for (const auto &material : model.materials) {
     constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
@@ -111,24 +109,25 @@ void ReadMethod(OptionReader &reader, Case *c)
     if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu())
       model.nodal.xpic_fraction = kIncompressibleXpic;
   }
-  c->quasi_static.own_xpic =
-      !reader.Number({"-xpic_fraction", "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or "
-                                        "-quasi_static, 0.05 with levels and a Poisson's ratio of 0.4)"},
-                     Closed(0, 1), false, &model.nodal.xpic_fraction);
-  reader.Integer({"-xpic_order", "order of XPIC; 1 = PIC"}, Closed(1, 2), &model.nodal.xpic_order);
-  c->quasi_static.own_damping = !reader.Number({"-damping", "mass-proportional damping rate for quasi-static runs", "1/s"},
-                                               kNotNegative, false, &model.nodal.damping);
+  c->quasi_static.own_xpic = !reader.Read({"-xpic_fraction",
+                                           "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or "
+                                           "-quasi_static, 0.05 with levels and a Poisson's ratio of 0.4)",
+                                           "", Closed(0, 1)},
+                                          &model.nodal.xpic_fraction);
+  reader.Read({"-xpic_order", "order of XPIC; 1 = PIC", "", Closed(1, 2)}, &model.nodal.xpic_order);
+  c->quasi_static.own_damping = !reader.Read(
+      {"-damping", "mass-proportional damping rate for quasi-static runs", "1/s", kNotNegative}, &model.nodal.damping);
 }
 
 void ReadTime(OptionReader &reader, Case *c)
 {
-  reader.Number({"-end_time", "end of the run", "s"}, kPositive, false, &c->time.end_time);
-  reader.Integer({"-max_steps", "level-0 steps at which the run ends; 0 = no limit"}, kNotNegative, &c->time.max_steps);
-  reader.Number({"-time_step", "level-0 time step; 0 = from -cfl", "s"}, kNotNegative, false, &c->time.time_step);
-  reader.Number({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed"}, {0, kLargestCfl, true, false},
-                false, &c->time.cfl);
-  reader.Number({"-max_wall_time", "time by the clock before which the run writes a checkpoint and ends", "s"}, kPositive, false,
-                &c->time.max_wall_time);
+  reader.Read({"-end_time", "end of the run", "s", kPositive}, &c->time.end_time);
+  reader.Read({"-max_steps", "level-0 steps at which the run ends; 0 = no limit", "", kNotNegative}, &c->time.max_steps);
+  reader.Read({"-time_step", "level-0 time step; 0 = from -cfl", "s", kNotNegative}, &c->time.time_step);
+  reader.Read({"-cfl", "time step as a fraction of h/(c + |v|), c the current wave speed", "", {0, kLargestCfl, true, false}},
+              &c->time.cfl);
+  reader.Read({"-max_wall_time", "time by the clock before which the run writes a checkpoint and ends", "s", kPositive},
+              &c->time.max_wall_time);
 }
 
 /// Whether a terminal shows the output. mpiexec may give ranks a terminal of its own whose lines end in a file, so the first rank
@@ -157,22 +156,24 @@ void ReadOutput(OptionReader &reader, Case *c)
 {
   OutputSettings &out = c->output;
   out.directory = "output/" + c->name;
-  reader.Text({"-output_dir", "folder for the results (default: output/ and the name of the options file)"}, false,
-              &out.directory);
-  reader.Flag({"-overwrite", "replace the results that the folder holds"}, &out.overwrite);
-  reader.Integer({"-history_interval", "level-0 steps between rows of history.csv"}, Closed(1, 2e9), &out.history_interval);
-  reader.Integer({"-frames", "number of equally spaced point frames behind that of the start, the last at the end; 0 = none"},
-                 Closed(0, 1e6), &out.frames);
-  reader.Integer({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none"}, kNotNegative, &out.checkpoint_interval);
-  reader.Text({"-restart", "checkpoint to go on from, on any number of ranks"}, false, &out.restart);
+  reader.Read({"-output_dir", "folder for the results (default: output/ and the name of the options file)"}, &out.directory);
+  reader.Read({"-overwrite", "replace the results that the folder holds"}, &out.overwrite);
+  reader.Read({"-history_interval", "level-0 steps between rows of history.csv", "", Closed(1, 2e9)}, &out.history_interval);
+  reader.Read({"-frames", "number of equally spaced point frames behind that of the start, the last at the end; 0 = none", "",
+               Closed(0, 1e6)},
+              &out.frames);
+  reader.Read({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", "", kNotNegative},
+              &out.checkpoint_interval);
+  reader.Read({"-restart", "checkpoint to go on from, on any number of ranks"}, &out.restart);
   out.monitor = OnTerminal(reader.Comm());
-  reader.Flag({"-monitor", "progress line (default: true on a terminal, without mpiexec)"}, &out.monitor);
-  reader.Flag({"-contact_monitor", "a line per step about the contact solve"}, &c->model.contact.monitor);
-  reader.Integer({"-sort_interval", "steps between sorts of the points"}, Closed(1, 2e9), &c->hierarchy.sort_interval);
-  reader.Number({"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid"},
-                {1, HUGE_VAL, false, true}, false, &c->hierarchy.rebalance_threshold);
-  reader.Integer({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks"}, Closed(1, 2e9),
-                 &c->hierarchy.points_per_rank);
+  reader.Read({"-monitor", "progress line (default: true on a terminal, without mpiexec)"}, &out.monitor);
+  reader.Read({"-contact_monitor", "a line per step about the contact solve"}, &c->model.contact.monitor);
+  reader.Read({"-sort_interval", "steps between sorts of the points", "", Closed(1, 2e9)}, &c->hierarchy.sort_interval);
+  reader.Read(
+      {"-rebalance_threshold", "max/mean points per rank that triggers a re-cut of the grid", "", {1, HUGE_VAL, false, true}},
+      &c->hierarchy.rebalance_threshold);
+  reader.Read({"-points_per_rank", "a level with fewer points than this for each rank uses fewer ranks", "", Closed(1, 2e9)},
+              &c->hierarchy.points_per_rank);
   ReadViewers(reader, c->levels);
 }
 
@@ -249,7 +250,7 @@ void ReadCase(OptionReader &reader, Case *c)
   }
   // An option that is misspelt comes first: it may be the one that seems to be missing, or leave a default that is wrong.
   const std::vector<std::string> all = reader.Help() ? std::vector<std::string>() : AllNames(reader.Comm());
-  if (!all.empty()) OptionReader::RefuseMisspelt(all);
+  if (!all.empty()) RefuseMisspelt(all);
   if (!problem.empty()) Refuse(problem);
 }
 

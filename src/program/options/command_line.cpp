@@ -80,18 +80,19 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
   for (int number = 1; std::getline(lines, line); ++number) {
     const std::string place = Format("-options_file {}: line {}: ", path, number);
     if (const std::size_t end = line.find('\r'); end != std::string::npos && end + 1 < line.size())
-      return place + "must end in a line feed; a carriage return alone ends no line";
+      return Format("{}must end in a line feed; a carriage return alone ends no line", place);
     line = line.substr(0, line.find('#'));
     std::istringstream words(line);
     std::string name, value, more;
     words >> name >> value >> more;
     const std::string wrong = WrongCharacters(line);
-    if (!wrong.empty()) return place + wrong;
+    if (!wrong.empty()) return Format("{}{}", place, wrong);
     if (name.size() + value.size() > kLongestValue)
       return Format("{}must not be longer than {} characters", place, kLongestValue);
     if (name.empty()) continue;
     if (!IsOptionName(name)) return Format("{}must be '-name value', found '{}'", place, Shortened(Printable(name)));
-    if (LowerCase(name) == "-options_file") return place + "must not name another options file; give both on the command line";
+    if (LowerCase(name) == "-options_file")
+      return Format("{}must not name another options file; give both on the command line", place);
     if (!more.empty()) return Format("{}must be '-name value' with no blanks in the value, found '{}'", place, Shortened(more));
     if (IsOptionName(value))
       return Format("{}must be '-name value', found the name of an option as the value '{}'", place, Shortened(value));

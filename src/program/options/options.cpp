@@ -32,7 +32,7 @@ std::vector<std::string> Split(const std::string &text, char separator)
 std::string Range::Text() const
 {
   if (lower == -HUGE_VAL && upper == HUGE_VAL) return "a number";
-  if (upper == HUGE_VAL) return (lower_open ? "> " : ">= ") + FormatNumber(lower);
+  if (upper == HUGE_VAL) return Format("{} {}{}", lower_open ? ">" : ">=", FormatNumber(lower), or_infinity ? " or inf" : "");
   return Format("in {}{}, {}{}", lower_open ? "(" : "[", FormatNumber(lower), FormatNumber(upper), upper_open ? ")" : "]");
 }
 
@@ -41,6 +41,8 @@ std::string Shortened(const std::string &value)
   constexpr std::size_t kMaxShown = 200; // size
   return value.size() <= kMaxShown ? value : Format("{}... ({} characters)", value.substr(0, kMaxShown), value.size());
 }
+
+static const std::string kNothing = "(nothing)"; ///< how messages show an empty value
 
 std::string LowerCase(std::string name)
 {
@@ -55,149 +57,125 @@ static bool ParseNumber(const std::string &text, double *value)
   return !text.empty() && *end == '\0' && std::isfinite(*value) && !std::isspace(static_cast<unsigned char>(text[0]));
 }
 
-void OptionReader::Refuse(const std::string &name, const std::string &value, const std::string &allowed)
+void OptionReader::Throw(const std::string &name, const std::string &value, const std::string &allowed)
 {
-  throw InputRefused(Format("{}{}: must be {}", name, value.empty() ? "" : " " + Shortened(value), allowed));
+  throw InputRefused(Format("{}{}: must be {}", name, value.empty() ? "" : Format(" {}", Shortened(value)), allowed));
 }
 
-bool OptionReader::Raw(const OptionText &option, const std::string &fallback, std::string *value)
+bool OptionReader::Raw(const Option &option, const std::string &fallback, std::string *value)
 {
   std::vector<char> buffer(kLongestValue + 1);
   PetscBool given = PETSC_FALSE;
   if (std::find(known_.begin(), known_.end(), option.name) != known_.end())
     Refuse(option.name, "", "an option of one body, material or load; rename one of those that it belongs to");
-  const std::string help = option.help + (option.unit.empty() ? "" : " [" + option.unit + "]");
+  const std::string help = option.unit.empty() ? option.help : Format("{} [{}]", option.help, option.unit);
   auto PetscOptionsObject = items_; // by this name PETSc's macro knows it
   if (!learns_)
     ExitOnError(
         PetscOptionsString(option.name.c_str(), help.c_str(), nullptr, fallback.c_str(), buffer.data(), buffer.size(), &given));
   *value = given ? buffer.data() : fallback;
   known_.push_back(option.name);
-  if (identify_) identity_.push_back(option.name + " " + *value);
+  if (identify_) identity_.push_back(Format("{} {}", option.name, *value));
   return given;
 }
 
-bool OptionReader::Text(const OptionText &option, bool required, std::string *value)
+template <> bool OptionReader::Read(const Option &option, std::string *value, bool required)
 {
   std::string text;
   const bool given = Raw(option, required ? "required" : *value, &text);
-  if (!given && required && !help_) Refuse(option.name, "", "given: " + option.help);
-  if (given && text.empty()) Refuse(option.name, "(nothing)", "given a value: " + option.help);
+  if (!given && required && !help_) Refuse(option.name, "", "given: {}", option.help);
+  if (given && text.empty()) Refuse(option.name, kNothing, "given a value: {}", option.help);
   if (given) *value = text;
   return given;
 }
 
-void OptionReader::Flag(const OptionText &option, bool *value)
+template <> bool OptionReader::Read(const Option &option, bool *value, bool)
 {
   const std::set<std::string> yes = {"", "1", "true", "yes", "on"}, no = {"0", "false", "no", "off"};
   std::string text;
-  if (!Raw(option, *value ? "true" : "false", &text)) return;
+  if (!Raw(option, *value ? "true" : "false", &text)) return false;
   if (!yes.count(text) && !no.count(text)) Refuse(option.name, text, "true or false (or yes, no, on, off, 1, 0)");
   *value = yes.count(text) > 0;
+  return true;
 }
 
-void OptionReader::Viewer(const OptionText &option)
+template <> bool OptionReader::Read(const Option &option, int *value, bool)
 {
-  std::string text;
-  PetscViewer viewer;
-  if (!Raw(option, "none", &text) || help_) return;
-  ExitOnError(PetscOptionsCreateViewer(comm_, nullptr, nullptr, option.name.c_str(), &viewer, nullptr, nullptr));
-  ExitOnError(PetscViewerDestroy(&viewer));
-}
-
-int OptionReader::Choice(const OptionText &option, const std::vector<std::string> &choices, std::string *value)
-{
-  Raw({option.name, option.help + ": " + Join(choices, ", "), option.unit}, *value, value);
-  const auto place = std::find(choices.begin(), choices.end(), *value);
-  if (place == choices.end()) Refuse(option.name, value->empty() ? "(nothing)" : *value, "one of " + Join(choices, ", "));
-  return static_cast<int>(place - choices.begin());
-}
-
-void OptionReader::Integer(const OptionText &option, const Range &range, int *value)
-{
+  constexpr double kLargestInt = 2e9; // size
   std::string text;
   double number;
-  Raw(option, std::to_string(*value), &text);
-  constexpr double kLargestInt = 2e9; // size
+  const bool given = Raw(option, std::to_string(*value), &text);
+  const Range &range = option.range;
   if (!ParseNumber(text, &number) || !range.Contains(number) || number != std::floor(number) || std::abs(number) > kLargestInt)
-    Refuse(
-        option.name, text.empty() ? "(nothing)" : text,
-        Format("a whole number {}{}", range.Text(), number > kLargestInt && range.upper == HUGE_VAL ? " and at most 2e9" : ""));
+    Refuse(option.name, text.empty() ? kNothing : text, "a whole number {}{}", range.Text(),
+           number > kLargestInt && range.upper == HUGE_VAL ? " and at most 2e9" : "");
   *value = static_cast<int>(number);
-}
-
-bool OptionReader::Number(const OptionText &option, const Range &range, bool required, double *value)
-{
-  std::vector<double> values(1, *value);
-  const bool given = Numbers(option, range, 1, 1, required, &values);
-  *value = values[0];
   return given;
 }
 
-void OptionReader::NumberOrInfinity(const OptionText &option, const Range &range, double *value)
-{
-  std::string text;
-  Raw(option, FormatNumber(*value), &text);
-  if (text == "inf")
-    *value = HUGE_VAL;
-  else if (!ParseNumber(text, value) || !range.Contains(*value))
-    Refuse(option.name, text.empty() ? "(nothing)" : text, range.Text() + " or inf");
-  if (identify_) identity_.back() = option.name + " " + FormatNumber(*value);
-}
-
-void OptionReader::Chosen(const std::string &name, double value)
-{
-  for (std::string &one : identity_)
-    if (one.rfind(name + " ", 0) == 0) one = name + " " + FormatNumber(value);
-}
-
-static std::string FormatNumbers(const std::vector<double> &values)
+static std::string FormatNumbers(const std::vector<double> &values, const std::string &infinite)
 {
   std::vector<std::string> words;
-  for (double value : values) words.push_back(std::isfinite(value) ? FormatNumber(value) : "none");
+  for (double value : values) words.push_back(std::isfinite(value) ? FormatNumber(value) : infinite);
   return Join(words, ",");
 }
 
-bool OptionReader::Numbers(const OptionText &option, const Range &range, std::size_t least, std::size_t most, bool required,
-                           std::vector<double> *values)
+/// How many numbers there must be, as a message has it.
+static std::string CountText(const Option &option)
 {
+  if (option.most == 1) return "";
+  const std::string fewest = option.most != option.least && option.least > 1 ? "at least " : "";
+  return Format("{}{}numbers ", fewest, option.least > 1 ? Format("{} ", option.least) : "");
+}
+
+template <> bool OptionReader::Read(const Option &option, std::vector<double> *values, bool required)
+{
+  const Range &range = option.range;
   std::string text, strange;
   bool allowed = true;
-  if (!Raw(option, required ? "required" : values->empty() ? "none" : FormatNumbers(*values), &text)) {
-    if (required && !help_) Refuse(option.name, "", "given: " + option.help);
+  if (!Raw(option, required ? "required" : values->empty() ? "none" : FormatNumbers(*values, "none"), &text)) {
+    if (required && !help_) Refuse(option.name, "", "given: {}", option.help);
     return false;
   }
   values->clear();
   for (const std::string &word : Split(text, ',')) {
     double value = 0;
-    const bool number = ParseNumber(word, &value);
+    const bool infinite = range.or_infinity && word == "inf", number = infinite || ParseNumber(word, &value);
     if (!number && strange.empty() && !text.empty())
-      strange = Format("; {} is no finite number", word.empty() ? "(nothing)" : Shortened(word));
-    allowed = allowed && number && range.Contains(value);
-    values->push_back(value);
+      strange = Format("; {} is no finite number", word.empty() ? kNothing : Shortened(word));
+    allowed = allowed && (infinite || (number && range.Contains(value)));
+    values->push_back(infinite ? HUGE_VAL : value);
   }
-  if (most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
-  const std::string fewest = most == least ? "" : least > 1 ? "at least " : "";
-  const std::string count = most == 1 ? "" : Format("{}{}numbers ", fewest, least > 1 ? Format("{} ", least) : "");
-  if (!allowed || values->size() < least || (most && values->size() > most))
-    Refuse(option.name, text.empty() ? "(nothing)" : text,
-           count + (count.empty() || range.Text() != "a number" ? range.Text() : "separated by commas") + strange);
-  if (identify_) identity_.back() = option.name + " " + FormatNumbers(*values); // 1 and 1.0 are the same case
+  if (option.most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
+  const std::string count = CountText(option), kind = range.Text();
+  if (!allowed || values->size() < option.least || (option.most && values->size() > option.most))
+    Refuse(option.name, text.empty() ? kNothing : text, "{}{}{}", count,
+           count.empty() || kind != "a number" ? kind : "separated by commas", strange);
+  if (identify_) identity_.back() = Format("{} {}", option.name, FormatNumbers(*values, "inf")); // 1 and 1.0 are the same case
   return true;
 }
 
-std::string OptionReader::Text(Vec3 x) const { return FormatVector(x, dim_); }
-
-bool OptionReader::Vector(const OptionText &option, bool required, Vec3 *value)
+template <> bool OptionReader::Read(const Option &option, double *value, bool required)
 {
+  Option one = option;
+  std::vector<double> values(1, *value);
+  one.most = 1;
+  const bool given = Read(one, &values, required);
+  *value = values[0];
+  return given;
+}
+
+template <> bool OptionReader::Read(const Option &option, Vec3 *value, bool required)
+{
+  Option list = option;
   std::vector<double> values(value->begin(), value->begin() + dim_);
-  const bool given = Numbers(option, kAnyNumber, dim_, dim_, required, &values);
+  list.least = list.most = static_cast<std::size_t>(dim_);
+  const bool given = Read(list, &values, required);
   std::copy_n(values.begin(), dim_, value->begin());
   return given;
 }
 
-/// The value of an option, where it was given.
-static bool FindValue(const std::string &name, std::string *value)
+bool FindValue(const std::string &name, std::string *value)
 {
   std::vector<char> buffer(kLongestValue + 1);
   PetscBool given = PETSC_FALSE;
@@ -206,13 +184,13 @@ static bool FindValue(const std::string &name, std::string *value)
   return given;
 }
 
-void OptionReader::Names(const OptionText &option, bool required, std::vector<std::string> *names)
+template <> bool OptionReader::Read(const Option &option, std::vector<std::string> *names, bool required)
 {
   std::string text;
   names->clear();
-  if (!Text(option, required, &text) && !(learns_ && FindValue(option.name, &text))) {
+  if (!Read(option, &text, required) && !(learns_ && FindValue(option.name, &text))) {
     if (help_) *names = {"NAME"};
-    return;
+    return false;
   }
   for (const std::string &name : Split(text, ',')) {
     bool valid = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0]));
@@ -221,6 +199,31 @@ void OptionReader::Names(const OptionText &option, bool required, std::vector<st
       Refuse(option.name, text, "different names of letters, digits and underscores, separated by commas");
     names->push_back(name);
   }
+  return true;
+}
+
+int OptionReader::Choice(const Option &option, const std::vector<std::string> &choices, std::string *value)
+{
+  const std::string all = Join(choices, ", ");
+  Raw({option.name, Format("{}: {}", option.help, all), option.unit}, *value, value);
+  const auto place = std::find(choices.begin(), choices.end(), *value);
+  if (place == choices.end()) Refuse(option.name, value->empty() ? kNothing : *value, "one of {}", all);
+  return static_cast<int>(place - choices.begin());
+}
+
+void OptionReader::Viewer(const Option &option)
+{
+  std::string text;
+  PetscViewer viewer;
+  if (!Raw(option, "none", &text) || help_) return;
+  ExitOnError(PetscOptionsCreateViewer(comm_, nullptr, nullptr, option.name.c_str(), &viewer, nullptr, nullptr));
+  ExitOnError(PetscViewerDestroy(&viewer));
+}
+
+void OptionReader::Chosen(const std::string &name, double value)
+{
+  for (std::string &one : identity_)
+    if (one.rfind(name + " ", 0) == 0) one = Format("{} {}", name, FormatNumber(value));
 }
 
 /// Number of insertions, deletions and replacements that turn a into b (Levenshtein).
@@ -266,7 +269,7 @@ static bool LooksLikePetsc(const std::string &option)
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
 }
 
-constexpr std::size_t kMaxTypingErrors = 2; ///< size: typing errors
+constexpr std::size_t kMaxTypingErrors = 2; ///< size: of messages alone; between an option and the name that was meant
 
 /// The known name that is most like an option's.
 static const std::string &Nearest(const std::string &option, const std::vector<std::string> &known)
@@ -288,19 +291,18 @@ constexpr RetiredOption kRetired[] = {
 [[noreturn]] static void RefuseUnknown(const std::string &option, const std::vector<std::string> &known)
 {
   if (option.find('=') != std::string::npos)
-    Refuse(Shortened(option) + ": a blank must be between an option's name and its value, not =");
+    Refuse("{}: a blank must be between an option's name and its value, not =", Shortened(option));
   for (const RetiredOption &retired : kRetired)
     if (option == retired.name) Refuse("{}: is not an option any more: {}", option, retired.reason);
   Refuse("{}: unknown or unused option in this case; the nearest known name is {}", Shortened(option), Nearest(option, known));
 }
 
-void OptionReader::RefuseUnused() const
+void RefuseUnused(const std::vector<std::string> &known)
 {
   for (const std::string &unused : FindUnused()) {
-    if (std::find(known_.begin(), known_.end(), unused) != known_.end())
-      mlgimp::Refuse(Shortened(unused) + ": is not used in this case");
-    if (EditDistance(unused, Nearest(unused, known_)) > kMaxTypingErrors && LooksLikePetsc(unused)) continue;
-    RefuseUnknown(unused, known_);
+    if (std::find(known.begin(), known.end(), unused) != known.end()) Refuse("{}: is not used in this case", Shortened(unused));
+    if (EditDistance(unused, Nearest(unused, known)) > kMaxTypingErrors && LooksLikePetsc(unused)) continue;
+    RefuseUnknown(unused, known);
   }
 }
 
@@ -323,7 +325,7 @@ static bool IsKnown(const std::string &option, const std::vector<std::string> &k
   });
 }
 
-void OptionReader::RefuseMisspelt(std::vector<std::string> all)
+void RefuseMisspelt(std::vector<std::string> all)
 {
   all.insert(all.end(), {"-options_file", "-help", "-version"}); // those of the command line
   for (const std::string &unused : FindUnused()) {
@@ -335,13 +337,13 @@ void OptionReader::RefuseMisspelt(std::vector<std::string> all)
   }
 }
 
-void OptionReader::WarnUnused() const
+void WarnUnused(MPI_Comm comm)
 {
   // Read by PETSc only when it finishes.
   const std::set<std::string> late = {"-options_left", "-options_view", "-objects_dump",
                                       "-malloc_dump",  "-memory_view",  "-log_view_memory"};
   for (const std::string &unused : FindUnused())
-    if (!late.count(unused)) Warn(comm_, Shortened(unused) + ": unused option");
+    if (!late.count(unused)) Warn(comm, Format("{}: unused option", Shortened(unused)));
 }
 
 } // namespace mlgimp

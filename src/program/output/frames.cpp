@@ -1,7 +1,6 @@
 // Point frames in HDF5, and their series.
 #include "program/output/frames.hpp"
 
-#include "program/output/xdmf.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/errors.hpp"
 #include "program/system/files.hpp"

@@ -1,6 +1,7 @@
 // Writing of history.csv.
 #include "program/output/history.hpp"
 
+#include "base/text.hpp"
 #include "program/system/agree.hpp"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ std::vector<HistoryColumn> Columns(const Geometry &geometry, bool slow)
     for (const Budget &row : table)
       for (int c = from; row.shown == shown && c < std::min(to, row.components); ++c)
         columns.push_back(
-            {row.components > 1 ? std::string(row.name) + "_" + "xyz"[c] : row.name, static_cast<int>(&row - table.begin()), c});
+            {row.components > 1 ? Format("{}_{}", row.name, "xyz"[c]) : row.name, static_cast<int>(&row - table.begin()), c});
   };
   add(Shown::kColumn, 0, 2);
   if (geometry.HasHoop()) add(Shown::kHoopColumn, 0, 1);
@@ -79,7 +80,7 @@ std::string History::Open(MPI_Comm comm, const std::string &directory, const Geo
 std::string History::Append(const std::string &text) const
 {
   const off_t end = lseek(file_, 0, SEEK_END);
-  if (!IsThere()) return "cannot write " + path_ + ": the file was removed or replaced during the run";
+  if (!IsThere()) return Format("cannot write {}: the file was removed or replaced during the run", path_);
   if (WriteAll(file_, text)) return "";
   const int error = errno;
   (void)!ftruncate(file_, end);

@@ -5,12 +5,11 @@
 #include "program/system/hdf5_file.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <regex>
 #include <sys/file.h>
 
 namespace mlgimp
@@ -20,33 +19,22 @@ namespace fs = std::filesystem;
 
 static constexpr char kLockName[] = ".mlgimp_lock";
 
-/// The number in `name` between start and end, of six digits or more as it is written; -1 for any other name.
-static long NumberIn(const std::string &name, const std::string &start, const std::string &end)
-{
-  constexpr std::size_t kDigits = 6, kMaxDigits = 18; // size
-  if (name.size() < start.size() + kDigits + end.size() || name.rfind(start, 0) != 0) return -1;
-  const std::string digits = name.substr(start.size(), name.size() - start.size() - end.size());
-  if (name.substr(start.size() + digits.size()) != end || digits.size() > kMaxDigits) return -1;
-  for (char c : digits)
-    if (!std::isdigit(static_cast<unsigned char>(c))) return -1;
-  return digits.size() > kDigits && digits[0] == '0' ? -1 : std::strtol(digits.c_str(), nullptr, 10);
-}
+/// A file that a run writes, known by its full name; all other files in the folder are the user's.
+struct Result {
+  enum Kind { kNone, kLog, kSeries, kFrame, kCheckpoint } kind = kNone;
+  long number = 0;   ///< of a frame or a checkpoint
+  bool part = false; ///< not complete
+};
 
-ResultName ParseResultName(const std::string &name)
+static Result ResultOf(const std::string &name)
 {
-  static const std::string kPart = ".part";
-  ResultName result;
-  result.part = name.size() > kPart.size() && name.substr(name.size() - kPart.size()) == kPart;
-  const std::string whole = result.part ? name.substr(0, name.size() - kPart.size()) : name;
-  const long frame = NumberIn(whole, "points_", ".h5"), checkpoint = NumberIn(whole, "checkpoint_", ".h5");
-  result.number = std::max({frame, checkpoint, 0L});
-  if (whole == "history.csv") result.kind = ResultName::kHistory;
-  if (whole == "summary.json") result.kind = ResultName::kSummary;
-  if (whole == "points.vtkhdf" || whole == "points.xdmf" || whole == "surface.vtkhdf" || whole == "surface.xdmf")
-    result.kind = ResultName::kSeries;
-  if (frame >= 0) result.kind = ResultName::kFrame;
-  if (checkpoint >= 0) result.kind = ResultName::kCheckpoint;
-  return result;
+  static const std::regex kLog("(history\\.csv|summary\\.json)(\\.part)?"), kSeries("(points|surface)\\.(vtkhdf|xdmf)(\\.part)?"),
+      kNumbered("(points|checkpoint)_([0-9]{6}|[1-9][0-9]{6,17})\\.h5(\\.part)?"); // six digits or more, as it is written
+  std::smatch found;
+  if (std::regex_match(name, found, kLog)) return {Result::kLog, 0, found[2].matched};
+  if (std::regex_match(name, found, kSeries)) return {Result::kSeries, 0, found[3].matched};
+  if (!std::regex_match(name, found, kNumbered)) return {};
+  return {found[1] == "points" ? Result::kFrame : Result::kCheckpoint, std::stol(found[2]), found[3].matched};
 }
 
 /// Names of the results in a folder, and of folders in their way; false, with the reason, where it cannot be listed.
@@ -56,7 +44,7 @@ static bool ListResults(const std::string &directory, std::vector<std::string> *
   for (fs::directory_iterator entry(directory, *error), end; !*error && entry != end; entry.increment(*error)) {
     const std::string name = entry->path().filename().string();
     std::error_code unknown;
-    if (ParseResultName(name).kind == ResultName::kNone) continue;
+    if (ResultOf(name).kind == Result::kNone) continue;
     (fs::is_directory(entry->symlink_status(unknown)) ? folders : files)->push_back(name);
   }
   return !*error;
@@ -91,12 +79,12 @@ std::string OutputFolder::Check()
   const fs::file_status status = fs::status(settings_.directory, unknown);
   if (status.type() == fs::file_type::unknown) return Format("{}be a folder that can be reached: {}", option, unknown.message());
   if (!fs::exists(status)) return "";
-  if (!fs::is_directory(status)) return option + "be a folder; it is a file";
+  if (!fs::is_directory(status)) return Format("{}be a folder; it is a file", option);
   if (!ListResults(settings_.directory, &files, &folders, &error))
     return Format("{}be a folder that can be listed: {}", option, error.message());
   if (!folders.empty()) return Format("{}hold no folder {}, the name of a result", option, folders[0]);
   goes_on_ = HoldsRestart(files);
-  if (!files.empty() && !goes_on_ && !settings_.overwrite) return option + "hold no results, or -overwrite be given";
+  if (!files.empty() && !goes_on_ && !settings_.overwrite) return Format("{}hold no results, or -overwrite be given", option);
   return "";
 }
 
@@ -111,7 +99,7 @@ std::string OutputFolder::Lock()
     const int error = errno;
     if (error == EWOULDBLOCK) {
       lock_.Close();
-      return option + "must be used by one run at a time; another is writing there";
+      return Format("{}must be used by one run at a time; another is writing there", option);
     }
     warning_ = Format("{}the file system gives no locks ({}): two runs in this folder at once would not be noticed, and on NFS "
                       "all ranks must be on one machine",
@@ -134,11 +122,11 @@ std::string OutputFolder::Check(MPI_Comm comm)
 /// Of the results in the folder, those that the run does without.
 bool OutputFolder::IsStale(const std::string &name, long step, int frames) const
 {
-  const ResultName result = ParseResultName(name);
+  const Result result = ResultOf(name);
   if (IsRestart(PathOf(name))) return false;
   if (!goes_on_ || result.part) return true;
-  return (result.kind == ResultName::kCheckpoint && result.number > step) ||
-         (result.kind == ResultName::kFrame && result.number > frames) || (result.kind == ResultName::kSeries && frames < 0);
+  return (result.kind == Result::kCheckpoint && result.number > step) ||
+         (result.kind == Result::kFrame && result.number > frames) || (result.kind == Result::kSeries && frames < 0);
 }
 
 std::string OutputFolder::Claim(MPI_Comm comm)

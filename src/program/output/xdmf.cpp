@@ -1,5 +1,5 @@
 // XDMF, a grid for each group of each frame.
-#include "program/output/xdmf.hpp"
+#include "program/output/vtkhdf.hpp"
 
 #include <sstream>
 

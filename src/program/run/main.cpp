@@ -3,14 +3,17 @@
 #include "program/input/read_case.hpp"
 #include "program/options/command_line.hpp"
 #include "program/run/simulation.hpp"
+#include "program/system/agree.hpp"
 #include "program/system/errors.hpp"
 #include "program/system/hdf5_file.hpp"
 #include "program/system/signals.hpp"
 #include "program/system/versions.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fcntl.h>
 
 namespace
 {
@@ -26,6 +29,26 @@ void BeginLog()
   PetscBool begun = PETSC_FALSE;
   ExitOnError(PetscLogIsActive(&begun));
   if (!begun) ExitOnError(PetscLogDefaultBegin());
+}
+
+/// -log_view is written when all is done: a file of it, as in TYPE:FILE:FORMAT, that cannot be is refused before the first step.
+void CheckLogView(MPI_Comm comm)
+{
+  std::string views;
+  if (!FindValue("-log_view", &views)) return;
+  const std::string problem = OnFirstRank(comm, "log_view", [&]() -> std::string {
+    for (const std::string &view : Split(views, ',')) {
+      const std::vector<std::string> parts = Split(view, ':');
+      if (parts.size() < 2 || parts[1].empty()) continue;
+      const Descriptor file(open(parts[1].c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666), close);
+      if (!file.Valid()) return Format("-log_view {}: {}", Shortened(view), CannotWrite(parts[1], errno));
+    }
+    return "";
+  });
+  if (problem.empty()) return;
+  ExitOnError(
+      PetscOptionsClearValue(nullptr, "-log_view")); // PETSc would try to write it when it ends, and wait for the first rank
+  Refuse(problem);
 }
 
 /// Returns the signal that the run has been stopped by, else 0.
@@ -49,12 +72,13 @@ int Main(const CommandLine &line, const std::string &program)
     ExitOnError(solver.Create());
     return 0;
   }
+  CheckLogView(PETSC_COMM_WORLD);
   Simulation simulation(settings);
   simulation.SetUp(PETSC_COMM_WORLD);
-  reader.RefuseUnused();
+  RefuseUnused(reader.Known());
   simulation.WarnAtStart(reader.Warnings());
   const int signal = simulation.Run();
-  reader.WarnUnused();
+  WarnUnused(PETSC_COMM_WORLD);
   return signal;
 }
 

@@ -80,7 +80,7 @@ std::string RunOutput::EndFailed(const std::string &message)
 {
   rows_.Write();
   frames_.Finish(hierarchy_.Comm());
-  WriteSummary(case_, hierarchy_, state_, cost_, rows_, "failed: " + message); // its errors matter less than `message`
+  WriteSummary(case_, hierarchy_, state_, cost_, rows_, Format("failed: {}", message)); // its errors matter less
   return FindKept();
 }
 

@@ -1,8 +1,7 @@
 // The loop over level-0 steps.
 #include "program/run/simulation.hpp"
 
-#include "program/advice/memory.hpp"
-#include "program/advice/start_checks.hpp"
+#include "program/advice/case_checks.hpp"
 #include "program/system/signals.hpp"
 
 #include <algorithm>
@@ -185,7 +184,7 @@ void Simulation::ObeyOrders()
 /// One line: of a signal as of all that end a run, of the clock as of an end that was wanted.
 void Simulation::ReportStop() const
 {
-  const std::string line = OneLine("ended by " + stopped_);
+  const std::string line = OneLine(Format("ended by {}", stopped_));
   if (RankIn(hierarchy_.Comm()) == 0)
     std::fprintf(stop_signal_ ? stderr : stdout, "mlgimp: %s%s\n", stop_signal_ ? "error: " : "", line.c_str());
 }

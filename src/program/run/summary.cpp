@@ -49,10 +49,9 @@ double EventSeconds(const std::vector<PetscLogStage> &stages, PetscLogEvent even
 /// Whether -log_view is in a format for which PETSc keeps times by their place in a tree of events, and not of events alone.
 bool LogsTree()
 {
-  char viewer[PETSC_MAX_PATH_LEN] = "";
-  ExitOnError(PetscOptionsGetString(nullptr, nullptr, "-log_view", viewer, sizeof viewer, nullptr));
-  const std::string text = viewer;
-  return text.find("ascii_xml") != std::string::npos || text.find("ascii_flamegraph") != std::string::npos;
+  std::string viewer;
+  FindValue("-log_view", &viewer);
+  return viewer.find("ascii_xml") != std::string::npos || viewer.find("ascii_flamegraph") != std::string::npos;
 }
 
 Json VersionsJson()

@@ -215,11 +215,11 @@ void LeaveHistoryAside(OptionReader &reader)
 {
   std::string text;
   for (const char *option : {"-indenter_times", "-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
-    reader.Text({option, "not used with -indenter_depths"}, false, &text);
+    reader.Read({option, "not used with -indenter_depths"}, &text);
   for (const char *option : {"-indenter_velocities_x", "-indenter_velocities_y"})
-    if (reader.Text({option, "sideways speed"}, false, &text)) reader.Refuse(option, text, kNotSideways);
+    if (reader.Read({option, "sideways speed"}, &text)) reader.Refuse(option, text, kNotSideways);
   text = "displacement";
-  reader.Text({"-indenter_control", "not used with -indenter_depths"}, false, &text);
+  reader.Read({"-indenter_control", "not used with -indenter_depths"}, &text);
   if (text != "displacement")
     reader.Refuse("-indenter_control", text, "displacement or left out where -indenter_depths are given");
 }
@@ -228,17 +228,17 @@ void LeaveHistoryAside(OptionReader &reader)
 
 void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan)
 {
-  reader.Flag(
+  reader.Read(
       {"-quasi_static", "slow test through the turns of the indenter's history: speeds, ramps, holds and damping are chosen"},
       &plan->on);
   if (plan->on && !has_indenter && !reader.Help()) reader.Refuse("-quasi_static", "true", "left out without -indenter");
   if (!plan->on && !reader.Help()) return;
-  reader.Numbers({"-indenter_depths", "depths at the turns of a slow test, in place of its history", "m"}, kNotNegative, 1, 0,
-                 false, &plan->turns);
+  reader.Read({"-indenter_depths", "depths at the turns of a slow test, in place of its history", "m", kNotNegative},
+              &plan->turns);
   if (reader.Help()) plan->turns.clear();
   if (!plan->turns.empty()) LeaveHistoryAside(reader);
-  reader.Number({"-quasi_static_tolerance", "share of the load that inertia and damping may add"}, {0, 0.1, true, false}, false,
-                &plan->tolerance);
+  reader.Read({"-quasi_static_tolerance", "share of the load that inertia and damping may add", "", {0, 0.1, true, false}},
+              &plan->tolerance);
 }
 
 double TransitOf(const Case &c) { return WavePath(c) * MeanSlowness(c); }
@@ -248,7 +248,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   QuasiStaticPlan &plan = c->quasi_static;
   for (int axis = 0; axis < 2; ++axis)
     if (!c->model.indenter->sideways[axis].Times().empty())
-      reader.Refuse(std::string("-indenter_velocities_") + "xy"[axis], "", kNotSideways);
+      reader.Refuse(Format("-indenter_velocities_{}", "xy"[axis]), "", kNotSideways);
   for (std::size_t k = 0; k < c->model.loads.size(); ++k)
     if (c->model.loads[k].pressure.EndTime() > 0)
       reader.Refuse("-quasi_static", "true", "left out where a load changes with time, as {}: its times are not stretched",

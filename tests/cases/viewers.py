@@ -69,7 +69,8 @@ def test_count_of_points(expect, tmp_path, points_per_rank):
 @pytest.mark.parametrize("option, value, words", [
     ("level_3_dm_view", None, ["unknown or unused"]), ("level_4321_nodes_view", "hdf5:nodes.h5", ["unknown or unused"]),
     ("level_0_nodes_view", "nonsense", ["nonsense"]), ("level_1_points_view", "hdf5:/no/such/folder/points.h5", ["hdf5"]),
-    ("log_view", ":/no/such/folder/log.txt", ["-log_view", "cannot write /no/such/folder/log.txt"])])
+    ("log_view", ":/no/such/folder/log.txt", ["-log_view", "cannot write /no/such/folder/log.txt"]),
+    ("log_view", "log.txt", ["-log_view log.txt: must be [ascii][:FILE][:FORMAT], as :log.txt for a file"])])
 def test_wrong_viewers(tmp_path, option, value, words):
     """Before the first step, in one line."""
     for ranks in (1, 2):

@@ -31,23 +31,30 @@ void BeginLog()
   if (!begun) ExitOnError(PetscLogDefaultBegin());
 }
 
-/// -log_view is written when all is done: a file of it, as in TYPE:FILE:FORMAT, that cannot be is refused before the first step.
+/// Why one of PETSc's views TYPE:FILE:FORMAT of the log cannot be written; an empty string where it can.
+std::string WrongLogView(const std::string &view)
+{
+  const std::vector<std::string> parts = Split(view, ':');
+  if (!parts[0].empty() && parts[0] != PETSCVIEWERASCII)
+    return Format("must be [{}][:FILE][:FORMAT], as :log.txt for a file", PETSCVIEWERASCII);
+  if (parts.size() < 2 || parts[1].empty()) return "";
+  const Descriptor file(open(parts[1].c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666), close);
+  return file.Valid() ? "" : CannotWrite(parts[1], errno);
+}
+
+/// -log_view is written when all is done: what cannot be is refused before the first step.
 void CheckLogView(MPI_Comm comm)
 {
   std::string views;
-  if (!FindValue("-log_view", &views)) return;
+  if (!FindValue("-log_view", &views) || views.empty()) return;
   const std::string problem = OnFirstRank(comm, "log_view", [&]() -> std::string {
-    for (const std::string &view : Split(views, ',')) {
-      const std::vector<std::string> parts = Split(view, ':');
-      if (parts.size() < 2 || parts[1].empty()) continue;
-      const Descriptor file(open(parts[1].c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666), close);
-      if (!file.Valid()) return Format("-log_view {}: {}", Shortened(view), CannotWrite(parts[1], errno));
-    }
+    for (const std::string &view : Split(views, ','))
+      if (const std::string wrong = WrongLogView(view); !wrong.empty()) return Format("-log_view {}: {}", Shortened(view), wrong);
     return "";
   });
   if (problem.empty()) return;
-  ExitOnError(
-      PetscOptionsClearValue(nullptr, "-log_view")); // PETSc would try to write it when it ends, and wait for the first rank
+  // Else PETSc would try to write it when it ends, and wait for the first rank.
+  ExitOnError(PetscOptionsClearValue(nullptr, "-log_view"));
   Refuse(problem);
 }
 

@@ -95,7 +95,7 @@ protected:
   const ContactGroup &group_;
 };
 
-/// A pressure on each segment of the surface (docs/method.md): the default.
+/// A pressure on each segment of the surface (docs/contact.md): the default.
 std::unique_ptr<Contact> MakePressureContact(const ContactGroup &group);
 /// One pressure per material point, gap at its centre: the paper's Eq. 11 as printed, for comparison.
 std::unique_ptr<Contact> MakePointPressureContact(const ContactGroup &group);

@@ -2,7 +2,7 @@
 
 A pressure cos kx moves a half space's surface by 2/(E* k). Through hats, and seen through hats, the grid shows sinc(kh/2)^4 times
 the compliance of its nodes, found here from the weights of undeformed points, four in a cell, layer by layer. Contact adds
-c (1 - Pi(k)), Pi = sinc(kh/2)^4 in each direction (docs/method.md, section 4)."""
+c (1 - Pi(k)), Pi = sinc(kh/2)^4 in each direction (docs/contact.md)."""
 import numpy
 import pytest
 

@@ -10,6 +10,8 @@ namespace mlgimp
 
 using Index = std::array<int, 3>;
 
+inline constexpr double kLargestWhole = 9007199254740992; ///< exact; 2^53: doubles hold whole numbers up to it exactly
+
 struct IndexHash {
   std::size_t operator()(Index at) const
   {

@@ -26,9 +26,6 @@ struct SurfaceColumn {
   double surface = 0;   ///< sum_s H_j w_s over all surface, also what is not pressed, m2
   double projected = 0; ///< the same of the projection of what may be pressed on the plane normal to the axis, m2
   double pressable = 0; ///< the same over what may be pressed, m2
-  double touching = 0;  ///< sum_s H_j w_s over what has a pressure in the solution, m2
-  double load = 0;      ///< along the axis, of the solution, N
-  double mean = 0;      ///< L_j of the solution, Pa
 };
 
 /// A number of columns, by their keys.
@@ -42,10 +39,61 @@ struct PatchState {
   std::array<double, 2> traction; ///< along the indenter's tangents, Pa
 };
 
-/// The problem of the pressures on segments, and what its solution means.
+/// What pressures on segments do in a step.
+struct SegmentSolution {
+  /// What presses a segment along the axis, N.
+  struct Load {
+    int segment;
+    double force;
+  };
+  /// What the surface of a segment flows by in the step, m.
+  struct Flow {
+    int segment;
+    double by;
+  };
+  struct Column {
+    double touching = 0; ///< sum_s H_j w_s over what has a pressure, m2
+    double load = 0;     ///< along the axis, N
+    double mean = 0;     ///< L_j, Pa
+  };
+  struct Footprint {
+    double area = 0;             ///< projected, m2
+    double stored = 0;           ///< energy of the compliance, J
+    double flow_work = 0;        ///< of pressures on what flows, J
+    double peak = 0;             ///< largest mean pressure of a column, Pa
+    double reach = 0;            ///< from the tip to the farthest loaded column along a horizontal axis, m
+    bool crosses_border = false; ///< a loaded column is at the border to the coarser level, or beyond
+    int points = 0;              ///< patches with a segment under pressure
+  };
+  std::vector<Load> loads;
+  std::vector<Flow> flows;
+  std::vector<Vec3> impulses;  ///< [nodes], N s
+  std::vector<Column> columns; ///< in the order of the problem's
+  Footprint shape;
+};
+
+/// The problem of the pressures on segments.
 class SegmentProblem : public PressureProblem
 {
 public:
+  /// A segment that may touch.
+  struct Candidate {
+    int segment;
+    double root_area, root_c, root_flow; ///< roots of w_s, of the compliance c and of what flow adds to it in the step
+    double beside;                       ///< share of its columns' surface that an edge of the indenter leaves free
+    double back;                         ///< c_p: offset over the pressure that holds it, m/Pa; 0 of what does not flow
+    double relaxes;                      ///< the part of the way to what the pressure holds that it flows in the step
+    Vec3 normal;
+    int first, end; ///< of the nodes that move it
+    int column[4];
+    double hat[4];
+    std::array<double, 2> traction_before; ///< along the indenter's tangents, in the last step, Pa
+    /// w_s p_s, N.
+    double Force(double q) const { return root_area * q; }
+    double Area() const { return root_area * root_area; }
+    double Compliance() const { return root_c * root_c; }
+  };
+
   /// From segments in their order and the nodes that they push, which must stay. before: L_j of the last step; strains: that
   /// points under columns have flowed in it; last: what patches had in it, in the order of segments.
   void Build(const GridGeometry &grid, GeometryKind geometry, double dt, const ContactNodes &nodes, std::vector<Segment> segments,
@@ -59,23 +107,14 @@ public:
   /// What a solution leaves to the next step, without tractions.
   std::vector<PatchState> StatesOf(const std::vector<double> &q) const;
 
-  /// Takes the solution: impulses of nodes, columns, footprint. border: to the next coarser level, or null; tip: at the start of
-  /// the step, m; travel: of a free tip, m.
-  void Take(const BorderNodes *border, Vec3 tip, const std::vector<double> &q, double travel);
-
-  /// What the surface of segments flows by in the step, m.
-  struct Flow {
-    int segment;
-    double by;
-  };
-  const std::vector<Flow> &Flows() const { return solution_.flows; }
-  /// What presses a segment along the axis, N.
-  struct Load {
-    int segment;
-    double force;
-  };
-  const std::vector<Load> &Loads() const { return solution_.loads; }
+  /// What pressures do in the step. border: to the next coarser level, or null; tip: at the start of the step, m; travel: of a
+  /// free tip, m.
+  SegmentSolution SolutionOf(const std::vector<double> &q, const BorderNodes *border, Vec3 tip, double travel) const;
   const std::vector<Segment> &Segments() const { return segments_; }
+  const std::vector<SurfaceColumn> &Columns() const { return columns_; }
+  const ContactNodes &Nodes() const { return *nodes_; }
+  /// A segment that may touch.
+  const Candidate &CandidateAt(int k) const { return candidates_[k]; }
 
   // For friction.
   /// Forces on candidates as forces on nodes; what they move in the step, dt^2 M^-1; and how candidates move with nodes, m.
@@ -89,46 +128,11 @@ public:
   std::vector<double> YieldTo(const std::vector<double> &tractions, const std::vector<char> &odd) const;
   /// Replaces what friction moves nodes by, of which the gaps have a part, m.
   void SetFriction(const std::vector<Vec3> &nodes);
-  /// Of a candidate: w_s p_s, N; the indenter's normal; the root of w_s; c, m/Pa; its traction in the last step, Pa.
-  double ForceOf(int k, const std::vector<double> &q) const { return candidates_[k].root_area * q[k]; }
-  const Vec3 &NormalOf(int k) const { return candidates_[k].normal; }
-  double RootArea(int k) const { return candidates_[k].root_area; }
-  double Compliance(int k) const { return candidates_[k].root_c * candidates_[k].root_c; }
-  const std::array<double, 2> &TractionBefore(int k) const { return tractions_before_[k]; }
-
-  // Of the solution.
-  struct Footprint {
-    double area = 0;             ///< projected, m2
-    double stored = 0;           ///< energy of the compliance, J
-    double flow_work = 0;        ///< of pressures on what flows, J
-    double peak = 0;             ///< largest mean pressure of a column, Pa
-    double reach = 0;            ///< from the tip to the farthest loaded column along a horizontal axis, m
-    bool crosses_border = false; ///< a loaded column is at the border to the coarser level, or beyond
-    int points = 0;              ///< that have a segment under pressure
-  };
-  const Footprint &Shape() const { return solution_.shape; }
-  const std::vector<SurfaceColumn> &Columns() const { return columns_; }
-  /// Columns of which some surface presses, after Take.
-  std::vector<PressedColumn> Pressed() const;
-  const ContactNodes &Nodes() const { return *nodes_; }
-  const std::vector<Vec3> &Impulses() const { return solution_.impulses; }
 
 private:
   int Dim() const { return grid_.dim; }
   /// Columns around a segment.
   int OnColumns() const { return 1 << (grid_.dim - 1); }
-  /// A segment that may touch.
-  struct Candidate {
-    int segment;
-    double root_area, root_c, root_flow; ///< roots of w_s, of the compliance c and of what flow adds to it in the step
-    double beside;                       ///< share of its columns' surface that an edge of the indenter leaves free
-    double back;                         ///< c_p: offset over the pressure that holds it, m/Pa; 0 of what does not flow
-    double relaxes;                      ///< the part of the way to what the pressure holds that it flows in the step
-    Vec3 normal;
-    int first, end; ///< of the nodes that move it
-    int column[4];
-    double hat[4];
-  };
   struct NodeWeight {
     int node;
     double weight;
@@ -150,6 +154,9 @@ private:
   void SumColumns();
   void AddCandidates(const ColumnNumbers &before);
   void SetCompliance(GeometryKind geometry);
+  void AddLoads(const std::vector<double> &q, SegmentSolution *solution) const;
+  void MeasureColumns(const BorderNodes *border, Vec3 tip, SegmentSolution *solution) const;
+  void MeasureSegments(const std::vector<double> &q, double travel, SegmentSolution *solution) const;
   bool CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const;
   void SetFlow(const ColumnNumbers &strains);
   void StartFrom(const std::vector<PatchState> &last);
@@ -173,18 +180,11 @@ private:
   std::vector<NodeWeight> weights_;
   std::unordered_map<Index, std::array<int, 8>, IndexHash> cell_nodes_;
   std::vector<double> gaps_without_friction_, start_;
-  std::vector<std::array<double, 2>> tractions_before_;
   struct Scratch {
     std::vector<Vec3> moved;               ///< [nodes]
     std::vector<double> means, flow_means; ///< [columns]
   };
   mutable Scratch scratch_; ///< of Multiply
-  struct Solution {
-    std::vector<Flow> flows;
-    std::vector<Load> loads;
-    std::vector<Vec3> impulses; ///< [nodes], N s
-    Footprint shape;
-  } solution_;
 };
 
 } // namespace mlgimp

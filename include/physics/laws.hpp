@@ -29,6 +29,8 @@ struct Elasticity {
   }
 
   double Bulk() const { return lambda + 2 * mu / 3; } ///< K, Pa
+  /// E/(1 - nu^2), by which a half space yields to pressure, Pa.
+  double PlaneModulus() const { return 4 * mu * (lambda + mu) / (lambda + 2 * mu); }
   /// Energy, J/m3, and |e|^2 of the strain e that has this stress by Hooke's law.
   double EnergyOf(const Sym3 &stress) const
   {

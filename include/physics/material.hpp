@@ -41,8 +41,6 @@ public:
 
   const Elasticity &Elastic() const { return elasticity_; }
   double Density() const { return elasticity_.density; } ///< initial density, kg/m3
-  double Lambda() const { return elasticity_.lambda; }   ///< first Lame constant, Pa
-  double Mu() const { return elasticity_.mu; }           ///< shear modulus, Pa
   double SpeedOfSound() const;                           ///< sqrt((lambda + 2 mu)/rho0), m/s
 
   /// Against locking, the growth of volume of points is the mean over those of a cell, but for the share of their own.

@@ -108,12 +108,11 @@ inline int OuterFaceBit(Side side) { return 1 << side; }
 /// where there is no load, initial_radius where there is no hoop direction.
 struct PointArrays {
   int count;
-  int dim, stress_components, rate_components; ///< F has dim x dim
+  int dim, stress_components, rate_components, loads, history_components; ///< F has dim x dim
   std::int64_t *id;
   double *position, *velocity, *F, *stress, *short_wave_stress, *mass, *half_size, *initial_radius, *initial_position;
   int *body, *faces;
   double *load_share, *history;
-  int loads, history_components;
 
   /// Place of a point's first number in a field of so many components.
   static std::ptrdiff_t At(int p, int components) { return static_cast<std::ptrdiff_t>(p) * components; }
@@ -148,19 +147,32 @@ private:
   }
 };
 
+/// Calls visit(field, array, components) for every array, which may be set.
+template <class Visit> void ForEachArray(PointArrays &a, Visit visit)
+{
+  visit(kId, a.id, 1);
+  visit(kPosition, a.position, a.dim);
+  visit(kVelocity, a.velocity, a.dim);
+  visit(kDeformation, a.F, a.dim * a.dim);
+  visit(kStress, a.stress, a.stress_components);
+  visit(kShortWaveStress, a.short_wave_stress, a.rate_components);
+  visit(kMass, a.mass, 1);
+  visit(kHalfSize, a.half_size, a.dim);
+  visit(kInitialRadius, a.initial_radius, 1);
+  visit(kInitialPosition, a.initial_position, a.dim);
+  visit(kBody, a.body, 1);
+  visit(kFaces, a.faces, 1);
+  visit(kLoadShare, a.load_share, a.loads);
+  visit(kHistory, a.history, a.history_components);
+}
+
 /// Points start to end as arrays of their own.
 inline PointArrays Slice(PointArrays points, int start, int end)
 {
-  const auto move = [start](auto *&field, int components) {
-    if (field) field += PointArrays::At(start, components);
-  };
   points.count = end - start;
-  move(points.id, 1), move(points.mass, 1), move(points.initial_radius, 1), move(points.body, 1), move(points.faces, 1);
-  for (double **field : {&points.position, &points.velocity, &points.half_size, &points.initial_position})
-    move(*field, points.dim);
-  move(points.F, points.dim * points.dim), move(points.stress, points.stress_components);
-  move(points.short_wave_stress, points.rate_components);
-  move(points.load_share, points.loads), move(points.history, points.history_components);
+  ForEachArray(points, [start](PointField, auto *&array, int components) {
+    if (array) array += PointArrays::At(start, components);
+  });
   return points;
 }
 

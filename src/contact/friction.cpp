@@ -31,11 +31,13 @@ void Friction::Begin(const BoundaryConditions &sides, int dim, const SegmentProb
       for (const Side side : SidesAcross(a))
         held_[a][j] |= sides.kind[side] != BoundaryKind::kFree && sides.Reaches(side, columns[j].at);
   }
-  for (std::size_t k = 0; k < count; ++k)
+  for (std::size_t k = 0; k < count; ++k) {
+    const SegmentProblem::Candidate &one = problem.CandidateAt(k);
     for (int a = 0; a < axes_; ++a) {
-      tangents_[k][a] = SurfaceTangent((1 / Norm(problem.NormalOf(k))) * problem.NormalOf(k), a, up_);
-      tractions_[k][a] = problem.RootArea(k) * problem.TractionBefore(k)[a];
+      tangents_[k][a] = SurfaceTangent((1 / Norm(one.normal)) * one.normal, a, up_);
+      tractions_[k][a] = one.root_area * one.traction_before[a];
     }
+  }
   Yield(problem, tractions_, &yields_before_);
   motion_.assign(problem.Nodes().Size(), {}), forces_ = motion_;
   upward_force_ = heat_ = stored_ = 0;
@@ -43,7 +45,8 @@ void Friction::Begin(const BoundaryConditions &sides, int dim, const SegmentProb
 
 Friction::Along Friction::Traction(const SegmentProblem &problem, int k) const
 {
-  return {tractions_[k][0] / problem.RootArea(k), tractions_[k][1] / problem.RootArea(k)};
+  const double root_area = problem.CandidateAt(k).root_area;
+  return {tractions_[k][0] / root_area, tractions_[k][1] / root_area};
 }
 
 void Friction::Yield(const SegmentProblem &problem, const Field &tractions, Field *yields) const
@@ -61,7 +64,7 @@ Friction::Field Friction::SlipsOf(const SegmentProblem &problem, const std::vect
 {
   Field slips(tangents_.size());
   for (std::size_t k = 0; k < slips.size(); ++k)
-    for (int a = 0; a < axes_; ++a) slips[k][a] = problem.RootArea(k) * Dot(tangents_[k][a], motion[k]);
+    for (int a = 0; a < axes_; ++a) slips[k][a] = problem.CandidateAt(k).root_area * Dot(tangents_[k][a], motion[k]);
   return slips;
 }
 
@@ -69,7 +72,7 @@ Friction::Field Friction::Response(const SegmentProblem &problem, const Field &t
 {
   std::vector<Vec3> forces(tangents_.size());
   for (std::size_t k = 0; k < forces.size(); ++k)
-    for (int a = 0; a < axes_; ++a) forces[k] = forces[k] + problem.RootArea(k) * tractions[k][a] * tangents_[k][a];
+    for (int a = 0; a < axes_; ++a) forces[k] = forces[k] + problem.CandidateAt(k).root_area * tractions[k][a] * tangents_[k][a];
   problem.Spread(forces, &forces_);
   motion_ = forces_;
   problem.Move(&motion_);
@@ -86,12 +89,14 @@ std::vector<double> Friction::Bounds(const SegmentProblem &problem, const std::v
 {
   constexpr double kAcross = 1.1; // tangents along two axes are coupled a little
   Field even(tangents_.size());
-  for (std::size_t k = 0; k < even.size(); ++k) even[k][0] = q[k] > 0 ? problem.RootArea(k) : 0;
+  for (std::size_t k = 0; k < even.size(); ++k) even[k][0] = q[k] > 0 ? problem.CandidateAt(k).root_area : 0;
   Response(problem, even);
   const Field slips = SlipsOf(problem, problem.MotionOf(motion_));
   std::vector<double> bounds(even.size(), DBL_MIN);
   for (std::size_t k = 0; k < even.size(); ++k)
-    if (q[k] > 0) bounds[k] = (slips[k][0] / problem.RootArea(k) + problem.Compliance(k)) * (axes_ > 1 ? kAcross : 1);
+    if (q[k] > 0)
+      bounds[k] =
+          (slips[k][0] / problem.CandidateAt(k).root_area + problem.CandidateAt(k).Compliance()) * (axes_ > 1 ? kAcross : 1);
   return bounds;
 }
 
@@ -113,8 +118,9 @@ double Friction::Solve(const SegmentProblem &problem, const std::vector<double> 
   std::vector<Vec3> motion(count), nodes;
   double pressed = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    motion[k] = problem.ForceOf(k, q) * problem.NormalOf(k);
-    pressed += problem.ForceOf(k, q);
+    const double force = problem.CandidateAt(k).Force(q[k]);
+    motion[k] = force * problem.CandidateAt(k).normal;
+    pressed += force;
   }
   problem.Spread(motion, &nodes);
   problem.Move(&nodes);
@@ -161,7 +167,7 @@ void Friction::SumUp(const SegmentProblem &problem, const std::vector<double> &q
     double heat = 0;
     for (int a = 0; a < axes_; ++a) {
       heat -= tractions_[k][a] * (slips[k][a] + free_slips[k][a]);
-      upward_force_ += problem.RootArea(k) * tractions_[k][a] * tangents_[k][a][up_];
+      upward_force_ += problem.CandidateAt(k).root_area * tractions_[k][a] * tangents_[k][a][up_];
       stored_ += 0.5 * tractions_[k][a] * yields_[k][a];
     }
     if (std::hypot(tractions_[k][0], tractions_[k][1]) > MostOf(q[k]) * (1 - 1e-9)) heat_ += std::max(0.0, heat);

@@ -93,8 +93,8 @@ public:
         group_.Comm(), &strains, [](const ColumnStrain &) { return 0; }, kAllToFirst));
     if (RankIn(group_.Comm()) == 0) {
       RecordStrains(strains);
-      *work = problem_.Shape().flow_work;
-      for (const SegmentProblem::Flow &flow : problem_.Flows()) {
+      *work = solution_.shape.flow_work;
+      for (const SegmentSolution::Flow &flow : solution_.flows) {
         const Segment &segment = problem_.Segments()[flow.segment];
         flows.push_back({segment.rank, segment.at, flow.by});
       }
@@ -227,7 +227,7 @@ private:
   {
     ColumnNumbers projected, loads;
     for (const LineArea &one : areas) projected[one.key] += one.area;
-    for (const SegmentProblem::Load &load : problem_.Loads())
+    for (const SegmentSolution::Load &load : solution_.loads)
       ForEachLine(grid, problem_.Segments()[load.segment].place,
                   [&](std::int64_t key, double hat) { loads[key] += hat * load.force; });
     std::vector<std::pair<std::int64_t, double>> pressures;
@@ -260,6 +260,7 @@ private:
     PetscFunctionBeginUser;
     problem_.Build(surface.grid.Geometry(), surface.geometry.kind, step.dt, nodes_, std::move(segments), means_, strains_, last_);
     outcome->solved = 1, outcome->empty = problem_.Size() == 0;
+    solution_ = {};
     means_.clear(), strains_.clear(), last_.clear();
     if (problem_.Size() == 0) {
       outcome->travel = step.tip.FreeTravel();
@@ -270,24 +271,33 @@ private:
     Friction friction(settings_.friction);
     if (settings_.friction > 0)
       PetscCall(AddFriction(surface.indenter, motion.Sides(), step, &q, &friction, of_friction, &found, report));
-    problem_.Take(motion.Border(), step.tip.start, q, found.travel);
+    solution_ = problem_.SolutionOf(q, motion.Border(), step.tip.start, found.travel);
     last_ = problem_.StatesOf(q);
     for (std::size_t k = 0; settings_.friction > 0 && k < last_.size(); ++k) last_[k].traction = friction.Traction(problem_, k);
-    for (const SurfaceColumn &column : problem_.Columns())
-      if (column.mean > 0) means_[column.key] = column.mean;
-    *impulses = problem_.Impulses();
+    *impulses = solution_.impulses;
     for (std::size_t k = 0; k < of_friction->size(); ++k) (*impulses)[k] = (*impulses)[k] + (*of_friction)[k];
-    const SegmentProblem::Footprint &shape = problem_.Shape();
+    const SegmentSolution::Footprint &shape = solution_.shape;
     outcome->may_reach_coarser_level = nodes_.AreAtBorder();
     outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
     outcome->reach = shape.reach, outcome->crosses_border = shape.crosses_border, outcome->peak = shape.peak;
     outcome->half_width = HalfWidth(surface, motion.Sides(), step.tip.start, shape.area);
     report->area = shape.area, report->stored = shape.stored + friction.Stored();
-    report->columns = problem_.Pressed();
+    RecordColumns(report);
     outcome->columns = static_cast<double>(report->columns.size());
     report->local_points = shape.points, report->set_updates = std::max(found.turns, 1);
     if (settings_.monitor && found.pressing) PetscCall(PrintSolve(step.time, problem_.Size(), found));
     PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// Mean pressures, for the next step, and what share of columns is pressed.
+  void RecordColumns(ContactReport *report)
+  {
+    for (std::size_t j = 0; j < solution_.columns.size(); ++j) {
+      const SegmentSolution::Column &found = solution_.columns[j];
+      const SurfaceColumn &column = problem_.Columns()[j];
+      if (found.mean > 0) means_[column.key] = found.mean;
+      if (found.touching > 0) report->columns.push_back({column.key, found.touching / column.surface});
+    }
   }
 
   /// Tractions and pressures in turns, until the impulses of tractions stay.
@@ -332,6 +342,7 @@ private:
   ContactSettings settings_;
   ContactNodes nodes_;
   SegmentProblem problem_;
+  SegmentSolution solution_; ///< of the last step, on the first rank
   PressureSolver solver_;
   std::vector<PatchState> last_;  ///< of the last step, on the first rank
   ColumnNumbers means_, strains_; ///< of the last step, on the first rank: L_j; what points under columns flowed in it

@@ -1,4 +1,4 @@
-// Building the operator over segments, and what its solution means.
+// Building the operator over segments, and what its solutions do.
 #include "contact/segment_problem.hpp"
 
 #include <algorithm>
@@ -136,8 +136,6 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
   nodes_ = &nodes;
   cell_nodes_.clear();
   segments_ = std::move(segments);
-  solution_.shape = {};
-  solution_.loads.clear(), solution_.flows.clear();
   SumColumns();
   AddCandidates(before);
   SetCompliance(geometry);
@@ -150,7 +148,6 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
 void SegmentProblem::StartFrom(const std::vector<PatchState> &last)
 {
   auto next = last.begin();
-  tractions_before_.assign(candidates_.size(), {});
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Segment &segment = segments_[candidates_[k].segment];
     const auto key = std::tie(segment.patch, segment.path);
@@ -158,7 +155,7 @@ void SegmentProblem::StartFrom(const std::vector<PatchState> &last)
     const bool known = next != last.end() && std::tie(next->patch, next->path) == key;
     if (!known || !std::isfinite(next->pressure)) continue;
     start_[k] = candidates_[k].root_area * next->pressure;
-    tractions_before_[k] = next->traction;
+    candidates_[k].traction_before = next->traction;
   }
 }
 
@@ -264,7 +261,7 @@ void SegmentProblem::Diagonal(double *diagonal) const
   const std::vector<Vec3> mobility = nodes_->Mobility(dt_);
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
-    const double area = one.root_area * one.root_area, c = one.root_c * one.root_c + one.root_flow * one.root_flow;
+    const double area = one.Area(), c = one.Compliance() + one.root_flow * one.root_flow;
     double moves = 0, shown = 0;
     for (int n = one.first; n < one.end; ++n)
       for (int a = 0; a < Dim(); ++a)
@@ -274,71 +271,84 @@ void SegmentProblem::Diagonal(double *diagonal) const
   }
 }
 
-void SegmentProblem::Take(const BorderNodes *border, Vec3 tip, const std::vector<double> &q, double travel)
+SegmentSolution SegmentProblem::SolutionOf(const std::vector<double> &q, const BorderNodes *border, Vec3 tip, double travel) const
 {
-  constexpr double kEdge =
-      0.1; // share of a segment's own in its column's pressure where contact ends; with 0.5 half widths are 0.1 cells short
-  std::vector<double> aq(q.size());
+  SegmentSolution solution;
+  AddLoads(q, &solution);
+  MeasureColumns(border, tip, &solution);
+  MeasureSegments(q, travel, &solution);
+  return solution;
+}
+
+/// What pressures give nodes, segments and columns.
+void SegmentProblem::AddLoads(const std::vector<double> &q, SegmentSolution *solution) const
+{
   std::int64_t last = -1;
-  std::vector<double> c_weighted(columns_.size(), 0.0);
-  solution_.impulses.assign(nodes_->Size(), {});
-  Multiply(q.data(), aq.data());
+  solution->impulses.assign(nodes_->Size(), {}), solution->columns.resize(columns_.size());
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
-    const double force = one.root_area * q[k];
+    const double force = one.Force(q[k]);
     if (force <= 0) continue;
     const Segment &segment = segments_[one.segment];
-    AddTo(one, (force * dt_) * one.normal, &solution_.impulses);
-    solution_.loads.push_back({one.segment, -force * segment.normal[Dim() - 1]});
+    AddTo(one, (force * dt_) * one.normal, &solution->impulses);
+    solution->loads.push_back({one.segment, -force * segment.normal[Dim() - 1]});
     for (int c = 0; c < OnColumns(); ++c) {
-      SurfaceColumn &column = columns_[one.column[c]];
+      SegmentSolution::Column &column = solution->columns[one.column[c]];
       column.mean += one.hat[c] * force;
       column.touching += one.hat[c] * segment.pressed;
       column.load -= one.hat[c] * force * segment.normal[Dim() - 1];
     }
-    if (segment.patch != last) ++solution_.shape.points;
+    if (segment.patch != last) ++solution->shape.points;
     last = segment.patch;
   }
-  nodes_->Restrict(&solution_.impulses);
-  for (SurfaceColumn &column : columns_) {
-    column.mean /= column.surface;
-    if (column.load <= 0) continue;
-    solution_.shape.crosses_border = solution_.shape.crosses_border || CrossesBorderAt(border, tip, column.at);
-    if (column.projected > 0) solution_.shape.peak = std::max(solution_.shape.peak, column.load / column.projected);
-    for (int a = 0; a < Dim() - 1; ++a)
-      solution_.shape.reach = std::max(solution_.shape.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));
+  nodes_->Restrict(&solution->impulses);
+  for (std::size_t j = 0; j < columns_.size(); ++j) solution->columns[j].mean /= columns_[j].surface;
+}
+
+/// The footprint as loaded columns show it.
+void SegmentProblem::MeasureColumns(const BorderNodes *border, Vec3 tip, SegmentSolution *solution) const
+{
+  SegmentSolution::Footprint &shape = solution->shape;
+  for (std::size_t j = 0; j < columns_.size(); ++j) {
+    const SurfaceColumn &column = columns_[j];
+    const double load = solution->columns[j].load;
+    if (load <= 0) continue;
+    shape.crosses_border = shape.crosses_border || CrossesBorderAt(border, tip, column.at);
+    if (column.projected > 0) shape.peak = std::max(shape.peak, load / column.projected);
+    for (int a = 0; a < Dim() - 1; ++a) shape.reach = std::max(shape.reach, std::abs(grid_.Coordinate(a, column.at[a]) - tip[a]));
   }
+}
+
+/// The area, energies and flow of segments.
+void SegmentProblem::MeasureSegments(const std::vector<double> &q, double travel, SegmentSolution *solution) const
+{
+  // Share of a segment's own in its column's pressure where contact ends; with 0.5 half widths are 0.1 cells short.
+  constexpr double kEdge = 0.1;
+  SegmentSolution::Footprint &shape = solution->shape;
+  std::vector<double> aq(q.size());
+  Multiply(q.data(), aq.data());
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const Candidate &one = candidates_[k];
-    const double area = one.root_area * one.root_area, c = one.root_c * one.root_c, p = q[k] / one.root_area,
-                 offset = segments_[one.segment].offset;
+    const double area = one.Area(), c = one.Compliance(), p = q[k] / one.root_area, offset = segments_[one.segment].offset;
     if (one.relaxes > 0) {
-      solution_.flows.push_back(
+      solution->flows.push_back(
           {one.segment, BeyondColumns(one, q[k], one.root_flow, scratch_.flow_means) / one.root_area - one.relaxes * offset});
-      solution_.shape.flow_work += area * p * solution_.flows.back().by;
+      shape.flow_work += area * p * solution->flows.back().by;
     }
-    if (one.back > 0) solution_.shape.stored += 0.5 * area * offset * offset / one.back;
+    if (one.back > 0) shape.stored += 0.5 * area * offset * offset / one.back;
     double mean = 0, touching = 0;
     for (int n = 0; n < OnColumns(); ++n) {
-      const SurfaceColumn &column = columns_[one.column[n]];
-      mean += one.hat[n] * column.mean, touching += one.hat[n] * column.touching / column.pressable;
+      const SegmentSolution::Column &column = solution->columns[one.column[n]];
+      mean += one.hat[n] * column.mean, touching += one.hat[n] * column.touching / columns_[one.column[n]].pressable;
     }
     if (mean <= 0) continue;
     // g_end = (A q + gaps - u closing)/sqrt(w) - c (p - mean)
     const double slack = (aq[k] + gaps_[k] - travel * closing_[k]) / one.root_area, gap_end = slack - c * (p - mean);
     const double at_edge = std::clamp(2 * (1 - gap_end / (c * mean)) - 2 * kEdge + 0.5, 0.0, 1.0),
                  share = touching < 1 - 1e-6 ? at_edge : 1;
-    solution_.shape.area -= share * area * segments_[one.segment].ring * one.normal[Dim() - 1];
-    solution_.shape.stored += 0.5 * c * area * p * (p - mean);
+    shape.area -= share * area * segments_[one.segment].ring * one.normal[Dim() - 1];
+    shape.stored += 0.5 * c * area * p * (p - mean);
   }
-}
-
-std::vector<PressedColumn> SegmentProblem::Pressed() const
-{
-  std::vector<PressedColumn> pressed;
-  for (const SurfaceColumn &column : columns_)
-    if (column.touching > 0) pressed.push_back({column.key, column.touching / column.surface});
-  return pressed;
 }
 
 } // namespace mlgimp

@@ -105,7 +105,7 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
         Faces(s, gap.normal) ? part.share * s.area * PressedShare(surface.grid.Geometry().spacing, dim - 1, s, gap) : 0;
     if (pressed == 0 && s.normal[dim - 1] <= kMinFacing) continue;
     const Material &material = *surface.bodies.material[patch.body];
-    const double lame = material.Lambda(), mu = material.Mu(), modulus = 4 * mu * (lame + mu) / (lame + 2 * mu);
+    const double modulus = material.Elastic().PlaneModulus();
     const double flow = ContactPressureOfFlow(material);
     const double offset = std::isfinite(flow) ? patch.flow : 0;
     Segment one{

@@ -1,6 +1,8 @@
 // What goes by the table of budgets: sums over parts and ranks, and what checkpoints keep.
 #include "grid/budgets.hpp"
 
+#include "base/index.hpp"
+
 #include <cmath>
 
 namespace mlgimp
@@ -44,11 +46,10 @@ void Budgets::AppendKept(std::vector<double> *numbers) const
 
 const double *Budgets::AddKept(const double *numbers)
 {
-  constexpr double kLargestCount = 9007199254740992; // exact: 2^53
   for (Budget &row : *this)
     for (int c = 0; row.IsKept() && c < row.components; ++c) {
       const double x = *numbers++;
-      if (row.adds == Adds::kCount && !(x >= 0 && x <= kLargestCount && x == std::floor(x))) return nullptr;
+      if (row.adds == Adds::kCount && !(x >= 0 && x <= kLargestWhole && x == std::floor(x))) return nullptr;
       row.Add(c, x);
     }
   return numbers;

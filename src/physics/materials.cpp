@@ -8,7 +8,7 @@
 namespace mlgimp
 {
 
-double Material::SpeedOfSound() const { return std::sqrt((Lambda() + 2 * Mu()) / Density()); }
+double Material::SpeedOfSound() const { return std::sqrt((elasticity_.lambda + 2 * elasticity_.mu) / elasticity_.density); }
 
 namespace
 {

@@ -86,28 +86,14 @@ PetscErrorCode Points::ReleaseFields()
 
 PointArrays Points::Arrays()
 {
-  const auto real = [this](PointField field) { return static_cast<double *>(data_[field]); };
-  const auto integer = [this](PointField field) { return static_cast<int *>(data_[field]); };
-  return {count_,
-          dim_,
-          table_[kStress].components,
-          table_[kShortWaveStress].components,
-          static_cast<std::int64_t *>(data_[kId]),
-          real(kPosition),
-          real(kVelocity),
-          real(kDeformation),
-          real(kStress),
-          real(kShortWaveStress),
-          real(kMass),
-          real(kHalfSize),
-          real(kInitialRadius),
-          real(kInitialPosition),
-          integer(kBody),
-          integer(kFaces),
-          real(kLoadShare),
-          real(kHistory),
-          table_[kLoadShare].components,
-          table_[kHistory].components};
+  PointArrays arrays{};
+  arrays.count = count_, arrays.dim = dim_;
+  arrays.stress_components = table_[kStress].components, arrays.rate_components = table_[kShortWaveStress].components;
+  arrays.loads = table_[kLoadShare].components, arrays.history_components = table_[kHistory].components;
+  ForEachArray(arrays, [this](PointField field, auto *&array, int) {
+    array = static_cast<std::remove_reference_t<decltype(array)>>(data_[field]);
+  });
+  return arrays;
 }
 
 void Points::RecordChange()

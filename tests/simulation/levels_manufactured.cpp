@@ -26,7 +26,8 @@ double Stretch(double X, double phase) { return 1 + 2 * M_PI * kA * std::cos(2 *
 
 double BodyForce(double X, double phase, double J, const Material &material)
 {
-  const double lambda = material.Lambda(), mu = material.Mu(), u = Displacement(X, phase), own = Stretch(X, phase);
+  const double lambda = material.Elastic().lambda, mu = material.Elastic().mu, u = Displacement(X, phase),
+               own = Stretch(X, phase);
   return M_PI * M_PI * u * (4 * mu / kRho - kC * kC - 4 * (lambda * (std::log(J) - 1) - mu) / (kRho * own * own));
 }
 

@@ -24,7 +24,7 @@ PetscErrorCode Deactivate(const std::vector<Box> &boxes, int ratio, const Scheme
   AddBody(run.model, CreateBoxRegion(whole), "neo_hookean", {1e7, 0.3, 1000, NAN, NAN});
   const Material &material = *run.model.materials[0];
   PetscCall(run.Create(NestedLevels(run.model, whole, 1.0 / cells, ratio, boxes)));
-  const double J = stretch[0] * stretch[1] * (space ? stretch[2] : 1), volumetric = material.Lambda() * std::log(J) / J;
+  const double J = stretch[0] * stretch[1] * (space ? stretch[2] : 1), volumetric = material.Elastic().lambda * std::log(J) / J;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     // The points' rectangles tile the square as they are: they were smaller before.
     a.mass[p] /= J;
@@ -32,7 +32,7 @@ PetscErrorCode Deactivate(const std::vector<Box> &boxes, int ratio, const Scheme
     for (int d = 0; d < dim; ++d) {
       a.half_size[dim * p + d] /= stretch[d];
       a.F[dim * dim * p + (dim + 1) * d] = stretch[d];
-      a.stress[a.stress_components * p + d] = material.Mu() / J * (stretch[d] * stretch[d] - 1) + volumetric;
+      a.stress[a.stress_components * p + d] = material.Elastic().mu / J * (stretch[d] * stretch[d] - 1) + volumetric;
     }
   }));
   run.dt = 0.4 / cells / material.SpeedOfSound();

@@ -68,7 +68,7 @@ PetscErrorCode Travel(const Wave &wave, bool two_levels, Field *field)
   // Without lateral contraction shear waves are quick against pressure waves, which come from the sides.
   AddBody(run.model, CreateBoxRegion(domain), "neo_hookean", {1e7, wave.shear ? 0 : 0.3, 1000, NAN, NAN});
   const Material &material = *run.model.materials[0];
-  const double lambda = material.Lambda(), mu = material.Mu();
+  const double lambda = material.Elastic().lambda, mu = material.Elastic().mu;
   const double c = wave.shear ? std::sqrt(mu / material.Density()) : material.SpeedOfSound();
   Box fine = domain;
   (wave.into ? fine.lower : fine.upper)[wave.axis] = 0;

@@ -28,7 +28,7 @@ void SetUp(Model &model, const Scheme &scheme)
 void Displace(const PointArrays &a, int p, const Material &material, double r, double stretch)
 {
   const double R = a.initial_radius[p], hoop = r / R, J = stretch * hoop;
-  const double pressure = material.Lambda() * std::log(J) / J, mu = material.Mu() / J;
+  const double pressure = material.Elastic().lambda * std::log(J) / J, mu = material.Elastic().mu / J;
   a.position[2 * p] = r;
   a.F[4 * p] = stretch;
   a.stress[4 * p] = mu * (stretch * stretch - 1) + pressure;
@@ -126,7 +126,7 @@ PetscErrorCode Stretch(StressUpdate update)
   double place = 0, F = 0, stress = 0, volume = 0;
   PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
     const double R = a.initial_radius[p], J = stretch * stretch,
-                 expected = material.Mu() / J * (J - 1) + material.Lambda() * std::log(J) / J;
+                 expected = material.Elastic().mu / J * (J - 1) + material.Elastic().lambda * std::log(J) / J;
     place = Largest({place, std::abs(a.position[2 * p] / (stretch * R) - 1)});
     F = Largest({F, std::abs(a.F[4 * p] / stretch - 1)});
     for (int k : {0, 2}) stress = Largest({stress, std::abs(a.stress[4 * p + k] / expected - 1)});
@@ -259,7 +259,7 @@ constexpr double kA = 0.05, kOmega = M_PI; // r = R + A sin(w t) sin(pi R), one 
 
 double BodyForce(double R, double g, const Material &material)
 {
-  const double lambda = material.Lambda(), mu = material.Mu(), rho = material.Density();
+  const double lambda = material.Elastic().lambda, mu = material.Elastic().mu, rho = material.Density();
   const double s = std::sin(M_PI * R), c = std::cos(M_PI * R), f = 1 + g * M_PI * c, t = 1 + g * s / R;
   const double df = -g * M_PI * M_PI * s, dt = g * (M_PI * R * c - s) / (R * R), logarithm = lambda * std::log(f * t);
   const double radial = mu * (f - 1 / f) + logarithm / f, hoop = mu * (t - 1 / t) + logarithm / t; // first Piola-Kirchhoff

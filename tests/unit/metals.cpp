@@ -217,7 +217,7 @@ TEST(Metals, SteadyShear)
   MaterialConstants c = Constants("linear");
   c.hardening_modulus = 0, c.yield_stress = c.youngs_modulus / 100;
   const auto metal = CreateMaterial("j2", c, GeometryKind::kPlaneStrain);
-  const double k = c.yield_stress / std::sqrt(3), mu = metal->Mu();
+  const double k = c.yield_stress / std::sqrt(3), mu = metal->Elastic().mu;
   double plastic;
   const auto stress = Shear(*metal, 3, 20000, &plastic);
   EXPECT_NEAR(stress[3] / k, 1 / std::cosh(k / mu), 2e-6) << "shear stress, of k";

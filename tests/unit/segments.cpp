@@ -126,17 +126,17 @@ TEST(Segments, EvenPressuresMoveNodesAlone)
     std::vector<double> Aq(q.size());
     body.problem.Multiply(q.data(), Aq.data());
     std::vector<Vec3> forces, moved;
-    for (int k = 0; k < body.problem.Size(); ++k) forces.push_back(body.problem.ForceOf(k, q) * body.problem.NormalOf(k));
+    for (int k = 0; k < body.problem.Size(); ++k)
+      forces.push_back(body.problem.CandidateAt(k).Force(q[k]) * body.problem.CandidateAt(k).normal);
     body.problem.Spread(forces, &moved);
     body.problem.Move(&moved);
     const std::vector<Vec3> motion = body.problem.MotionOf(moved);
     for (int k = 0; k < body.problem.Size(); ++k) {
-      const double root_area = body.problem.ForceOf(k, q) / q[k];
+      const double root_area = body.problem.CandidateAt(k).Force(q[k]) / q[k];
       EXPECT_NEAR(q[k] / root_area, 3, 1e-13);
-      EXPECT_NEAR(Aq[k], root_area * Dot(motion[k], body.problem.NormalOf(k)), 1e-12 * std::abs(Aq[k]));
+      EXPECT_NEAR(Aq[k], root_area * Dot(motion[k], body.problem.CandidateAt(k).normal), 1e-12 * std::abs(Aq[k]));
     }
-    body.problem.Take(nullptr, PressedBody::kTip, q, 0);
-    EXPECT_NEAR(body.problem.Shape().stored, 0, 1e-12);
+    EXPECT_NEAR(body.problem.SolutionOf(q, nullptr, PressedBody::kTip, 0).shape.stored, 0, 1e-12);
   }
 }
 
@@ -152,15 +152,17 @@ TEST(Segments, TakesTheSolution)
     std::vector<double> q = body.problem.Start();
     ASSERT_EQ(solver.Solve(body.problem, {}, 0, &q, &report), PETSC_SUCCESS);
     EXPECT_TRUE(report.solved && report.pressing > 3 && report.pressing < body.problem.Size());
-    body.problem.Take(nullptr, PressedBody::kTip, q, 0);
+    const SegmentSolution solution = body.problem.SolutionOf(q, nullptr, PressedBody::kTip, 0);
     Vec3 given{}, taken{};
-    for (int k = 0; k < body.problem.Size(); ++k) given = given + (1e-3 * body.problem.ForceOf(k, q)) * body.problem.NormalOf(k);
-    for (const Vec3 &impulse : body.problem.Impulses()) taken = taken + impulse;
+    for (int k = 0; k < body.problem.Size(); ++k)
+      given = given + (1e-3 * body.problem.CandidateAt(k).Force(q[k])) * body.problem.CandidateAt(k).normal;
+    for (const Vec3 &impulse : solution.impulses) taken = taken + impulse;
     EXPECT_LE(Norm(given - taken), 1e-13 * Norm(given));
     std::vector<double> Aq(q.size());
     std::vector<Vec3> forces, moved;
     body.problem.Multiply(q.data(), Aq.data());
-    for (int k = 0; k < body.problem.Size(); ++k) forces.push_back(body.problem.ForceOf(k, q) * body.problem.NormalOf(k));
+    for (int k = 0; k < body.problem.Size(); ++k)
+      forces.push_back(body.problem.CandidateAt(k).Force(q[k]) * body.problem.CandidateAt(k).normal);
     body.problem.Spread(forces, &moved);
     body.problem.Move(&moved);
     const std::vector<Vec3> motion = body.problem.MotionOf(moved);
@@ -168,7 +170,7 @@ TEST(Segments, TakesTheSolution)
     for (std::size_t k = 0; k < motion.size(); ++k) kinetic += 0.5 * Dot(forces[k], motion[k]);
     const double stored = 0.5 * Product(q, Aq) - kinetic;
     EXPECT_GT(stored, 0);
-    EXPECT_NEAR(body.problem.Shape().stored, stored, 1e-9 * stored);
+    EXPECT_NEAR(solution.shape.stored, stored, 1e-9 * stored);
   }
 }
 
@@ -232,7 +234,7 @@ TEST(Friction, CoulombsConditionsHold)
     friction.Solve(problem, q, way);
     // Slips of segments: of the nodes, and of what yields between them.
     std::vector<Vec3> forces, moved;
-    for (int k = 0; k < problem.Size(); ++k) forces.push_back(problem.ForceOf(k, q) * problem.NormalOf(k));
+    for (int k = 0; k < problem.Size(); ++k) forces.push_back(problem.CandidateAt(k).Force(q[k]) * problem.CandidateAt(k).normal);
     problem.Spread(forces, &moved);
     problem.Move(&moved);
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = moved[i] + friction.Motion()[i];
@@ -246,18 +248,18 @@ TEST(Friction, CoulombsConditionsHold)
           odd.back() |= body.sides.kind[side] != BoundaryKind::kFree && body.sides.Reaches(side, column.at);
       }
       std::vector<double> tractions(problem.Size());
-      for (int k = 0; k < problem.Size(); ++k) tractions[k] = problem.RootArea(k) * friction.Traction(problem, k)[a];
+      for (int k = 0; k < problem.Size(); ++k) tractions[k] = problem.CandidateAt(k).root_area * friction.Traction(problem, k)[a];
       const std::vector<double> yields = problem.YieldTo(tractions, odd);
       for (int k = 0; k < problem.Size(); ++k)
-        slips[k][a] =
-            Dot(SurfaceTangent(problem.NormalOf(k), a, axes), motion[k] + before[k] - way) + yields[k] / problem.RootArea(k);
+        slips[k][a] = Dot(SurfaceTangent(problem.CandidateAt(k).normal, a, axes), motion[k] + before[k] - way) +
+                      yields[k] / problem.CandidateAt(k).root_area;
     }
     double largest = 0, heat = 0;
     for (const Friction::Along &slip : slips) largest = std::max(largest, std::hypot(slip[0], slip[1]));
     int sticking = 0, slipping = 0;
     for (int k = 0; k < problem.Size(); ++k) {
       const Friction::Along t = friction.Traction(problem, k), &s = slips[k];
-      const double area = problem.RootArea(k) * problem.RootArea(k), most = kMu * problem.ForceOf(k, q) / area;
+      const double area = problem.CandidateAt(k).Area(), most = kMu * problem.CandidateAt(k).Force(q[k]) / area;
       const double size = std::hypot(t[0], t[1]), slip = std::hypot(s[0], s[1]), along = t[0] * s[0] + t[1] * s[1];
       EXPECT_LE(size, most * (1 + 1e-14));
       if (size < most * (1 - 1e-6)) {

@@ -78,7 +78,7 @@ void ShortWaveStress(const Block &b, const Extents<Geometry::kDim> &points, cons
 {
   constexpr int kRate = Geometry::kRate;
   const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
-  const double lambda = time * b.material.Lambda(), mu2 = 2 * time * b.material.Mu();
+  const double lambda = time * b.material.Elastic().lambda, mu2 = 2 * time * b.material.Elastic().mu;
   alignas(64) double strength[kBlock];
   alignas(64) Row s[kRate]; // D, then the stress
   ShortWaveStrength<Geometry>(b, points, viscosity, dt / grid.Geometry().spacing, u, strength);

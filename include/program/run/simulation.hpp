@@ -42,7 +42,7 @@ private:
   void ReportStop() const;
 
   bool AtEnd() const { return case_.time.IsEnd(state_.step, state_.time); }
-  bool IsChecked() const { return state_.step % kControlInterval == 0 && !AtEnd(); }
+  bool IsCheckDue() const { return state_.step % kControlInterval == 0 && !AtEnd(); }
   /// When boxes may move again.
   double NextCheck() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
   std::array<double, 3> StepSettings() const { return {case_.time.end_time, case_.time.time_step, case_.time.cfl}; }

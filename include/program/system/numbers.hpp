@@ -9,8 +9,6 @@
 namespace mlgimp
 {
 
-inline constexpr double kLargestWhole = 9007199254740992; ///< exact; 2^53: doubles hold whole numbers up to it exactly
-
 template <class State>
 inline constexpr std::size_t kNumbersOf = std::tuple_size_v<decltype(State::Members(std::declval<State &>()))>;
 

@@ -75,7 +75,7 @@ void CheckLoadUnits(OptionReader &reader, const Case &c)
       reader.WarnLater("-{}_times: the largest pressure of {} Pa comes after the end of the run at {} s, by when it is at most "
                        "{} Pa; are the times in s?",
                        c.load_names[k], largest, c.time.end_time, met);
-    const double mu = c.model.MaterialOf(c.model.loads[k].body).Mu();
+    const double mu = c.model.MaterialOf(c.model.loads[k].body).Elastic().mu;
     if (largest > 0 && largest < kMinStrain * mu)
       reader.WarnLater("-{}_pressures: a pressure of at most {} Pa is below 1e-7 of the shear modulus of {} Pa; are they in Pa?",
                        c.load_names[k], largest, mu);

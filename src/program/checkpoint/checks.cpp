@@ -2,8 +2,8 @@
 #include "program/checkpoint/checks.hpp"
 
 #include "base/exchange.hpp"
+#include "base/index.hpp"
 #include "base/text.hpp"
-#include "program/system/numbers.hpp"
 
 #include <algorithm>
 #include <climits>

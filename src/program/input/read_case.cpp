@@ -106,7 +106,7 @@ void ReadMethod(OptionReader &reader, Case *c)
   for (const auto &material : model.materials) {
     constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
     if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, kMetalXpic);
-    if (c->levels > 1 && material->Lambda() >= kIncompressible * (1 - 1e-9) * material->Mu())
+    if (c->levels > 1 && material->Elastic().lambda >= kIncompressible * (1 - 1e-9) * material->Elastic().mu)
       model.nodal.xpic_fraction = kIncompressibleXpic;
   }
   c->quasi_static.own_xpic = !reader.Read({"-xpic_fraction",

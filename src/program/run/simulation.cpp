@@ -19,10 +19,10 @@ int Simulation::Run()
     Step();
     WriteFrameDue(); // with the levels, and the pressures of contact on them, that the step had
     if (!AtEnd()) FollowBoxes();
-    if (IsChecked()) ControlStep();
+    if (IsCheckDue()) ControlStep();
     WriteDue();
     output_.ShowProgress(false);
-    if (IsChecked()) ObeyOrders();
+    if (IsCheckDue()) ObeyOrders();
   }
   output_.ShowProgress(true);
   FailIf(output_.Finish(stopped_.empty() ? "completed" : Format("stopped: {}", stopped_)));

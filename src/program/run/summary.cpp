@@ -1,9 +1,9 @@
 // summary.json: what a run was, how it ended and what it cost.
 #include "program/run/summary.hpp"
 
+#include "base/index.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
-#include "program/system/numbers.hpp"
 #include "program/system/versions.hpp"
 
 #include <nlohmann/json.hpp>

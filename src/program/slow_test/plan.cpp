@@ -32,7 +32,7 @@ const Material *MaterialAt(const Model &model, Vec3 x)
 double Slowness(const Material &material)
 {
   const double kRatio = std::sqrt(6); // of the two speeds at 0.4
-  return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Mu()) / kRatio);
+  return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Elastic().mu) / kRatio);
 }
 
 /// Mean of the time that waves take for a length over all bodies, s/m.
@@ -104,9 +104,9 @@ double SpringBack(const Case &c, double exponent, double depth)
   const double half = 1 - std::pow(0.5, 1 / exponent);
   const Material *material = MaterialAt(c.model, ContactPlace(c));
   if (!material || !(depth > 0)) return half;
-  const double mu = material->Mu(), lambda = material->Lambda(), modulus = 4 * mu * (lambda + mu) / (lambda + 2 * mu);
   const double slope = 0.5 * c.model.indenter->surface->Width(depth) / depth; // a/h
-  return half * std::min(1.0, exponent * M_PI / 2 * ContactPressureOfFlow(*material) / modulus * slope);
+  return half *
+         std::min(1.0, exponent * M_PI / 2 * ContactPressureOfFlow(*material) / material->Elastic().PlaneModulus() * slope);
 }
 
 /// The speed from which on inertia presses a metal noticeably: rho c V against the shear yield stress sy/sqrt 3.

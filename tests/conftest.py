@@ -1,4 +1,4 @@
-"""What pytest is told about this project: expectations that go on, unit programs, studies, and the last line."""
+"""What pytest needs to know of this project: expectations that go on, unit programs, studies, and the last line."""
 import os
 import pathlib
 import re

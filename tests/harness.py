@@ -188,7 +188,7 @@ class Expectations:
     """Figures and their limits. Each is printed; a test with one that is missed goes on, and fails at its end."""
 
     def __init__(self, listener=None):
-        """listener(name, good, detail) is told of each."""
+        """listener(name, good, detail) is called for each."""
         self.missed = []
         self.listener = listener
 

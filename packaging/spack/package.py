@@ -24,7 +24,7 @@ class Mlgimp(MakefilePackage):
     depends_on("py-matplotlib", type="run")
 
     def common_arguments(self):
-        """What both `make` and `make install` are told; Spack's compilers choose the processor."""
+        """Arguments of both `make` and `make install`; Spack's compilers choose the processor."""
         return [f"CXX={self.spec['mpi'].mpicxx}", "ARCH=", "HDF5=hdf5", f"PYTHON={self.spec['python'].command.path}"]
 
     def build(self, spec, prefix):

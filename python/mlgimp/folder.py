@@ -11,7 +11,7 @@ from .needs import need
 def read(folder):
     """Returns the Results of a run in a folder; raises a ResultError where there are none."""
     found = Results(checks.path("folder", folder))
-    found.history  # so that a wrong folder is told here
+    found.history  # so that a wrong folder is refused here
     return found
 
 

@@ -8,7 +8,7 @@ import quasi_static
 from bad_input import BLOCK, POLYGON, WEDGE
 from limits import PRESS
 from refusals import Table, expect_refused
-from told_tips import IN_SPACE, TIP
+from tip_warnings import IN_SPACE, TIP
 
 PUSHED = {"indenter_control": None, "indenter_loads": None, "end_time": None, "indenter_velocities_x": None, "indenter_times": "0",
           "indenter_velocities": "1", "indenter_friction": 0.1}

@@ -272,14 +272,14 @@ def problems_of_full(case, folder, ranks, file_limit=None):
         problems.append(f"exit status {process.returncode}: " + " | ".join(lines)[:300])
     if ("File too large" if file_limit else "No space left on device") not in lines[0]:
         problems.append(f"no reason in: {lines[0]}")
-    if kept_in(folder) != kept_as_told(lines[0]):
+    if kept_in(folder) != kept_by_message(lines[0]):
         problems.append(f"{kept_in(folder)} are kept, but it says: {lines[0]}")
     if any(folder.glob("*.part")):
         problems.append("temporary files are left")
     return problems, lines[0]
 
 
-def kept_as_told(line):
+def kept_by_message(line):
     """(last row, last frame, last checkpoint) that the line names; -1 for none."""
     words = line.rpartition(";")[2].replace(",", "").split()
     after = {"history": "step", "frames": "to", "checkpoint": "checkpoint"}

@@ -64,7 +64,7 @@ def test_interface_off_cell_lines(expect):
     for part in (0.15, 0.3, 0.5, 0.85):
         seen, thinner = load(4 + part), cubic(4 + part - missing_thickness(part))
         expect(f"{part} of a cell: load, of that with the interface on a line", seen / cubic(4 + part), at_least=0.999)
-        expect(f"{part} of a cell: load, of that with as much less film as layers in parallel lack", seen / thinner, at_most=1.001)
+        expect(f"{part} of a cell: load, of that with a film thinner by what layers in parallel miss", seen / thinner, at_most=1.001)
         if part == 0.15:  # a sliver, of the cell below: nearer to the exact load than such layers are
             expect(f"{part} of a cell: load, of that with the interface on a line, from above", seen / cubic(4 + part), at_most=1.008)
         elif part <= 0.5:

@@ -241,7 +241,7 @@ def test_box_that_follows_a_sliding_tip(expect):
 @pytest.mark.parametrize("changes, said", [
     ({"levels": 2, "indenter_max_depth": 3e-9}, "cells of level 1, fewer"),
     ({"levels": 2, "level_cells_max": 0.9, "level_cells_min": 0.1, "indenter_max_depth": 9e-9}, "cells of level 0 by time")])
-def test_too_few_levels_are_told(changes, said):
+def test_too_few_levels_give_a_warning(changes, said):
     lines = warnings(harness.run({**CONE, **changes}))
     assert [said in line for line in lines] == [True], lines
 

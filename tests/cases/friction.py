@@ -298,8 +298,8 @@ def verify_energy_of_scratches(study):
     study.table("Scratch by a cylinder of radius 60, load 0.2, mu 0.3", ["cell", "CFL", "difference, % of the work", "heat, %", "fallbacks"], cells)
 
 
-@pytest.mark.parametrize("friction, told", [("inf", True), (0.6, False)])
-def test_contact_that_takes_energy_is_told(friction, told):
+@pytest.mark.parametrize("friction, warned", [("inf", True), (0.6, False)])
+def test_contact_that_takes_energy_gives_a_warning(friction, warned):
     """A punch that pulls a film sideways without slip lets go of it and catches it again, with 5000 N for 14000."""
     case = {"domain_lower": "-8e-6,0", "domain_upper": "8e-6,9e-6", "cell_size": 0.5e-6, "boundary_x_lower": "symmetry",
             "boundary_x_upper": "symmetry", "boundary_y_lower": "symmetry", "materials": "film,base", "film_youngs_modulus": 70e9,
@@ -310,4 +310,4 @@ def test_contact_that_takes_energy_is_told(friction, told):
             "indenter_times": "0,10e-9,11e-9,30e-9", "indenter_velocities": "40,40,0,0", "indenter_velocities_x": "0,0,60,60"}
     lines = [line for line in harness.run(case).summary["warnings"] if "contact has taken" in line]
     taken = [float(re.search(r"([\d.]+) % of the bodies' energy", line)[1]) for line in lines]
-    assert len(lines) == told and all(part > 15 for part in taken) and all("a finite -indenter_friction" in line for line in lines)
+    assert len(lines) == warned and all(part > 15 for part in taken) and all("a finite -indenter_friction" in line for line in lines)

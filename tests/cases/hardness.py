@@ -158,11 +158,11 @@ def test_steep_cone(expect):
     expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.05)
 
 
-def test_few_cells_are_told():
+def test_few_cells_give_a_warning():
     """The load of a steep cone in metal wavers by a tenth of it until half the contact is six cells wide."""
-    for cells, told in ((6, True), (10, False)):
+    for cells, warned in ((6, True), (10, False)):
         warnings = drive(50, cells, 1, indenter_max_depth=0.65 * DEPTH).summary["warnings"]
-        assert any("fewer than 6" in line for line in warnings) == told, warnings
+        assert any("fewer than 6" in line for line in warnings) == warned, warnings
 
 
 def test_steeper_cone(expect):

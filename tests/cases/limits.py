@@ -1,4 +1,4 @@
-"""Input that no cell, step or number can resolve is told in one line instead of giving a wrong answer in silence."""
+"""Input that no cell, step or number can resolve makes a warning of one line instead of a wrong answer in silence."""
 import subprocess
 import tempfile
 
@@ -51,7 +51,7 @@ def test_friction_in_per_cent(friction, warned):
     ({"al_density": 1}, "-al_density 1: waves have 3.669e+04 m/s"), ({"al_density": 2}, None),
     ({"al_youngs_modulus": 1e6}, "-indenter: moves at up to 50 m/s, and waves at 36.69 m/s"), ({"al_youngs_modulus": 1e9}, None),
     ({"boundary_x_lower": "free"}, "-boundary_x_lower: the indenter's tip is on this side"), ({"boundary_x_lower": "fixed"}, "-boundary_x_lower")])
-def test_other_units_and_a_forgotten_side_of_symmetry_are_told(change, warned):
+def test_other_units_and_a_forgotten_side_of_symmetry_give_a_warning(change, warned):
     """g/cm3 for kg/m3, MPa for Pa, and half of a body that was meant to be mirrored."""
     said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_tip": "0,8", "boundary_x_lower": "symmetry", "max_steps": 2,
                      **change})
@@ -89,13 +89,13 @@ def test_indenters_in_another_unit():
     assert warnings({**PRESS, "indenter": "polygon", "indenter_vertices": "-50,0,50,0,50,5,-50,5", "max_steps": 2}) == []
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, warned", [
     ({}, False), ({"boundary_y_lower": "free"}, True), ({"block_lower": "0,1"}, True), ({"block_lower": "0,1", "boundary_x_lower": "symmetry"}, True),
     ({"block_lower": "0,1", "boundary_x_lower": "fixed"}, False), ({"boundary_y_lower": "free", "contact": "none"}, False)])
-def test_bodies_that_nothing_holds_are_told(change, told):
+def test_bodies_that_nothing_holds_give_a_warning(change, warned):
     """Pushed away, they gave a load of 57 % without a word."""
     said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "max_steps": 2, **change})
-    assert [line.startswith(WARNING + "-boundary_y_lower: no body lies at a side") for line in said] == [True] * told
+    assert [line.startswith(WARNING + "-boundary_y_lower: no body lies at a side") for line in said] == [True] * warned
 
 
 @pytest.mark.parametrize("change, word", [
@@ -111,32 +111,32 @@ def test_bodies_that_a_punch_at_rest_holds(change, word):
     assert len(held) == (word is not None) and all(line.startswith(WARNING + word) for line in held), said
 
 
-@pytest.mark.parametrize("damping, told", [(1000, True), (10, False)])
-def test_damping_that_carries_the_load_is_told(damping, told):
+@pytest.mark.parametrize("damping, warned", [(1000, True), (10, False)])
+def test_damping_that_carries_the_load_gives_a_warning(damping, warned):
     said = warnings({**PRESS, "indenter": "cylinder", "indenter_radius": 10, "damping": damping})
-    assert [line.startswith(WARNING + f"-damping {damping}: has taken") for line in said] == [True] * told
+    assert [line.startswith(WARNING + f"-damping {damping}: has taken") for line in said] == [True] * warned
 
 
-def test_largest_depth_after_the_end_is_told():
+def test_largest_depth_after_the_end_gives_a_warning():
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 10, "indenter_max_depth": 0.2}
     assert warnings({**case, "end_time": 0.005}) == []
     said = warnings({**case, "end_time": 0.003, "indenter_unload_velocity": 50})
     assert len(said) == 1 and said[0].startswith(WARNING + "-end_time 0.003: comes before the tip reaches -indenter_max_depth 0.2, so that"), said
 
 
-def test_surface_deep_inside_the_indenter_is_told():
+def test_surface_deep_inside_the_indenter_gives_a_warning():
     """A slender wedge goes between the columns: the surface is inside it, and the history and a line say so."""
     case = {**PRESS, "cell_size": 0.25, "domain_upper": "14,12", "block_lower": "1,0", "block_upper": "13,8", "indenter_tip": "7,8",
             "indenter": "wedge", "indenter_half_angle": 8, "indenter_velocities": 5, "indenter_max_depth": 2,
             "al_model": "j2", "al_yield_stress": 1e6, "al_hardening_modulus": 0}
     status, lines, folder = end_of(case)
-    told = [line for line in lines if line.startswith(WARNING + "-cell_size 0.25: the surface lies")]
+    warned = [line for line in lines if line.startswith(WARNING + "-cell_size 0.25: the surface lies")]
     history = read_history(folder)
-    assert (numpy.max(history["penetration"]) > 0.25) == (len(told) == 1), lines
+    assert (numpy.max(history["penetration"]) > 0.25) == (len(warned) == 1), lines
 
 
 @pytest.mark.parametrize("half_angle, depth, warned", [(10, 5.5e-6, 1), (10, 3.2e-6, 0), (60, 0.8e-6, 0)])
-def test_surface_torn_open_is_told(half_angle, depth, warned):
+def test_surface_torn_open_gives_a_warning(half_angle, depth, warned):
     """A slender wedge that goes some cells deep parts the points of a metal; the books of its work do not close: by 0.21, 0.07 and less than 0.01."""
     result = harness.run({"indenter_half_angle": half_angle, "indenter_max_depth": depth, "frames": 0}, file="wedge_plastic.opts")
     history = result.history
@@ -145,15 +145,15 @@ def test_surface_torn_open_is_told(half_angle, depth, warned):
     assert result.stderr.count(WARNING + "-indenter: contact has given") == warned, result.stderr
 
 
-@pytest.mark.parametrize("upper, told", [("4,12", True), ("8,12", False)])
+@pytest.mark.parametrize("upper, warned", [("4,12", True), ("8,12", False)])
 @pytest.mark.parametrize("ranks", ON_RANKS)
-def test_contact_across_a_border_of_levels_is_told(ranks, upper, told):
+def test_contact_across_a_border_of_levels_gives_a_warning(ranks, upper, warned):
     """Columns of both levels press the nodes there, and what each carries is no pressure: 2.5 times that of a plate."""
     plate = {**PRESS, "boundary_x_lower": "symmetry", "boundary_x_upper": "symmetry", "domain_upper": "8,12", "indenter": "flat_punch",
              "indenter_width": 20, "indenter_max_depth": 0.1, "levels": 2, "level_1_lower": "0,4", "level_1_upper": upper}
     result = harness.run({**plate, "indenter_tip": "0,8"}, ranks=ranks)
     crosses = [line for line in result.summary["warnings"] if line.startswith("-level_1_lower, -level_1_upper: contact crosses a border of levels by")]
-    assert len(crosses) == told, result.summary["warnings"]
+    assert len(crosses) == warned, result.summary["warnings"]
 
 
 def test_wedge_beside_the_free_edge_of_an_elastic_body(expect):
@@ -171,19 +171,19 @@ def test_materials_of_no_body_have_no_effect():
     more = {"materials": "other,al", "block_material": "al", "other_model": "j2", "other_youngs_modulus": 1e11, "other_poissons_ratio": 0.3,
             "other_density": 1000, "other_yield_stress": 1e7, "other_hardening_modulus": 0}
     alone, beside = harness.run(wedge), harness.run({**wedge, **more})
-    told = [line for line in beside.summary["warnings"] if line not in alone.summary["warnings"]]
-    assert told == ["-materials other: no body has it, and it has no effect"], told
+    warned = [line for line in beside.summary["warnings"] if line not in alone.summary["warnings"]]
+    assert warned == ["-materials other: no body has it, and it has no effect"], warned
     assert all(numpy.array_equal(alone.history[name], beside.history[name]) for name in alone.history)
 
 
 # ---- steps ----
 
-@pytest.mark.parametrize("cfl, told", [(1, True), (0.4, False)])
-def test_energy_from_nothing_is_told(cfl, told):
+@pytest.mark.parametrize("cfl, warned", [(1, True), (0.4, False)])
+def test_energy_from_nothing_gives_a_warning(cfl, warned):
     """The strongest viscosity is not stable with the longest steps: two blows ended with 190 times the energy, without a word."""
     falling = {**BLOCK, "block_velocity": "0,-20", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry", "short_wave_viscosity": "0.3,0", "max_steps": 200}
     status, lines, folder = end_of({**falling, "cfl": cfl})
-    assert status == 0 and [line.startswith(WARNING + f"-cfl {cfl}: the bodies have made ") for line in lines] == [True] * told, lines
+    assert status == 0 and [line.startswith(WARNING + f"-cfl {cfl}: the bodies have made ") for line in lines] == [True] * warned, lines
     energy = sum(read_history(folder)[part] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
     for line in lines:
         made, had = (float(part.split()[-1]) for part in line.split(" J")[:2])
@@ -215,26 +215,26 @@ def test_indenter_faster_than_waves():
     assert numpy.max(history["load"]) > 0, lines
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, warned", [
     ({"indenter_tip": "10,8"}, True), ({"indenter_tip": "40,8"}, True), ({"indenter_velocities": -50, "indenter_max_depth": None, "max_steps": 50}, True),
     ({}, False), ({"indenter_max_depth": 0.02}, False)])
-def test_indenter_that_meets_nothing_is_told(change, told):
+def test_indenter_that_meets_nothing_gives_a_warning(change, warned):
     """Beside the body, beyond the domain, or with the wrong sign: a load of 0 looks like an answer."""
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_max_depth": 0.2, "domain_upper": "16,12", **change}
     said = warnings({name: value for name, value in case.items() if value is not None})
-    assert any("has touched nothing" in line for line in said) == told, said
+    assert any("has touched nothing" in line for line in said) == warned, said
 
 
-@pytest.mark.parametrize("height, told", [(7.95, False), (8.5, True)])
-def test_indenter_between_two_walls(height, told):
+@pytest.mark.parametrize("height, warned", [(7.95, False), (8.5, True)])
+def test_indenter_between_two_walls(height, warned):
     """Its tip comes nowhere near what is below it, but its flanks may meet the walls' edges."""
     walls = {"bodies": "block,left,right", "block_upper": "8,4", "left_lower": "0,4", "left_upper": "3,8", "right_lower": "5,4", "right_upper": "8,8"}
     press = {name: value for name, value in PRESS.items() if name != "indenter_max_depth"}
     said = warnings({**press, **walls, "indenter": "cylinder", "indenter_radius": 5, "indenter_tip": f"4,{height}", "end_time": 4e-3})
-    assert any("there will be no contact" in line for line in said) == told, said
+    assert any("there will be no contact" in line for line in said) == warned, said
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, warned", [
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4.4", "top_upper": "8,8"}, "-bodies: 0.4 m are left between block and top, less than a cell"),
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,4", "top_upper": "8,8"}, ""),
     ({"block_upper": "8,4", "bodies": "block,top", "top_lower": "0,5", "top_upper": "8,8", "boundary_y_upper": "fixed", "domain_upper": "12,13"}, ""),
@@ -249,23 +249,23 @@ def test_indenter_between_two_walls(height, told):
     ({"bodies": "ball", "ball_shape": "disk", "ball_center": "4,4", "ball_radius": 4}, "-boundary_y_lower: less than half a cell of 1 m lies between this side and body ball"),
     ({"block_upper": "8,2", "bodies": "block,ball", "ball_shape": "disk", "ball_center": "4,5", "ball_radius": 3}, "-bodies: less than half a cell of 1 m lies between block and ball"),
     ({"bodies": "ball", "ball_shape": "polygon", "ball_vertices": "1,0,7,0,8,4,7,8,1,8,0,4"}, "")])
-def test_gaps_below_a_cell_are_told(change, told):
+def test_gaps_below_a_cell_give_a_warning(change, warned):
     """Bodies, or a body and a held side, so near move as if they touched: a load was that of one body, or of a body that is held."""
     case = {name: value for name, value in PRESS.items() if not name.startswith("block_") or "block" in change.get("bodies", "block")}
     said = warnings({**case, "indenter": "cylinder", "indenter_radius": 5, "max_steps": 2, **change})
-    assert [line.startswith(WARNING + told) for line in said] == [True] * bool(told), said
+    assert [line.startswith(WARNING + warned) for line in said] == [True] * bool(warned), said
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, warned", [
     ({"top_velocity": "0,-1e-3"}, True), ({"top_velocity": "0,1e-3"}, True), ({"top_velocity": "1e-3,0"}, False), ({}, False),
     ({"top_velocity": "0,-1e-3", "top_lower": "0,5.1"}, False),
     ({"top_velocity": "0,-1e-3", "top_shape": "disk", "top_center": "4,6", "top_radius": 2, "top_lower": None, "top_upper": None}, True)])
-def test_bodies_that_touch_and_move_on_each_other(change, told):
+def test_bodies_that_touch_and_move_on_each_other(change, warned):
     """They share nodes, and stay together, whatever the cells are."""
     case = {**PRESS, "bodies": "block,top", "block_upper": "8,4", "top_lower": "0,4", "top_upper": "8,8", "indenter": "cylinder",
             "indenter_radius": 5, "max_steps": 2, **change}
     said = warnings({name: value for name, value in case.items() if value is not None})
-    assert any("block and top touch at the start" in line for line in said) == told, said
+    assert any("block and top touch at the start" in line for line in said) == warned, said
 
 
 # A block of 6 x 6 cells whose halves move against each other, so that it turns.
@@ -283,7 +283,7 @@ def test_bodies_that_turn_on_few_cells(change, words):
     assert [words in line for line in said] == [True] * bool(words), said
 
 
-def test_loads_after_the_end_are_told():
+def test_loads_after_the_end_give_a_warning():
     """Times in another unit."""
     case = {**BLOCK, "boundary_y_lower": "symmetry", "loads": "p", "p_side": "y_upper", "p_pressures": "0,1e5,1e5", "end_time": 1e-3}
     [line] = warnings({**case, "p_times": "0,1,2"})
@@ -308,19 +308,19 @@ def test_body_that_flies_to_a_tip_at_rest_is_no_false_alarm():
     assert len(said) == 1 and said[0].startswith(WARNING + "-boundary_y_lower: no body lies at a side"), said
 
 
-@pytest.mark.parametrize("tip, peak, told", [(8, 0.05, False), (11, 0.01, True)])
-def test_load_that_is_missed_before_the_end_is_told(tip, peak, told):
+@pytest.mark.parametrize("tip, peak, warned", [(8, 0.05, False), (11, 0.01, True)])
+def test_load_that_is_missed_before_the_end_gives_a_warning(tip, peak, warned):
     """A test that ends without a load, and whose tip never came to carry the largest."""
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_control": "load", "indenter_times": [0, peak, 2 * peak],
             "indenter_loads": "0,1e7,0", "damping": 30, "indenter_tip": f"4,{tip}", "domain_upper": "12,16"}
     for name in ("indenter_velocities", "indenter_max_depth"):
         del case[name]
-    assert any("1e+07 N are asked for, and the tip carries at most" in line for line in warnings(case)) == told
+    assert any("1e+07 N are asked for, and the tip carries at most" in line for line in warnings(case)) == warned
 
 
 # ---- loads ----
 
-def test_load_that_acts_on_a_part_of_its_side_is_told():
+def test_load_that_acts_on_a_part_of_its_side_gives_a_warning():
     two = {**BLOCK, "bodies": "a,b", "a_lower": "0,0", "a_upper": "4,8", "b_lower": "4,0", "b_upper": "8,4", "loads": "p", "p_body": "a",
            "p_side": "x_upper", "p_times": 0, "p_pressures": 1e3, "max_steps": 1, "block_lower": None, "block_upper": None}
     said = warnings({name: value for name, value in two.items() if not name.startswith("block")})
@@ -328,7 +328,7 @@ def test_load_that_acts_on_a_part_of_its_side_is_told():
 
 
 @pytest.mark.parametrize("span, acts", [("7,12", "1"), ("-3,2", "2"), ("-1,9", "8")])
-def test_span_beyond_its_side_is_told(span, acts):
+def test_span_beyond_its_side_gives_a_warning(span, acts):
     load = {"loads": "p", "p_side": "y_upper", "p_times": 0, "p_pressures": 1e3, "max_steps": 1}
     said = warnings({**BLOCK, **load, "p_span": span})
     assert len(said) == 1 and f"-p_span {span}: reaches beyond the side of body block; the load acts on {acts} m" in said[0]
@@ -348,15 +348,15 @@ def test_bar_that_is_pulled_to_twice_its_length_keeps_its_books(pull, most):
     assert abs(lost) < most * history["external_work"] and result.summary["warnings"] == []
 
 
-@pytest.mark.parametrize("cell, told", [(0.5, True), (0.125, False)])
-def test_energy_that_no_column_has_is_told(cell, told):
+@pytest.mark.parametrize("cell, warned", [(0.5, True), (0.125, False)])
+def test_energy_that_no_column_has_gives_a_warning(cell, warned):
     """Of the vibration of a block of 3 x 6 cells, whose waves few cells see."""
     case = {"domain_lower": "0,0", "domain_upper": "3,6", "cell_size": cell, "boundary_x_lower": "symmetry", "materials": "m",
             "m_youngs_modulus": 1e6, "m_poissons_ratio": 0.3, "m_density": 1000, "bodies": "b", "b_lower": "0,1", "b_upper": "1.5,4",
             "loads": "l,k", "l_side": "y_lower", "k_side": "y_upper", "end_time": 4, "frames": 0}
     for load in "lk":
         case |= {f"{load}_times": "0,0.02,0.04", f"{load}_pressures": "0,2e4,0"}
-    assert [line.startswith(WARNING + "-bodies: energy balance: ") for line in warnings(case)] == [True] * told
+    assert [line.startswith(WARNING + "-bodies: energy balance: ") for line in warnings(case)] == [True] * warned
 
 
 @pytest.mark.parametrize("ranks", ON_RANKS)

@@ -301,7 +301,7 @@ def test_stresses_in_another_unit(changes, warned):
 HEATED = {**COOK, "m_heat_capacity": 383, "m_adiabatic": "true"}
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, message", [
     ({**TABLE, "m_flow_stresses": "1e6,2e16"}, "-m_flow_stresses 2e+16: is no less than"),
     ({**TABLE, "m_plastic_strains": "0,10"}, "-m_plastic_strains 10: is a strain of 500 per cent or more"),
     ({**COOK, "m_rate_sensitivity": 2.5}, "-m_rate_sensitivity 2.5: adds half"),
@@ -312,10 +312,10 @@ HEATED = {**COOK, "m_heat_capacity": 383, "m_adiabatic": "true"}
     ({**HEATED, "rate_scale": 1e-6, "initial_temperature": 300}, ""),
     ({**TABLE, "rate_scale": 1e-6}, "-rate_scale 1e-06: changes nothing"),
     ({**TABLE, "initial_temperature": 500}, "-initial_temperature 500: changes nothing")])
-def test_constants_that_cannot_be_meant(change, told):
+def test_constants_that_cannot_be_meant(change, message):
     """Per cent for parts, kJ for J, and what no law reads."""
     said = harness.run({name: value for name, value in {**change, "frames": 0}.items() if value is not None}).stderr
-    assert (told in said and said.count("\n") == 1) if told else said == "", said
+    assert (message in said and said.count("\n") == 1) if message else said == "", said
 
 
 def test_fields_of_bodies_whose_law_does_not_know_them(expect):

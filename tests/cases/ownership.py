@@ -57,7 +57,7 @@ def test_places_in_space_have_three_coordinates():
 
 @pytest.mark.parametrize("ranks", ON_RANKS)
 def test_a_body_that_blows_up_between_levels(ranks):
-    """The failure is told by its point and time, and summary.json by its status."""
+    """The message names the failed point and the time, and summary.json has the status."""
     case = {**MATERIAL, "domain_lower": "0,0", "domain_upper": "24,20", "cell_size": 1, "levels": 2, "level_1_lower": "10,2",
             "level_1_upper": "20,18", "b_lower": "4,5", "b_upper": "9,14", "b_velocity": "40,0", "loads": "p", "p_side": "y_upper",
             "p_times": "0,0.02,0.0201", "p_pressures": "0,0,1e8", "end_time": 1, "history_interval": 10}

@@ -1,4 +1,4 @@
-"""Slow tests: the load does not depend on the speed by more than the tolerance, and what is chosen is told, kept and refused where it cannot be."""
+"""Slow tests: the load does not depend on the speed by more than the tolerance, and what is chosen is in the summary; a choice of the user is kept, and refused where it cannot be."""
 import numpy
 import pytest
 
@@ -91,11 +91,11 @@ def test_ten_times_slower(expect, name, limits):
     """With a tolerance of 2 %. Limits of the load are that; the others what is seen, with room: elastic 8e-3, 6e-3, 1e-5, 4e-3; metal 2e-3, 2e-3,
     3e-3, 1.2 %; share 1.2 %, drift 1.3e-3."""
     fast = compare(expect, CASES[name], 0.02, 10, limits)
-    told = fast.summary["quasi_static"]
+    chosen = fast.summary["quasi_static"]
     history = fast.history
-    expect("speed told, over that of the history", told["speed"] / numpy.max(numpy.gradient(history["depth"], history["time"])), near=1, tolerance=0.01)
-    expect("largest share of inertia and damping in the load", told["added_load"], at_most=0.04)
-    expect("drift in the hold", told["hold_drift"], at_most=0.01)
+    expect("speed in the summary, over that of the history", chosen["speed"] / numpy.max(numpy.gradient(history["depth"], history["time"])), near=1, tolerance=0.01)
+    expect("largest share of inertia and damping in the load", chosen["added_load"], at_most=0.04)
+    expect("drift in the hold", chosen["hold_drift"], at_most=0.01)
 
 
 def test_tutorial(expect):
@@ -231,15 +231,15 @@ def test_other_geometries(expect, name):
     expect("depth at the end", slow["depth"][-1], near=0, tolerance=1e-9)
 
 
-def test_what_is_told():
-    """The user's damping, end and rate are kept and told."""
+def test_what_gives_a_warning():
+    """The user's damping, end and rate are kept, and named in the output."""
     own = harness.run({**CONE, "damping": 0.05, "xpic_fraction": 0, "end_time": 5, "quasi_static_tolerance": 0.1})
     assert "damping 0.05 1/s as given" in own.stdout and "-end_time 5 ends the run before its schedule" in own.stdout
     assert own.summary["quasi_static"]["damping"] == 0.05 and own.summary["quasi_static"]["xpic_fraction"] == 0 and own.summary["simulated_time"] == 5
     law = {"m_model": "j2", "m_hardening": "johnson_cook", "m_yield_stress": 0.01, "m_hardening_modulus": 0.1, "m_hardening_exponent": 0.5,
            "m_rate_sensitivity": 0.1, "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}
-    for more, told in (({}, True), ({"rate_scale": 1e9}, False), ({"m_rate_sensitivity": 0}, False)):
-        assert ("knows a rate" in " ".join(harness.run({**CONE, **law, **more, "max_steps": 2}).summary["warnings"])) == told
+    for more, warned in (({}, True), ({"rate_scale": 1e9}, False), ({"m_rate_sensitivity": 0}, False)):
+        assert ("knows a rate" in " ".join(harness.run({**CONE, **law, **more, "max_steps": 2}).summary["warnings"])) == warned
     fast = harness.run({**{name: value for name, value in CONE.items() if name not in ("quasi_static", "indenter_depths")}, "indenter_times": "0",
                         "indenter_velocities": 0.01, "end_time": 5})
     assert "load_quasi_static" not in fast.history and "quasi_static" not in fast.summary and fast.stdout == ""

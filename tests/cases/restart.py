@@ -136,15 +136,15 @@ def test_frames_go_on(expect, other, times):
             expect(f"time of frame {number}, steps", (frame.attrs["time"] - time * end) / step, near=0, tolerance=1)
 
 
-@pytest.mark.parametrize("damping, told", [(40, False), (100, True)])
-def test_warnings(expect, damping, told):
+@pytest.mark.parametrize("damping, warned", [(40, False), (100, True)])
+def test_warnings(expect, damping, warned):
     """A run that goes on says at its end what the whole run says: it neither forgets nor begins to count anew, nor tells
     what is known at the start twice."""
     case = {**PRESS, "indenter": "cylinder", "indenter_radius": 5, "indenter_max_depth": 0.2, "indenter_unload_velocity": 50,
             "checkpoint_interval": 4, "cell_size": 0.5, "damping": damping, "rate_scale": 2}
     whole = harness.run(case)
     said = whole.summary["warnings"]
-    expect.that(f"damping {damping}: warnings of the whole run", [line.split()[0] for line in said] == ["-rate_scale", "-indenter:"] + ["-damping"] * told, f"{said}")
+    expect.that(f"damping {damping}: warnings of the whole run", [line.split()[0] for line in said] == ["-rate_scale", "-indenter:"] + ["-damping"] * warned, f"{said}")
     for checkpoint in sorted(whole.folder.glob("checkpoint_*.h5")):
         later = harness.run({**case, "restart": checkpoint}).summary["warnings"]
         expect.that(f"damping {damping}: after {checkpoint.stem}", later == said, f"{later}")

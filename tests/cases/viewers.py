@@ -56,7 +56,7 @@ def compare_level(expect, folder, level, number):
 
 @pytest.mark.parametrize("points_per_rank", [1, 250])
 def test_count_of_points(expect, tmp_path, points_per_rank):
-    """As text the points are told by their number on each rank that shares the level, without the room that is kept for more."""
+    """As text the viewer shows the number of points on each rank that shares the level, without the room that is kept for more."""
     files = [tmp_path / f"points_{level}.txt" for level in range(STEPS["levels"])]
     viewers = {f"level_{level}_points_view": f"ascii:{file}" for level, file in enumerate(files)}
     levels = harness.run({**STEPS, **viewers, "points_per_rank": points_per_rank}, ranks=3).summary["levels"]

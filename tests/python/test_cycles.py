@@ -150,7 +150,7 @@ def test_hold_under_displacement(expect):
 
 
 def test_hold_under_load(expect):
-    """The tip creeps on; a nose is told of."""
+    """The tip creeps on; a nose makes a warning."""
     depth, load = metal(rows=300)
     creep = 0.5 - 0.02 * np.exp(-np.linspace(0, 6, 200))
     whole = np.concatenate([0.48 * depth[:300] / 0.5, creep, depth[300:]]), np.concatenate([load[:300], np.full(200, 10.0), load[300:]])

@@ -130,7 +130,7 @@ def test_fit_from_python_checks_first(tmp_path, monkeypatch, given, line):
 
 
 def test_what_the_program_warns_of(fitted, monkeypatch):
-    """It is told of the best run, not of others."""
+    """The warning is of the best run, not of others."""
     make = written_by(law)
 
     def with_warning(options, ranks):

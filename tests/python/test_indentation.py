@@ -29,10 +29,10 @@ def test_parts_of_a_tip(tmp_path, options, parts, tip):
     assert any("equal parts" in note for note in read.notes) == (parts > 1)
 
 
-@pytest.mark.parametrize("more, told", [({}, False), ({"-gravity": "0,0"}, False), ({"-gravity": "0,-9.81"}, True), ({"-loads": "p"}, True)])
-def test_loads_that_move_the_surface_are_noted(tmp_path, more, told):
+@pytest.mark.parametrize("more, warned", [({}, False), ({"-gravity": "0,0"}, False), ({"-gravity": "0,-9.81"}, True), ({"-loads": "p"}, True)])
+def test_loads_that_move_the_surface_are_noted(tmp_path, more, warned):
     read = load_depth.read_run(write_run(tmp_path / "run", {**CONE_OPTIONS, **more}))
-    assert any("move the surface" in note for note in read.notes) == told
+    assert any("move the surface" in note for note in read.notes) == warned
 
 
 def test_contact_above_the_surface_under_the_tip():
@@ -119,12 +119,12 @@ def test_measured_curves_have_no_cells(tmp_path, capsys):
     assert "the exponent is at its limit 1" in printed and "cell" not in printed
 
 
-def test_units_of_no_solid_are_told(tmp_path, capsys):
+def test_units_of_no_solid_give_a_warning(tmp_path, capsys):
     """Depths in nm read as um make a hardness of 1e-6 of it, loads in mN read as N one of 1000 times it."""
     (tmp_path / "m.csv").write_text(text_of(*metal()))
-    for unit, told in (("N", True), ("mN", False)):
+    for unit, warned in (("N", True), ("mN", False)):
         main([str(tmp_path / "m.csv"), "--tip", "berkovich", "--depth", "depth:um", "--load", f"load:{unit}"])
-        assert ("is that of no solid" in capsys.readouterr().out) == told
+        assert ("is that of no solid" in capsys.readouterr().out) == warned
 
 
 # ---- refusals ----

@@ -199,7 +199,7 @@ def test_marks_within_quotes(tmp_path):
 
 
 def test_names_with_units(tmp_path):
-    """A column is found by its name without the unit behind it, and told with it where there is none of a name."""
+    """A column is found by its name without the unit behind it, and named with it where there is none of a name."""
     file = tmp_path / "curve.csv"
     file.write_text(text_of(*metal(), head="Depth (um),Load (mN)\n"))
     named = load_depth.read_measured(file, "Depth:um", "load:mN")
@@ -210,7 +210,7 @@ def test_names_with_units(tmp_path):
         load_depth.read_measured(file, "Depth:nm", "Load:mN")
 
 
-def test_a_wrong_name_is_told_the_right_ones():
+def test_a_refused_name_comes_with_the_right_ones():
     with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
     with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):

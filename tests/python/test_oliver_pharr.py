@@ -33,9 +33,9 @@ def test_noise(expect, window):
     rows = [oliver_pharr.analyse(curve(depth + 1e-4 * random.normal(size=len(depth)), load + 0.05 * random.normal(size=len(load))),
                                  Constants(window=window))[0] for _ in range(20)]
     errors = np.array([row["stiffness_mN_per_um"] / STIFFNESS - 1 for row in rows])
-    told = np.mean([row["stiffness_error_mN_per_um"] for row in rows]) / STIFFNESS
+    given = np.mean([row["stiffness_error_mN_per_um"] for row in rows]) / STIFFNESS
     expect("mean error of the stiffness", np.mean(errors), near=0, tolerance=0.01)
-    expect("largest, of the standard error told", np.max(np.abs(errors)) / told, at_most=3.5)
+    expect("largest, of the standard error given", np.max(np.abs(errors)) / given, at_most=3.5)
     expect("load at the start", np.max([abs(row["load_mN"] / 10 - 1) for row in rows]), at_most=0.003)
 
 
@@ -73,9 +73,9 @@ def test_datum_of_an_open_package(expect):
     tip = tips.tip_of_function([32.9049, -6418.303798, 288484.8518, -989287.0625, 103588.5588, 675977.3345])
     _, area, hardness, reduced = oliver_pharr.contact(tip, 0.111172457420282, 0.491297865144331, 159.111704268288, tip.epsilon, tip.beta(0.35))
     constants = Constants(tip_modulus=1141, tip_poisson=0.07)
-    for name, value, told in (("area, um2", area, 0.598047490), ("hardness, GPa", hardness, 0.8215030968), ("reduced modulus, GPa", reduced, 182.3388587),
+    for name, value, expected in (("area, um2", area, 0.598047490), ("hardness, GPa", hardness, 0.8215030968), ("reduced modulus, GPa", reduced, 182.3388587),
                               ("modulus, GPa", oliver_pharr.specimen_modulus(reduced, 0.35, constants), 190.2577293)):
-        expect(name, value / told - 1, near=0, tolerance=1e-6)
+        expect(name, value / expected - 1, near=0, tolerance=1e-6)
 
 
 # ---- tips ----
@@ -130,7 +130,7 @@ def test_pile_up(expect):
 
 
 def test_unloading_that_ends_above_the_surface(expect):
-    """One that is softer than any contact is told. Where it is a wave on that of an elastic sphere, as on few cells, the stiffness
+    """One that is softer than any contact makes a warning. Where it is a wave on that of an elastic sphere, as on few cells, the stiffness
     is right within 5 %, where the power law by itself is 9 % off."""
     [row] = oliver_pharr.analyse(curve(*metal(top=0.1, final=-0.4)))
     assert row["final_depth_um"] == 0 and "um above the surface" in row["warnings"] and "differs from its fit" in row["warnings"]
@@ -152,8 +152,8 @@ def test_work_before_the_curve(expect):
     """A curve from a quarter of the depth on lacks a 64th of its work; one from the surface on, with few rows, lacks none."""
     depth, load = metal()
     [row] = oliver_pharr.analyse(curve(depth[100:], load[100:]))
-    told = re.search(r"the curve begins at 0.125 um and 0.6.* mN: up to (\S+) % of the work", row["warnings"])
-    expect("work that is missing, %", float(told[1]), near=100 / 64, tolerance=0.8)
+    found = re.search(r"the curve begins at 0.125 um and 0.6.* mN: up to (\S+) % of the work", row["warnings"])
+    expect("work that is missing, %", float(found[1]), near=100 / 64, tolerance=0.8)
     expect("work that is there", row["total_work_nJ"] / (10 * 0.5 / 3), near=63 / 64, tolerance=1e-3)
     rows = np.append(np.arange(10, 400, 20), np.arange(400, 799))
     assert oliver_pharr.analyse(curve(depth[rows], load[rows]))[0]["warnings"] == ""
@@ -166,7 +166,7 @@ def test_curves_that_cannot_be(expect):
     assert row["plastic_share"] < -0.05 and "are the rows in order" in row["warnings"]
     before = np.linspace(0, 0.2, 100)[:-1]
     [row] = oliver_pharr.analyse(curve(np.append(before, 0.2 + depth), np.append(0 * before, load)))
-    told = re.search(r"there is no load up to (\S+) um, (\d+) % of the depth", row["warnings"])
-    expect("where the tip touches, um", float(told[1]), near=0.2 + 0.5 * math.sqrt(0.005), tolerance=0.002)
+    found = re.search(r"there is no load up to (\S+) um, (\d+) % of the depth", row["warnings"])
+    expect("where the tip touches, um", float(found[1]), near=0.2 + 0.5 * math.sqrt(0.005), tolerance=0.002)
     [row] = oliver_pharr.analyse(curve(np.append(before - 0.2, depth), np.append(0 * before, load)))
     assert "there is no load" not in row["warnings"]

@@ -250,9 +250,9 @@ def test_names_that_may_have_meant_another(tmp_path):
 def test_warnings_are_warnings(tmp_path):
     """They name the caller's line, come while the program runs (made errors they end it), and are in the summary."""
     case = {**PRESS, "output_dir": tmp_path / "w", "contact": "point_pressure", "frames": 0, "overwrite": True}
-    with pytest.warns(UserWarning, match="mlgimp: warning: -contact point_pressure") as told:
+    with pytest.warns(UserWarning, match="mlgimp: warning: -contact point_pressure") as caught:
         results = mlgimp.run({**case, "max_steps": 2})
-    assert told[0].filename == __file__ and any("point_pressure" in line for line in results.summary["warnings"])
+    assert caught[0].filename == __file__ and any("point_pressure" in line for line in results.summary["warnings"])
     with warnings.catch_warnings(), pytest.raises(UserWarning, match="point_pressure"):
         warnings.simplefilter("error")
         begun = time.monotonic()

@@ -47,7 +47,7 @@ def test_window(made, window):
 
 
 def test_window_that_holds_no_point(made):
-    """It is told before any picture is written."""
+    """The refusal comes before any picture is written."""
     before = set(made.iterdir())
     assert "window=1,2,1,2: must hold a point; they lie in -1.6" in refusal(plot.main, made, "--window=1,2,1,2")
     assert "must hold a point" in refusal(plot.main, made, "--window=1,2,1,2", "--movie", made / "m.gif")

@@ -1,4 +1,4 @@
-"""Tips whose load is not theirs are refused or told: near or beyond a side of symmetry, which cuts or mirrors them, or on few cells."""
+"""A tip whose load is not its own is refused or makes a warning: near a side of symmetry or beyond it, which cuts or mirrors it, or on few cells."""
 import pytest
 
 import harness
@@ -20,29 +20,29 @@ def test_tip_near_a_side_of_symmetry():
         assert not any("symmetry" in line for line in warnings({**TIP, "indenter_tip": place, "max_steps": 2}))
 
 
-@pytest.mark.parametrize("case, tip, told", [
+@pytest.mark.parametrize("case, tip, warned", [
     (TIP, "1,8", True), (TIP, "1.75,8", True), (TIP, "4,8", False), (TIP, "0,8", False),
     (PLATE, "3,8", False), (IN_SPACE, "0,0.5,8", True),
     (BY_LOAD, "1,8", True)])
-def test_contact_that_meets_its_mirror_image(case, tip, told):
+def test_contact_that_meets_its_mirror_image(case, tip, warned):
     """A tip near a side of symmetry and its image are two that have met: the load of a half model is up to 40 % too large."""
     met = [line for line in harness.run({**case, "indenter_tip": tip}).summary["warnings"] if "the load is that of two indenters" in line]
-    assert len(met) == told and all("_lower by time" in line for line in met), met
+    assert len(met) == warned and all("_lower by time" in line for line in met), met
 
 
-@pytest.mark.parametrize("change, told", [
+@pytest.mark.parametrize("change, warned", [
     ({}, True), ({"cell_size": 0.25}, False), ({"levels": 2, "level_1_lower": "0,4", "level_1_upper": "8,12"}, False),
     ({"block_upper": "2,8", "indenter": "flat_punch", "indenter_width": 20}, False), ({"indenter": "flat_punch", "indenter_width": 2}, True)])
-def test_contact_of_few_cells_is_told(change, told):
+def test_contact_of_few_cells_gives_a_warning(change, warned):
     """Where a tip stands between columns counts for a third of the load there; a plate over the whole end of a body has no such place."""
     tip = {"indenter_max_depth": 0.3, "boundary_x_lower": "symmetry", "indenter_tip": "0,8"}
     shape = change if "indenter" in change else {"indenter": "cylinder", "indenter_radius": 4, **change}
     said = warnings({**PRESS, **tip, **shape}, but=())
-    assert [FEW_CELLS in line for line in said].count(True) == told, said
+    assert [FEW_CELLS in line for line in said].count(True) == warned, said
 
 
-@pytest.mark.parametrize("ratio, average, told", [(0.499, "false", True), (0.49, "false", True), (0.48, "false", False), (0.499, "true", False)])
-def test_cells_that_lock_are_told(ratio, average, told):
+@pytest.mark.parametrize("ratio, average, warned", [(0.499, "false", True), (0.49, "false", True), (0.48, "false", False), (0.499, "true", False)])
+def test_cells_that_lock_give_a_warning(ratio, average, warned):
     """At a ratio of 0.499 the load of a cylinder on one cell of contact is 1.6 times that of a fine grid."""
     said = warnings({**TIP, "indenter_tip": "0,8", "al_poissons_ratio": ratio, "al_volume_average": average, "max_steps": 2}, but=())
-    assert ["hardly changes its volume" in line for line in said].count(True) == told, said
+    assert ["hardly changes its volume" in line for line in said].count(True) == warned, said

@@ -226,10 +226,6 @@ private:
   std::vector<int> starts_[3]; ///< first node of each layer of blocks, then the end, as box indices
 };
 
-/// Divides `count` nodes into `parts` ranges of about equal total weight, each at least `minimum` nodes wide.
-/// weights [count]: points per layer of nodes. Needs count >= parts * minimum.
-std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int parts, int minimum);
-
 /// Ghost nodes a step needs: the stencil's reach of one, a point's drift of less than one cell between migrations, and
 /// one for a face, which lies up to half a cell from its point.
 inline constexpr int kHaloWidth = 3; // size

@@ -250,7 +250,7 @@ PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &gri
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
   constexpr double kWorthWhile = 0.98; // size: speed only; of the busiest block's work
-  const GridLayout &present = level.Mesh().Layout();
+  const GridLayout &present = level.Mesh().Nodes().Layout();
   const GridGeometry &grid = level.Mesh().Geometry();
   const std::vector<Index> nodes = NodesOf(level.PointStore(), grid);
   PointCloud cloud{world, nodes, grid};

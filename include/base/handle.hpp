@@ -1,4 +1,4 @@
-// Owning handles for PETSc objects: destroyed with their scope, moved but never copied.
+// Owning handles for objects of PETSc and MPI: destroyed with their scope, never copied.
 #pragma once
 
 #include "base/petsc.hpp"
@@ -60,32 +60,48 @@ template <std::size_t count, class Work> PetscErrorCode WithNumbers(const Vec (&
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Owns an MPI type of some doubles in a row.
-class UnitHandle
+/// Owns an object of MPI, null at first; `Out()` hands the address of an empty handle to a function that makes one.
+template <class T, int (*Free)(T *)> class MpiHandle
 {
 public:
-  UnitHandle() = default;
-  UnitHandle(const UnitHandle &) = delete;
-  UnitHandle &operator=(const UnitHandle &) = delete;
-  ~UnitHandle() { Free(); }
+  explicit MpiHandle(T null) : null_(null), object_(null) {}
+  MpiHandle(const MpiHandle &) = delete;
+  MpiHandle &operator=(const MpiHandle &) = delete;
+  ~MpiHandle() { Reset(); }
 
-  operator MPI_Datatype() const { return type_; }
-  PetscErrorCode Create(int doubles)
+  operator T() const { return object_; }
+  T *Out()
   {
-    PetscFunctionBeginUser;
-    Free();
-    PetscCallMPI(MPI_Type_contiguous(doubles, MPI_DOUBLE, &type_));
-    PetscCallMPI(MPI_Type_commit(&type_));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    Reset();
+    return &object_;
   }
 
 private:
-  void Free()
+  void Reset()
   {
-    if (type_ != MPI_DATATYPE_NULL) MPI_Type_free(&type_);
+    if (object_ != null_) Free(&object_);
   }
 
-  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+  const T null_;
+  T object_;
+};
+
+/// Owns a communicator.
+struct CommHandle : MpiHandle<MPI_Comm, MPI_Comm_free> {
+  CommHandle() : MpiHandle(MPI_COMM_NULL) {}
+};
+
+/// Owns an MPI type of some doubles in a row.
+struct UnitHandle : MpiHandle<MPI_Datatype, MPI_Type_free> {
+  UnitHandle() : MpiHandle(MPI_DATATYPE_NULL) {}
+  PetscErrorCode Create(int doubles)
+  {
+    PetscFunctionBeginUser;
+    MPI_Datatype *const type = Out();
+    PetscCallMPI(MPI_Type_contiguous(doubles, MPI_DOUBLE, type));
+    PetscCallMPI(MPI_Type_commit(type));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
 };
 
 } // namespace mlgimp

@@ -42,6 +42,12 @@ struct IndexBox {
   {
     return (std::int64_t(at[2] - lower[2]) * Size(1) + at[1] - lower[1]) * Size(0) + at[0] - lower[0];
   }
+  /// The index that stands there.
+  Index At(std::int64_t place) const
+  {
+    const int x = Size(0), y = Size(1);
+    return lower + Index{static_cast<int>(place % x), static_cast<int>(place / x % y), static_cast<int>(place / x / y)};
+  }
   /// Grows to contain an index.
   void Include(Index at)
   {

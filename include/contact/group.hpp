@@ -1,7 +1,7 @@
 // The ranks of a level that contact concerns, which alone meet in its collective calls.
 #pragma once
 
-#include "grid/grid.hpp"
+#include "grid/node_partition.hpp"
 
 #include <climits>
 #include <vector>
@@ -23,7 +23,7 @@ public:
 
   /// Those of a zone of nodes, which is the same on all ranks. To be called by all that know the grid; collective on the ranks
   /// of the new group.
-  PetscErrorCode Create(const Grid &grid, const IndexBox &zone);
+  PetscErrorCode Create(const NodePartition &nodes, const IndexBox &zone);
 
   MPI_Comm Comm() const { return comm_; } ///< null on ranks that are not in the group
   bool Participates() const { return comm_ != MPI_COMM_NULL; }

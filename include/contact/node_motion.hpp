@@ -28,7 +28,7 @@ public:
   const ContactGroup &Group() const { return group_; }
   BorderNodes *Border() const { return border_; }
   /// The rank in the group, or -1 outside of it.
-  PetscMPIInt OwnerOf(Index node) const { return group_.RankOf(grid_.BlockOfNode(node)); }
+  PetscMPIInt OwnerOf(Index node) const { return group_.RankOf(grid_.Nodes().BlockOf(node)); }
   bool IsEmpty(double mass) const { return mass <= mass_cutoff_; }
   /// Mass of the points of this level, and of the next finer one where there are both, kg.
   double MassOf(Index node) const;

@@ -1,7 +1,7 @@
 // Places in the cells of a grid, hats about their corners, and columns: lines of nodes along the last axis.
 #pragma once
 
-#include "grid/grid.hpp"
+#include "grid/grid_geometry.hpp"
 
 #include <array>
 #include <cstdint>

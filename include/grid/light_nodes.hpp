@@ -40,9 +40,9 @@ public:
 
   /// From points' sums to those of the motion: in place on nodes [ghosted nodes][size], also on ghosts. Collective on the grid's
   /// ranks.
-  PetscErrorCode Restrict(Grid &grid, double *values, std::ptrdiff_t size) const;
+  PetscErrorCode Restrict(HaloExchange &halo, double *values, std::ptrdiff_t size) const;
   /// From the motion of fuller nodes to that of light ones, likewise.
-  PetscErrorCode Prolong(Grid &grid, double *values, std::ptrdiff_t size) const;
+  PetscErrorCode Prolong(HaloExchange &halo, double *values, std::ptrdiff_t size) const;
 
   /// Calls work(place, weight) for the nodes that an owned node's motion hangs on, itself among them.
   template <class Work> void ForEachDonor(std::ptrdiff_t place, Work work) const
@@ -84,9 +84,9 @@ private:
   };
   /// A node of which another rank has a copy.
   struct Copy {
-    int number;       ///< of a target or of a light node
-    std::size_t rank; ///< of the grid's neighbours
-    PetscInt place;   ///< there
+    int number;           ///< of a target or of a light node
+    std::size_t rank;     ///< of the grid's neighbours
+    std::ptrdiff_t place; ///< there
   };
   double FullMass(const Grid &grid, Index node) const;
   double MassAt(const Grid &grid, std::ptrdiff_t place) const { return grid.Sums()[place].mass + (more_ ? more_[place] : 0); }

@@ -25,7 +25,7 @@ public:
   }
 
 private:
-  void Mark(const Grid &grid, const PointArrays &points, int p);
+  void Mark(const NodePartition &nodes, const PointArrays &points, int p);
 
   std::vector<int> groups_;
   std::vector<std::uint32_t> bits_; ///< by place: one for each group, which those beyond the 32nd share; empty for one group

@@ -15,7 +15,8 @@ class FollowingNodes
 public:
   /// The blended nodes nearer to the indenter than CoupledPlaces::reach, with its tip there. Their places alone decide, so that
   /// ranks, and runs that go on, find the same ones.
-  void Find(const Grid &grid, const CoupledPlaces &coupled, const LightNodes &light, const Indenter &indenter, Vec3 tip);
+  void Find(const NodePartition &nodes, const CoupledPlaces &coupled, const LightNodes &light, const Indenter &indenter,
+            Vec3 tip);
   /// Forgets them: other nodes are coupled from now on.
   void Clear() { off_.clear(), places_.clear(); }
   const std::vector<std::ptrdiff_t> &Places() const { return places_; }

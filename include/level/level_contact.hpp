@@ -67,7 +67,10 @@ public:
   PetscErrorCode SharePressures(MPI_Comm world, const Grid &grid);
   /// Number of ranks that contact concerns, and the first of them, among all.
   int Ranks() const { return static_cast<int>(group_.Blocks().size()); }
-  PetscMPIInt Root(const Grid &grid) const { return group_.Blocks().empty() ? 0 : grid.Layout().ranks[group_.Blocks()[0]]; }
+  PetscMPIInt Root(const Grid &grid) const
+  {
+    return group_.Blocks().empty() ? 0 : grid.Nodes().Layout().ranks[group_.Blocks()[0]];
+  }
   /// Pressures that the next step starts from, the same on every rank of the group.
   ContactPressures Pressures() const { return method_ ? method_->Pressures() : ContactPressures(); }
   void SetPressures(const ContactPressures &pressures);

@@ -1,7 +1,7 @@
 // Fills bodies with material points.
 #pragma once
 
-#include "grid/grid.hpp"
+#include "grid/node_partition.hpp"
 #include "level/model.hpp"
 #include "points/points.hpp"
 #include "surface/surface.hpp"
@@ -42,9 +42,9 @@ public:
   PetscErrorCode JoinTouching(MPI_Comm comm, std::vector<int> *groups) const;
 
   /// Adds the points of the tiles whose nearest node this rank owns.
-  PetscErrorCode Fill(const Grid &grid, Points &points) const;
+  PetscErrorCode Fill(const NodePartition &nodes, Points &points) const;
   /// Adds the surface of these tiles' bodies, but at sides that hold it: their outer faces with corners on the outlines.
-  void AddPatches(const Grid &grid, Surface *surface) const;
+  void AddPatches(const NodePartition &nodes, Surface *surface) const;
 
   /// One more than the largest number a point of this level can have.
   std::int64_t EndId() const;
@@ -56,7 +56,7 @@ private:
   template <class Work> void ForEachBeside(std::size_t body, const Tile &tile, Work work) const;
   Tile PointOf(const Seed &seed) const;
   bool TakeStepsOfCoarser(std::size_t body, Tile &tile) const;
-  IndexBox CellsAround(const Grid &grid) const;
+  IndexBox CellsAround(const NodePartition &nodes) const;
   bool EndsAt(const Seed &seed, Side side, Vec3 corner) const;
   Vec3 OnOutline(const Seed &seed, Side side, Vec3 corner) const;
   void AddPatches(const Seed &seed, Side side, Surface *surface) const;

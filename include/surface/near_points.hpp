@@ -39,9 +39,9 @@ private:
     Vec3 from, to;
     std::array<double, 9> F; ///< first before the step, then what turns and stretches its surroundings in it
   };
-  void Mark(const Grid &grid, Vec3 x);
-  void FindAround(const Grid &grid, Points &points, double path);
-  Sum SumAt(const Grid &grid, const Place &place) const;
+  void Mark(const NodePartition &nodes, Vec3 x);
+  void FindAround(const GridGeometry &grid, Points &points, double path);
+  Sum SumAt(const NodePartition &nodes, const Place &place) const;
 
   std::vector<Place> places_; ///< of this rank, then of its neighbours in their order
   std::size_t own_ = 0;

@@ -46,7 +46,7 @@ void AddDonors(const NodeMotion &motion, std::vector<NodeState> *nodes, std::vec
     const std::ptrdiff_t self = motion.Mesh().Place(node.at);
     motion.Light().ForEachDonor(self, [&](std::ptrdiff_t place, double weight) {
       if (place == self) return;
-      more.push_back(Asked(motion.Mesh().NodeAt(place), 0));
+      more.push_back(Asked(motion.Mesh().Ghosted().At(place), 0));
       links->push_back({node.at, more.back().at, 0, weight});
     });
   }

@@ -22,17 +22,17 @@ PetscErrorCode ContactGroup::Free()
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactGroup::Create(const Grid &grid, const IndexBox &zone)
+PetscErrorCode ContactGroup::Create(const NodePartition &nodes, const IndexBox &zone)
 {
   MPI_Group all, members;
   PetscFunctionBeginUser;
   PetscCall(Free());
   zone_ = zone;
-  blocks_ = grid.BlocksIn(zone);
-  if (!grid.Participates() || RankOf(RankIn(grid.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_group(grid.Comm(), &all));
+  blocks_ = nodes.BlocksIn(zone);
+  if (!nodes.Participates() || RankOf(RankIn(nodes.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_group(nodes.Comm(), &all));
   PetscCallMPI(MPI_Group_incl(all, static_cast<int>(blocks_.size()), blocks_.data(), &members));
-  PetscCallMPI(MPI_Comm_create_group(grid.Comm(), members, 0, &comm_));
+  PetscCallMPI(MPI_Comm_create_group(nodes.Comm(), members, 0, &comm_));
   PetscCall(PetscCommDuplicate(comm_, &inner_, nullptr));
   PetscCallMPI(MPI_Group_free(&members));
   PetscCallMPI(MPI_Group_free(&all));

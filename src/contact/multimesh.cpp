@@ -37,9 +37,9 @@ private:
   static void ApplyAtNode(const SurfaceInputs &surface, const NodeMotion &nodes, const ContactStep &step, Index node,
                           double bounds[3], ContactReport *report)
   {
-    const double mass = nodes.MassOf(node), x = surface.grid.Coordinate(0, node[0]);
+    const double mass = nodes.MassOf(node), x = surface.grid.Geometry().Coordinate(0, node[0]);
     if (nodes.IsEmpty(mass)) return;
-    const SurfaceGap gap = surface.indenter.Gap({x, surface.grid.Coordinate(1, node[1])}, step.tip.end);
+    const SurfaceGap gap = surface.indenter.Gap({x, surface.grid.Geometry().Coordinate(1, node[1])}, step.tip.end);
     const double approach = Dot(gap.normal, surface.indenter.Velocity(step.time + step.dt) - nodes.VelocityOf(node));
     if (gap.distance >= surface.grid.Geometry().spacing || approach <= 0) return;
     nodes.Push(node, mass * approach * gap.normal, report);

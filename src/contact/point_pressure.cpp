@@ -191,7 +191,7 @@ private:
     if (length == 0) return;
     report->penetration = std::max(report->penetration, -surface.indenter.Gap(x, tip.start).distance);
     PressedPoint point{static_cast<std::int64_t>(points.id[p]),
-                       surface.grid.Nearest(x),
+                       surface.grid.Geometry().Nearest(x),
                        {},
                        gap.normal,
                        area,

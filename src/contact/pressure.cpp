@@ -328,7 +328,7 @@ private:
     int parts = 1; // of the tip, by sides of symmetry through it
     for (int axis = 0; axis < surface.geometry.Dim() - 1; ++axis)
       for (const Side side : SidesAcross(axis)) {
-        const double off = tip[axis] - surface.grid.Coordinate(axis, sides.node[side]);
+        const double off = tip[axis] - surface.grid.Geometry().Coordinate(axis, sides.node[side]);
         if (sides.kind[side] == BoundaryKind::kSymmetry && std::abs(off) < 1e-6 * surface.grid.Geometry().spacing) parts *= 2;
       }
     if (surface.geometry.Dim() == 3) return std::sqrt(parts * area / M_PI);

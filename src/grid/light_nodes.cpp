@@ -101,7 +101,7 @@ void LightNodes::FitLinear(std::vector<Near> *nodes, int dim) const
 double LightNodes::FullMass(const Grid &grid, Index node) const
 {
   constexpr double kAtAxis = 1.0 / 6; // exact: mass of a node at the axis, of that one cell from it
-  const double radius = grid.Coordinate(0, node[0]) / grid.Geometry().spacing;
+  const double radius = grid.Geometry().Coordinate(0, node[0]) / grid.Geometry().spacing;
   const bool at_axis = rule_.hoop && radius < 0.5;
   double share = rule_.hoop ? std::max(radius, kAtAxis) : 1;
   for (const Side side : SidesOf{grid.Geometry().dim})
@@ -115,8 +115,8 @@ void LightNodes::Create(const Grid &grid, const BoundaryConditions &sides, const
 {
   tables_.shares = std::move(shares);
   rule_.full_mass = settings.full_mass, rule_.cutoff = settings.mass_cutoff, rule_.hoop = hoop, rule_.sides = sides;
-  tables_.limit.resize(grid.GhostedNodes()), tables_.at_sides.assign(grid.GhostedNodes(), 0);
-  tables_.light.assign(grid.GhostedNodes(), -1), tables_.target = tables_.light;
+  tables_.limit.resize(grid.Ghosted().Count()), tables_.at_sides.assign(grid.Ghosted().Count(), 0);
+  tables_.light.assign(grid.Ghosted().Count(), -1), tables_.target = tables_.light;
   lights_.clear(), donors_.clear(), targets_.clear(), target_copies_.clear(), light_copies_.clear();
   fits_.around.clear(), fits_.known.clear();
   IndexBox box = {{}, {1, 1, 1}};
@@ -141,7 +141,9 @@ int LightNodes::Target(const Grid &grid, std::ptrdiff_t place, Index node)
   if (number >= 0) return number;
   number = static_cast<int>(targets_.size());
   targets_.push_back(place);
-  grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { target_copies_.push_back({number, rank, there}); });
+  grid.Nodes().ForEachCopy(node, [&](std::size_t rank, std::ptrdiff_t there) {
+    target_copies_.push_back({number, rank, there});
+  });
   return number;
 }
 
@@ -231,13 +233,13 @@ void LightNodes::AddLight(const Grid &grid, const NodeBodies &bodies, Index node
   lights_.push_back({place, own * mass > kMinOwnShare * tables_.limit[place] ? own : 0, 0, 0});
   FindDonors(grid, bodies, node, &lights_.back());
   Target(grid, place, node);
-  grid.ForEachCopy(node, [&](std::size_t rank, PetscInt there) { light_copies_.push_back({number, rank, there}); });
+  grid.Nodes().ForEachCopy(node, [&](std::size_t rank, std::ptrdiff_t there) { light_copies_.push_back({number, rank, there}); });
 }
 
 /// All ranks add the shares in the order of the ranks that they come from, so that copies of a node stay the same.
-PetscErrorCode LightNodes::Restrict(Grid &grid, double *values, std::ptrdiff_t size) const
+PetscErrorCode LightNodes::Restrict(HaloExchange &halo, double *values, std::ptrdiff_t size) const
 {
-  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  std::vector<std::vector<double>> outgoing(halo.Neighbours()), incoming;
   PetscFunctionBeginUser;
   given_.assign(targets_.size() * size, 0.0);
   for (const Light &light : lights_) {
@@ -263,16 +265,16 @@ PetscErrorCode LightNodes::Restrict(Grid &grid, double *values, std::ptrdiff_t s
     message.push_back(copy.place);
     message.insert(message.end(), &given_[size * copy.number], &given_[size * copy.number] + size);
   }
-  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
-  add_from(0, grid.LowerNeighbours());
+  PetscCall(halo.Send(outgoing, &incoming));
+  add_from(0, halo.LowerNeighbours());
   for (std::size_t k = 0; k < targets_.size(); ++k) add(targets_[k], &given_[size * k]);
-  add_from(grid.LowerNeighbours(), grid.Neighbours());
+  add_from(halo.LowerNeighbours(), halo.Neighbours());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LightNodes::Prolong(Grid &grid, double *values, std::ptrdiff_t size) const
+PetscErrorCode LightNodes::Prolong(HaloExchange &halo, double *values, std::ptrdiff_t size) const
 {
-  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  std::vector<std::vector<double>> outgoing(halo.Neighbours()), incoming;
   PetscFunctionBeginUser;
   for (const Light &light : lights_) {
     double *const to = values + size * light.place;
@@ -288,7 +290,7 @@ PetscErrorCode LightNodes::Prolong(Grid &grid, double *values, std::ptrdiff_t si
     message.push_back(copy.place);
     message.insert(message.end(), from, from + size);
   }
-  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
+  PetscCall(halo.Send(outgoing, &incoming));
   for (const std::vector<double> &message : incoming)
     for (std::size_t k = 0; k < message.size(); k += 1 + size)
       std::copy_n(&message[k + 1], size, values + size * static_cast<std::ptrdiff_t>(message[k]));

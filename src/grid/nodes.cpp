@@ -52,7 +52,7 @@ template <class Work> void ForEachConstrained(const Grid &grid, const BoundaryCo
       nodes.upper[axis] = std::min(nodes.upper[axis], sides.node[side] + 1);
     else
       nodes.lower[axis] = std::max(nodes.lower[axis], sides.node[side]);
-    ForEach(nodes, [&](Index node) { work(grid.Place(node), side, grid.Owns(node)); });
+    ForEach(nodes, [&](Index node) { work(grid.Place(node), side, grid.Owned().Contains(node)); });
   }
 }
 

@@ -72,7 +72,7 @@ PetscErrorCode ConnectedLevels::FindTraffic(std::vector<BlockTraffic> *traffic) 
 RankMap ConnectedLevels::RanksInUse() const
 {
   RankMap map;
-  for (const auto &level : levels_) map.push_back(level->Mesh().Layout().ranks);
+  for (const auto &level : levels_) map.push_back(level->Mesh().Nodes().Layout().ranks);
   return map;
 }
 
@@ -84,7 +84,7 @@ PetscErrorCode ConnectedLevels::MapRanks()
   const RankMap map = RanksInUse(), better = ImproveMap(traffic, RanksOf(comm_), map);
   for (int l = 0; l < Count(); ++l) {
     if (better[l] == map[l]) continue;
-    GridLayout layout = levels_[l]->Mesh().Layout();
+    GridLayout layout = levels_[l]->Mesh().Nodes().Layout();
     layout.ranks = better[l];
     PetscCall(levels_[l]->Repartition(layout));
     PetscCall(Reconnect(true));
@@ -161,7 +161,7 @@ PetscErrorCode ConnectedLevels::Rebalance(int l)
   PetscFunctionBeginUser;
   PetscCall(BetterLayout(comm_, *levels_[l], settings_.points_per_rank, &layout, &changed));
   if (!changed) PetscFunctionReturn(PETSC_SUCCESS);
-  const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Layout().Blocks();
+  const bool other_ranks = layout.Blocks() != levels_[l]->Mesh().Nodes().Layout().Blocks();
   PetscCall(levels_[l]->Repartition(layout));
   PetscCall(Reconnect(true));
   if (other_ranks) PetscCall(MapRanks());
@@ -174,7 +174,7 @@ PetscErrorCode ConnectedLevels::Balance()
   PetscFunctionBeginUser;
   PetscCall(CountPoints(&total, &largest));
   for (int l = 0; l < Count(); ++l) {
-    const int blocks = levels_[l]->Mesh().Layout().Blocks();
+    const int blocks = levels_[l]->Mesh().Nodes().Layout().Blocks();
     const bool uneven = largest[l] * blocks > settings_.rebalance_threshold * total[l];
     if (uneven || NeedsOtherRanks(total[l], blocks, RanksOf(comm_), settings_.points_per_rank))
       PetscCall(Timed(events_.balance, [&] { return Rebalance(l); }));

@@ -48,7 +48,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
     for (int b = 0; b + 1 < Levels(); ++b) PetscCall(copies_->Add(At(b), At(b + 1), settings.ghost_cells));
   }
   if (!fill) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(At(l).Mesh(), At(l).PointStore()));
+  for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(At(l).Mesh().Nodes(), At(l).PointStore()));
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(levels_.Transfer(b).Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(levels_.Rebalance(l)); // for the points that have just crossed
   for (int l = 0; l < Levels(); ++l) PetscCall(At(l).Sort());                         // seeds come row by row

@@ -27,7 +27,7 @@ PetscErrorCode SurfaceOwners::Seed(const std::vector<Seeding> &seedings, Vec3 ti
   const auto split = [&] {
     for (auto &level : levels_) level->SplitSurface(tip);
   };
-  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh(), &levels_[l]->Contact().Patches());
+  for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh().Nodes(), &levels_[l]->Contact().Patches());
   split();
   for (int l = 0; l < Levels(); ++l) { // each time what is short enough of a level comes to the next one
     PetscCall(Assign(true, Levels()));
@@ -60,8 +60,8 @@ PetscErrorCode SurfaceOwners::Assign(bool to_levels, int active)
     for (const SurfacePatch &patch : patches) {
       const Vec3 x = patch.Center(dim);
       const int level = to_levels ? LevelAt(x, l, active) : l;
-      const Grid &grid = levels_[level]->Mesh();
-      const PetscMPIInt rank = grid.OwnerOfNode(grid.Nearest(x));
+      const NodePartition &nodes = levels_[level]->Mesh().Nodes();
+      const PetscMPIInt rank = nodes.OwnerOf(nodes.Geometry().Nearest(x));
       if (level == l && rank == own)
         stay.push_back(patch);
       else

@@ -6,9 +6,10 @@
 namespace mlgimp
 {
 
-void FollowingNodes::Find(const Grid &grid, const CoupledPlaces &coupled, const LightNodes &light, const Indenter &indenter,
-                          Vec3 tip)
+void FollowingNodes::Find(const NodePartition &nodes, const CoupledPlaces &coupled, const LightNodes &light,
+                          const Indenter &indenter, Vec3 tip)
 {
+  const GridGeometry &grid = nodes.Geometry();
   const double moved = Norm(tip - tip_);
   tip_ = tip;
   off_.resize(coupled.blended.size(), -HUGE_VAL);
@@ -17,7 +18,7 @@ void FollowingNodes::Find(const Grid &grid, const CoupledPlaces &coupled, const 
     const Index node = coupled.blended[k];
     if ((off_[k] -= moved) > coupled.reach) continue;
     const Vec3 x{grid.Coordinate(0, node[0]), grid.Coordinate(1, node[1]), grid.Coordinate(2, node[2])};
-    const std::ptrdiff_t place = grid.Place(node);
+    const std::ptrdiff_t place = nodes.Place(node);
     off_[k] = indenter.Gap(x, tip).distance;
     if (!light.IsLight(place) && off_[k] < coupled.reach) places_.push_back(place);
   }

@@ -29,7 +29,7 @@ PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, cons
   settings_.nodal.mass_cutoff = kEmptyNode * settings_.nodal.full_mass;
   PetscCall(CreateGrid(layout));
   for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]})
-    PetscCall(store->Create(grid_->PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
+    PetscCall(store->Create(grid_->Nodes().PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
                             model_.HistoryComponents()));
   sweeps_.kernels = CreateKernels(model_.geometry.kind, model_.shape_function);
   PetscCall(contact_.Create(model_));
@@ -56,7 +56,7 @@ void Level::SetCoupledPlaces(CoupledPlaces places)
   coupled_.places = std::move(places);
   coupled_.following.Clear();
   if (!grid_->Participates()) return;
-  std::vector<double> shares(grid_->GhostedNodes(), 1.0);
+  std::vector<double> shares(grid_->Ghosted().Count(), 1.0);
   if (coupled_.coarser)
     ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = coupled_.coarser->BlendOf(node).beta; });
   for (const std::ptrdiff_t place : coupled_.places.interface) shares[place] = LightNodes::kWithFiner;
@@ -91,7 +91,7 @@ PetscErrorCode Level::PointsToGrid(double time)
   const Flops flops(model_.geometry.Dim());
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.points_to_grid, 0, 0, 0, 0));
-  grid_->ClearSums();
+  grid_->Arrays().ClearSums();
   step_.applied.clear();
   PetscCall(ForEachStore(flops.points_to_grid, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
     sweeps_.kernels->PointsToGrid(view, model_.acceleration, time, budgets);
@@ -111,7 +111,7 @@ PetscErrorCode Level::FindLightNodes()
   PetscFunctionBeginUser;
   PetscCall(node_bodies_.Find(*grid_, {stores_.own.Arrays(), stores_.copies[0].Arrays(), stores_.copies[1].Arrays()}));
   light_.Find(*grid_, node_bodies_, coupled_.finer_masses);
-  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
+  PetscCall(light_.Restrict(grid_->Halo(), &grid_->Sums()->mass, NodeLayout::kSums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,13 +153,13 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   RecordCoupling(*grid_, settings_.nodal, step.dt, coupled_.nodes);
   ApplyBoundaryConditions(*grid_, geometry_.sides, settings_.nodal, &step_.held_nodes, budgets_);
-  if (contact_.Exists()) coupled_.following.Find(*grid_, coupled_.places, light_, *model_.indenter, tip.start);
+  if (contact_.Exists()) coupled_.following.Find(grid_->Nodes(), coupled_.places, light_, *model_.indenter, tip.start);
   PetscCall(contact_.Solve(Site(), step, tip, &coupled_.nodes));
   if (contact_.HasFailed() && step_.failure.kind == LevelFailure::kNone) step_.failure = {LevelFailure::kContact, {}, step.time};
   if (coupled_.on || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
   if (settings_.nodal.HasBodyForces()) AddBodyWork(*grid_, settings_.nodal, step.dt, budgets_);
   const int components = NodeLayout::Velocity(model_.geometry.Dim());
-  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->VelocityArray(), components); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(grid_->Halo(), grid_->Arrays().VelocityArray(), components); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,7 +172,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
   VelocitiesFromSums(*grid_, geometry_.sides, settings_.nodal);
-  PetscCall(light_.Prolong(*grid_, grid_->RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
+  PetscCall(light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(flops.gather_rates + flops.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     sweeps_.kernels->ApplyRates(view, plan, budgets, failure);
@@ -187,7 +187,7 @@ PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
   PetscFunctionBeginUser;
   if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   std::vector<double> motion = MeanMotion(*grid_, rates, settings_.nodal.mass_cutoff);
-  PetscCall(light_.Prolong(*grid_, motion.data(), model_.geometry.Dim()));
+  PetscCall(light_.Prolong(grid_->Halo(), motion.data(), model_.geometry.Dim()));
   AddLoadWork(*grid_, step_.applied, motion, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -201,13 +201,13 @@ PetscErrorCode Level::ExchangeRates(double dt, double xpic)
   PetscFunctionBeginUser;
   const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
-  PetscCall(Timed(events_.halo, [&] { return light_.Restrict(*grid_, grid_->RatesArray(), components); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Restrict(grid_->Halo(), grid_->Arrays().RatesArray(), components); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
   budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), true, ahead);
   PetscCall(AddWorkOfLoads(true, dt));
   if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, ahead, budgets_);
   DivideRates(*grid_, geometry_.sides, settings_.nodal, dt, plan, budgets_);
-  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(*grid_, grid_->RatesArray(), components); }));
+  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), components); }));
   FinishRates(*grid_, settings_.nodal, plan);
   PetscCall(PetscLogFlops(flops.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
@@ -229,7 +229,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_.indenter) PetscCall(contact_.PrepareSurface(Site(), step_.drift_path * geometry_.grid.spacing));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  if (rates) grid_->ClearRates();
+  if (rates) grid_->Arrays().ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
     sweeps_.kernels->GridToPoints(view, first, budgets, failure);
   }));
@@ -273,12 +273,12 @@ void Level::BoundDrift(double largest_speed, double dt)
 
 PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)
 {
-  const std::size_t nodes = grid_->GhostedNodes();
+  const std::size_t nodes = grid_->Ghosted().Count();
   PetscFunctionBeginUser;
   tensors->resize(8 * points.size());
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  grid_->ClearRates();
-  grid_->ClearSums();
+  grid_->Arrays().ClearRates();
+  grid_->Arrays().ClearSums();
   PetscCall(ForEachStore(0, [&](const SweepView &view, Budgets &, PointFailure &) {
     Budgets discarded;
     sweeps_.kernels->ScatterTensors(view);

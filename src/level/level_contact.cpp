@@ -43,16 +43,16 @@ PetscErrorCode LevelContact::Watch(MPI_Comm world, const Grid &grid, bool within
   if (within_reach) reach_.nodes = zone;
   if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
   group_.SetZone(reach_.nodes);
-  if (grid.BlocksIn(reach_.nodes) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (grid.Nodes().BlocksIn(reach_.nodes) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SharePressures(world, grid));
-  PetscCall(group_.Create(grid, reach_.nodes));
+  PetscCall(group_.Create(grid.Nodes(), reach_.nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LevelContact::Regroup(const Grid &grid)
 {
   PetscFunctionBeginUser;
-  if (method_) PetscCall(group_.Create(grid, reach_.nodes));
+  if (method_) PetscCall(group_.Create(grid.Nodes(), reach_.nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,7 +112,7 @@ PetscErrorCode LevelContact::Solve(const ContactSite &site, TimeStep step, const
   TakeShared(site, coupled);
   if (!reach_.active) PetscFunctionReturn(PETSC_SUCCESS);
   surface_.Approach(*site.model.indenter, tip.end, kPointRange * site.geometry.grid.spacing);
-  reaches_coarser_level_ = group_.Blocks().size() < site.grid.Layout().ranks.size(); // where some ranks do not know
+  reaches_coarser_level_ = group_.Blocks().size() < site.grid.Nodes().Layout().ranks.size(); // where some ranks do not know
   if (touches_) PetscCall(Apply(site, step, tip));
   if (borders_.coarser && reaches_coarser_level_) PetscCall(borders_.coarser->Spread(&changes_));
   PetscFunctionReturn(PETSC_SUCCESS);

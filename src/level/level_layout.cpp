@@ -9,8 +9,8 @@ namespace mlgimp
 PetscMPIInt Level::OwnerOf(const PointArrays &points, int p)
 {
   const Vec3 x = points.Position(p);
-  const Index node = grid_->Nearest(x);
-  const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->OwnerOfNode(node) : -1;
+  const Index node = grid_->Geometry().Nearest(x);
+  const PetscMPIInt owner = geometry_.PointNodes().Contains(node) ? grid_->Nodes().OwnerOf(node) : -1;
   if (owner < 0) RecordFailure({PointFailure::kLeftGrid, points.id[p], x}, step_.time);
   return owner;
 }
@@ -22,11 +22,12 @@ void Level::PutBack(const std::vector<int> &points)
   for (int p : points)
     for (int axis = 0; axis < a.dim; ++axis) {
       double &x = a.position[PointArrays::At(p, a.dim) + axis];
-      const double first = grid_->Coordinate(axis, allowed.lower[axis]), last = grid_->Coordinate(axis, allowed.upper[axis] - 1);
+      const double first = grid_->Geometry().Coordinate(axis, allowed.lower[axis]),
+                   last = grid_->Geometry().Coordinate(axis, allowed.upper[axis] - 1);
       const double room = 0.5 * geometry_.grid.spacing;
       if (x >= first - room && x < last + room) continue; // a NaN does not
       RecordFailure({PointFailure::kLeftGrid, a.id[p], a.Position(p)}, step_.time);
-      x = grid_->Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
+      x = grid_->Geometry().Coordinate(axis, std::max(grid_->Owned().lower[axis], allowed.lower[axis]));
     }
 }
 
@@ -37,20 +38,20 @@ PetscErrorCode Level::Migrate(bool everywhere)
   Migrants migrants;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.migrate, 0, 0, 0, 0));
-  const MPI_Comm comm = everywhere ? world_ : grid_->Comm();
+  const MPI_Comm comm = everywhere ? world_ : grid_->Nodes().Comm();
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   const PointArrays points = stores_.own.Arrays();
   clock_.drift = 0;
   for (int p = 0; p < points.count; ++p) {
-    const Index nearest = grid_->Nearest(points.Position(p));
+    const Index nearest = grid_->Geometry().Nearest(points.Position(p));
     Index node = nearest;
     for (int axis = 0; axis < points.dim; ++axis) {
       node[axis] = std::clamp(nearest[axis], allowed.lower[axis], allowed.upper[axis] - 1);
       if (node[axis] == nearest[axis]) continue;
       RecordFailure({PointFailure::kLeftGrid, points.id[p], points.Position(p)}, step_.time);
-      points.position[PointArrays::At(p, points.dim) + axis] = grid_->Coordinate(axis, node[axis]);
+      points.position[PointArrays::At(p, points.dim) + axis] = grid_->Geometry().Coordinate(axis, node[axis]);
     }
-    const PetscMPIInt owner = everywhere ? grid_->OwnerOfNode(node) : grid_->BlockOfNode(node);
+    const PetscMPIInt owner = everywhere ? grid_->Nodes().OwnerOf(node) : grid_->Nodes().BlockOf(node);
     if (owner != rank) migrants.Add(p, owner);
   }
   PetscCall(MovePoints(comm, stores_.own, stores_.own, migrants));
@@ -79,7 +80,8 @@ PetscErrorCode Level::Repartition(const GridLayout &layout)
   coupled_.nodes.clear();
   PetscCall(Migrate(true));
   PetscCall(MigrateCopies());
-  for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]}) PetscCall(store->MoveTo(grid_->PointsComm()));
+  for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]})
+    PetscCall(store->MoveTo(grid_->Nodes().PointsComm()));
   PetscCall(Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,11 +96,11 @@ PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layo
 }
 
 /// The points by their nearest nodes, and by their places where these are the same.
-static std::vector<int> SortedByNode(const Grid &grid, const PointArrays &points)
+static std::vector<int> SortedByNode(const NodePartition &nodes, const PointArrays &points)
 {
-  std::vector<int> start(grid.GhostedNodes() + 1, 0), key(points.count), order(points.count);
+  std::vector<int> start(nodes.Ghosted().Count() + 1, 0), key(points.count), order(points.count);
   for (int p = 0; p < points.count; ++p) {
-    key[p] = static_cast<int>(grid.Place(grid.Nearest(points.Position(p))));
+    key[p] = static_cast<int>(nodes.Place(nodes.Geometry().Nearest(points.Position(p))));
     ++start[key[p] + 1];
   }
   for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
@@ -111,7 +113,7 @@ PetscErrorCode Level::Sort()
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.sort, 0, 0, 0, 0));
-  stores_.own.Reorder(SortedByNode(*grid_, stores_.own.Arrays()));
+  stores_.own.Reorder(SortedByNode(grid_->Nodes(), stores_.own.Arrays()));
   PetscCall(PetscLogEventEnd(events_.sort, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

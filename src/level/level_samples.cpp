@@ -24,7 +24,7 @@ PetscErrorCode Level::FindVelocities()
   Budgets discarded;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  grid_->ClearSums();
+  grid_->Arrays().ClearSums();
   sweeps_.kernels->PointsToGrid({*grid_, stores_.own.Arrays(), sweeps_.bodies}, {}, step_.time, discarded);
   PetscCall(grid_->ShareSums());
   UpdateVelocities(*grid_, settings_.nodal, 0);
@@ -38,7 +38,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   const PointArrays all = stores_.own.Arrays();
-  grid_->ClearSums();
+  grid_->Arrays().ClearSums();
   for (int p : points) {
     double mass = sign * all.mass[p];
     PointArrays one = Slice(all, p, p + 1);
@@ -46,7 +46,7 @@ PetscErrorCode Level::GatherForcesOf(const std::vector<int> &points, double sign
     sweeps_.kernels->PointsToGrid({*grid_, one, sweeps_.bodies}, {}, step_.time, discarded);
   }
   PetscCall(grid_->ShareSums());
-  PetscCall(light_.Restrict(*grid_, &grid_->Sums()->mass, NodeLayout::kSums));
+  PetscCall(light_.Restrict(grid_->Halo(), &grid_->Sums()->mass, NodeLayout::kSums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

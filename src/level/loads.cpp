@@ -26,12 +26,12 @@ template <class Work> static void ForEachNodeOf(const Grid &grid, const FaceForc
 static bool PlaceFace(const Grid &grid, const Face &face, FaceForce *placed)
 {
   const IndexBox &local = grid.Ghosted();
-  placed->nearest = grid.Nearest(face.center);
+  placed->nearest = grid.Geometry().Nearest(face.center);
   for (int axis = 0; axis < grid.Geometry().dim; ++axis) {
     const double inverse_h = grid.IndexSpace().inverse_spacing;
     const int nearest = placed->nearest[axis];
     if (nearest <= local.lower[axis] || nearest >= local.upper[axis] - 1) return false;
-    const double d = (face.center[axis] - grid.Coordinate(axis, nearest)) * inverse_h;
+    const double d = (face.center[axis] - grid.Geometry().Coordinate(axis, nearest)) * inverse_h;
     double extent = 0;
     for (const Vec3 &half_edge : face.half_edge) extent += std::abs(half_edge[axis]);
     placed->at[axis] = FaceWeights(d, extent * inverse_h);
@@ -78,7 +78,7 @@ void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, dou
 std::vector<double> MeanMotion(const Grid &grid, bool rates, double mass_cutoff)
 {
   const int dim = grid.Geometry().dim;
-  std::vector<double> motion(dim * grid.GhostedNodes());
+  std::vector<double> motion(dim * grid.Ghosted().Count());
   ForEach(grid.Ghosted(), [&](Index at) {
     const std::ptrdiff_t place = grid.Place(at);
     const NodeSums &node = grid.Sums()[place];

@@ -263,12 +263,12 @@ void Seeding::AddPatches(const Seed &seed, Side side, Surface *surface) const
   surface->Add(patch);
 }
 
-void Seeding::AddPatches(const Grid &grid, Surface *surface) const
+void Seeding::AddPatches(const NodePartition &nodes, Surface *surface) const
 {
-  const PetscMPIInt rank = RankIn(grid.Comm());
-  if (!grid.Participates()) return;
-  ForEachSeed(CellsAround(grid), [&](const Seed &seed) {
-    if (grid.BlockOfNode(grid.Nearest(seed.tile.center)) != rank) return;
+  if (!nodes.Participates()) return;
+  const PetscMPIInt rank = RankIn(nodes.Comm());
+  ForEachSeed(CellsAround(nodes), [&](const Seed &seed) {
+    if (nodes.BlockOf(nodes.Geometry().Nearest(seed.tile.center)) != rank) return;
     const int faces = FaceBits(seed);
     for (const Side side : SidesOf{geometry_.dim})
       if (faces & OuterFaceBit(side)) AddPatches(seed, side, surface);
@@ -332,21 +332,21 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
 }
 
 /// The cells whose tiles may be this rank's.
-IndexBox Seeding::CellsAround(const Grid &grid) const
+IndexBox Seeding::CellsAround(const NodePartition &nodes) const
 {
-  IndexBox cells = grid.Owned();
+  IndexBox cells = nodes.Owned();
   for (int d = 0; d < geometry_.dim; ++d) cells.lower[d] -= 2, ++cells.upper[d]; // a point may lie beyond a cell with a sliver
   return cells;
 }
 
-PetscErrorCode Seeding::Fill(const Grid &grid, Points &points) const
+PetscErrorCode Seeding::Fill(const NodePartition &nodes, Points &points) const
 {
   int count = points.Count();
   PetscFunctionBeginUser;
-  if (!grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  const PetscMPIInt rank = RankIn(grid.Comm());
-  const IndexBox cells = CellsAround(grid);
-  const auto mine = [&](const Seed &seed) { return grid.BlockOfNode(grid.Nearest(seed.tile.center)) == rank; };
+  if (!nodes.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  const PetscMPIInt rank = RankIn(nodes.Comm());
+  const IndexBox cells = CellsAround(nodes);
+  const auto mine = [&](const Seed &seed) { return nodes.BlockOf(nodes.Geometry().Nearest(seed.tile.center)) == rank; };
   int p = count;
   ForEachSeed(cells, [&](const Seed &seed) { count += mine(seed); }); // counted first: a list would be most of the memory
   PetscCall(points.Resize(count));

@@ -15,11 +15,10 @@ namespace
 constexpr int kNoInterest = -2, kNone = -1; // size
 
 /// Cells around one in which points within a cell of a place in it lie.
-IndexBox Around(const Grid &grid, Index cell)
+IndexBox Around(const NodePartition &nodes, Index cell)
 {
-  const int dim = grid.Geometry().dim;
-  IndexBox box = grid.Ghosted();
-  for (int a = 0; a < dim; ++a)
+  IndexBox box = nodes.Ghosted();
+  for (int a = 0; a < nodes.Geometry().dim; ++a)
     box.lower[a] = std::max(box.lower[a], cell[a] - 1), box.upper[a] = std::min(box.upper[a], cell[a] + 2);
   return box;
 }
@@ -49,21 +48,20 @@ std::array<double, 9> Change(const double *before, const double *after, int dim)
 
 } // namespace
 
-void NearPoints::Mark(const Grid &grid, Vec3 x)
+void NearPoints::Mark(const NodePartition &nodes, Vec3 x)
 {
-  ForEach(Around(grid, Locate(grid.Geometry(), x).cell), [&](Index cell) {
-    int &first = first_[grid.Place(cell)];
-    if (first == kNoInterest) first = kNone, marked_.push_back(grid.Place(cell));
+  ForEach(Around(nodes, Locate(nodes.Geometry(), x).cell), [&](Index cell) {
+    int &first = first_[nodes.Place(cell)];
+    if (first == kNoInterest) first = kNone, marked_.push_back(nodes.Place(cell));
   });
 }
 
 /// Lists the points in the box around the places, and beyond it for some steps to come.
-void NearPoints::FindAround(const Grid &grid, Points &points, double path)
+void NearPoints::FindAround(const GridGeometry &grid, Points &points, double path)
 {
   constexpr double kMarked = 2, kMargin = 1,
                    kMotion = 0.5; // size; cells: of two marked ones; for other places, and for points that move
-  const double h = grid.Geometry().spacing;
-  const int dim = grid.Geometry().dim;
+  const double h = grid.spacing;
   const auto around_places = [&](double width) {
     Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
     for (const Place &place : places_)
@@ -75,7 +73,7 @@ void NearPoints::FindAround(const Grid &grid, Points &points, double path)
   };
   const Box now = around_places(kMarked);
   bool known = points.Version() == version_ && path <= path_;
-  for (int a = 0; a < dim; ++a) known = known && now.lower[a] >= box_.lower[a] && now.upper[a] <= box_.upper[a];
+  for (int a = 0; a < grid.dim; ++a) known = known && now.lower[a] >= box_.lower[a] && now.upper[a] <= box_.upper[a];
   if (known) return;
   const PointArrays arrays = points.Arrays();
   const Box wide = around_places(kMarked + kMargin + kMotion);
@@ -87,37 +85,39 @@ void NearPoints::FindAround(const Grid &grid, Points &points, double path)
 
 PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, Points &store, double path)
 {
-  const int dim = grid.Geometry().dim;
-  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  const NodePartition &nodes = grid.Nodes();
+  const int dim = nodes.Geometry().dim;
+  std::vector<std::vector<double>> outgoing(nodes.Neighbours().size()), incoming;
   PetscFunctionBeginUser;
   places_ = places;
   own_ = places.size();
-  asked_.assign(grid.Neighbours(), {});
+  asked_.assign(outgoing.size(), {});
   for (std::size_t k = 0; k < own_; ++k)
-    grid.ForEachCopy(grid.Nearest(places[k].x), [&](std::size_t rank, PetscInt) {
+    nodes.ForEachCopy(nodes.Geometry().Nearest(places[k].x), [&](std::size_t rank, std::ptrdiff_t) {
       const Place &place = places[k];
       outgoing[rank].insert(outgoing[rank].end(), {place.x[0], place.x[1], place.x[2], static_cast<double>(place.body)});
       asked_[rank].push_back(k);
     });
-  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
+  PetscCall(grid.Halo().Send(outgoing, &incoming));
   of_neighbour_.clear();
   for (const std::vector<double> &message : incoming) {
     of_neighbour_.push_back(message.size() / 4);
     for (std::size_t k = 0; k < message.size(); k += 4)
       places_.push_back({{message[k], message[k + 1], message[k + 2]}, static_cast<int>(message[k + 3])});
   }
-  if (first_.size() != grid.GhostedNodes()) first_.assign(grid.GhostedNodes(), kNoInterest);
+  const std::size_t count = nodes.Ghosted().Count();
+  if (first_.size() != count) first_.assign(count, kNoInterest);
   for (const std::ptrdiff_t place : marked_) first_[place] = kNoInterest;
   marked_.clear(), moved_.clear();
-  for (const Place &place : places_) Mark(grid, place.x);
+  for (const Place &place : places_) Mark(nodes, place.x);
   if (marked_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  FindAround(grid, store, path);
+  FindAround(nodes.Geometry(), store, path);
   const PointArrays points = store.Arrays();
   for (const int p : around_) {
     const Vec3 x = points.Position(p);
-    const Index cell = Locate(grid.Geometry(), x).cell;
-    if (!grid.Ghosted().Contains(cell)) continue;
-    int &first = first_[grid.Place(cell)];
+    const Index cell = Locate(nodes.Geometry(), x).cell;
+    if (!nodes.Ghosted().Contains(cell)) continue;
+    int &first = first_[nodes.Place(cell)];
     if (first == kNoInterest) continue;
     Moved one{p, first, points.body[p], points.mass[p], x, {}, {}};
     std::copy_n(points.F + PointArrays::At(p, dim * dim), dim * dim, one.F.begin());
@@ -127,13 +127,14 @@ PetscErrorCode NearPoints::Begin(Grid &grid, const std::vector<Place> &places, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-NearPoints::Sum NearPoints::SumAt(const Grid &grid, const Place &place) const
+NearPoints::Sum NearPoints::SumAt(const NodePartition &nodes, const Place &place) const
 {
-  const int dim = grid.Geometry().dim;
-  const double inverse_square = 1 / (grid.Geometry().spacing * grid.Geometry().spacing);
+  const GridGeometry &grid = nodes.Geometry();
+  const int dim = grid.dim;
+  const double inverse_square = 1 / (grid.spacing * grid.spacing);
   Sum sum;
-  ForEach(Around(grid, Locate(grid.Geometry(), place.x).cell), [&](Index cell) {
-    for (int k = first_[grid.Place(cell)]; k >= 0; k = moved_[k].next) {
+  ForEach(Around(nodes, Locate(grid, place.x).cell), [&](Index cell) {
+    for (int k = first_[nodes.Place(cell)]; k >= 0; k = moved_[k].next) {
       const Moved &one = moved_[k];
       const Vec3 d = place.x - one.from;
       const double near = 1 - inverse_square * Dot(d, d), weight = one.mass * near * near * near;
@@ -151,21 +152,21 @@ NearPoints::Sum NearPoints::SumAt(const Grid &grid, const Place &place) const
 PetscErrorCode NearPoints::Finish(Grid &grid, const PointArrays &points, std::vector<Sum> *sums)
 {
   const int dim = grid.Geometry().dim;
-  std::vector<std::vector<double>> outgoing(grid.Neighbours()), incoming;
+  std::vector<std::vector<double>> outgoing(grid.Halo().Neighbours()), incoming;
   PetscFunctionBeginUser;
   for (Moved &one : moved_) {
     one.to = points.Position(one.point);
     one.F = Change(one.F.data(), points.F + PointArrays::At(one.point, dim * dim), dim);
   }
   sums->clear();
-  for (std::size_t k = 0; k < own_; ++k) sums->push_back(SumAt(grid, places_[k]));
+  for (std::size_t k = 0; k < own_; ++k) sums->push_back(SumAt(grid.Nodes(), places_[k]));
   std::size_t next = own_;
   for (std::size_t rank = 0; rank < of_neighbour_.size(); ++rank)
     for (std::size_t k = 0; k < of_neighbour_[rank]; ++k) {
-      const Sum sum = SumAt(grid, places_[next++]);
+      const Sum sum = SumAt(grid.Nodes(), places_[next++]);
       outgoing[rank].insert(outgoing[rank].end(), {sum.weighted[0], sum.weighted[1], sum.weighted[2], sum.weight});
     }
-  if (grid.HasGhosts()) PetscCall(grid.SendToNeighbours(outgoing, &incoming));
+  PetscCall(grid.Halo().Send(outgoing, &incoming));
   for (std::size_t rank = 0; rank < incoming.size(); ++rank)
     for (std::size_t k = 0; k < asked_[rank].size(); ++k) {
       Sum &sum = (*sums)[asked_[rank][k]];

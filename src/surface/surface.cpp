@@ -14,7 +14,7 @@ namespace mlgimp
 static bool IsAt(const Grid &grid, const BoundaryConditions &sides, Side side, Vec3 x)
 {
   constexpr double kAt = 1e-6; // rounding; cells
-  const double beyond = SignOf(side) * (x[AxisOf(side)] - grid.Coordinate(AxisOf(side), sides.node[side]));
+  const double beyond = SignOf(side) * (x[AxisOf(side)] - grid.Geometry().Coordinate(AxisOf(side), sides.node[side]));
   return beyond > -kAt * grid.Geometry().spacing;
 }
 

@@ -88,7 +88,7 @@ PetscErrorCode NodalForces(const Patch &patch, Forces *forces)
     const NodeSums &sums = nodes.Sums()[nodes.Place(node)];
     const double force = std::hypot(sums.force[0], sums.force[1]) / kScale;
     forces->all = Largest({forces->all, force});
-    if (!Inside(patch, {nodes.Coordinate(0, node[0]), nodes.Coordinate(1, node[1])}, shift)) return;
+    if (!Inside(patch, {nodes.Geometry().Coordinate(0, node[0]), nodes.Geometry().Coordinate(1, node[1])}, shift)) return;
     forces->inside = Largest({forces->inside, force});
     ++forces->nodes;
   });

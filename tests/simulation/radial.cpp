@@ -115,8 +115,8 @@ PetscErrorCode Stretch(StressUpdate update)
     PetscCall(level.FinishNodes({0, dt}, {}));
     const Grid &nodes = level.Mesh();
     ForEach(nodes.Owned(), [&](Index node) {
-      double *v = nodes.VelocityArray() + 4 * nodes.Place(node);
-      v[0] = kRate * nodes.Coordinate(0, node[0]);
+      double *v = nodes.Arrays().VelocityArray() + 4 * nodes.Place(node);
+      v[0] = kRate * nodes.Geometry().Coordinate(0, node[0]);
       v[1] = v[2] = v[3] = 0;
     });
     PetscCall(level.AdvancePoints(dt));

@@ -35,8 +35,8 @@ struct TwoLevels {
   void Clear()
   {
     for (auto &level : levels) {
-      level->Mesh().ClearSums();
-      std::fill_n(level->Mesh().VelocityArray(), NodeLayout::Velocity(2) * level->Mesh().GhostedNodes(), 0.0);
+      level->Mesh().Arrays().ClearSums();
+      std::fill_n(level->Mesh().Arrays().VelocityArray(), NodeLayout::Velocity(2) * level->Mesh().Ghosted().Count(), 0.0);
     }
   }
   NodeSums &Sums(int l, int i, int j) { return levels[l]->Mesh().Sums()[levels[l]->Mesh().Place({i, j, 0})]; }
@@ -118,7 +118,7 @@ TEST(Borders, LinearFieldsPass)
       for (double &value : row) value = Random(-1, 1);
     const auto field = [&](int l, int i, int j, int axis) {
       const Grid &grid = two.levels[l]->Mesh();
-      return c[axis][0] + c[axis][1] * grid.Coordinate(0, i) + c[axis][2] * grid.Coordinate(1, j);
+      return c[axis][0] + c[axis][1] * grid.Geometry().Coordinate(0, i) + c[axis][2] * grid.Geometry().Coordinate(1, j);
     };
     two.ForEachNode(0, [&](int i, int j) {
       NodeSums &sums = two.Sums(0, i, j);
@@ -155,7 +155,7 @@ TEST(Borders, SplitPointsBecomeTheirParents)
     }
     two.ForEachNode(0, [&](int i, int j) { // children of a shearing body move on
       two.Sums(0, i, j).mass = 1;
-      two.Velocity(0, i, j)[0] = 0.1 * coarse.Mesh().Coordinate(1, j);
+      two.Velocity(0, i, j)[0] = 0.1 * coarse.Mesh().Geometry().Coordinate(1, j);
     });
     std::vector<double> x(a.position, a.position + 2 * kPoints), v(a.velocity, a.velocity + 2 * kPoints),
         size(a.half_size, a.half_size + 2 * kPoints), mass(a.mass, a.mass + kPoints), F(a.F, a.F + 4 * kPoints),

@@ -84,7 +84,7 @@ template <class Geometry> void CheckAverage(GeometryKind kind, double own)
   const Block block = cloud.Of(*material);
   const Extents<dim> points = ExtentsOf<dim>(block);
   Budgets budgets;
-  grid.ClearRates();
+  grid.Arrays().ClearRates();
   AddGrowth<Geometry>(block, points, grid, kStep, cloud.motion);
   ASSERT_EQ(grid.ShareRates(false, false), PETSC_SUCCESS);
   AverageGrowth<Geometry>(block, points, grid, kStep, cloud.motion, budgets);

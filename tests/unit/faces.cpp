@@ -83,7 +83,7 @@ TEST(Faces, ForcesOfAPressure)
     const std::vector<Load> loads = {{0, side, {}, PiecewiseLinear({0}, {1e9})}, // this one is on other points
                                      {0, side, {}, PiecewiseLinear({0, 2}, {0, 2 * kPressure})}};
     std::vector<FaceForce> applied;
-    grid.ClearSums();
+    grid.Arrays().ClearSums();
     PointFailure failure;
     AddLoads(grid, points, n % 2 == 0, loads, {GeometryKind::kPlaneStrain, kThickness}, 1.0, applied, failure);
     EXPECT_EQ(failure.kind, PointFailure::kNone);
@@ -95,7 +95,7 @@ TEST(Faces, ForcesOfAPressure)
     for (int j = 0; j <= 16; ++j)
       for (int i = 0; i <= 16; ++i) {
         const double *node = grid.Sums()[grid.Place({i, j, 0})].force;
-        const double x[2] = {grid.Coordinate(0, i), grid.Coordinate(1, j)};
+        const double x[2] = {grid.Geometry().Coordinate(0, i), grid.Geometry().Coordinate(1, j)};
         sum = sum + Vec3{node[0], node[1]};
         for (int d = 0; d < 2; ++d)
           for (int k = 0; k < 2; ++k) moments[d][k] += node[d] * x[k];
@@ -130,7 +130,7 @@ TEST(Faces, ForcesAreMeansOfHats)
     a.F[1] = a.F[2] = 0;
     a.faces[0] = OuterFaceBit(side);
     std::vector<FaceForce> applied;
-    grid.ClearSums();
+    grid.Arrays().ClearSums();
     PointFailure failure;
     AddLoads(grid, points, true, {{0, side, {}, PiecewiseLinear({0}, {1})}}, {}, 0, applied, failure);
     const Face face = PointFace(a, 0, side);
@@ -162,7 +162,7 @@ TEST(Faces, OuterAndLoadedFaces)
   ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
   ASSERT_EQ(points.Create(PETSC_COMM_SELF, GeometryKind::kPlaneStrain, 2, 0), PETSC_SUCCESS);
   const Seeding seeding(model, {{geometry}, [](Vec3) { return 0; }, 2}, 0, sides, 0);
-  ASSERT_EQ(seeding.Fill(grid, points), PETSC_SUCCESS);
+  ASSERT_EQ(seeding.Fill(grid.Nodes(), points), PETSC_SUCCESS);
   const PointArrays a = points.Arrays();
   ASSERT_EQ(a.count, 3 * 4 * 4 + 2 * 2 * 9);
   for (int p = 0; p < a.count; ++p) {

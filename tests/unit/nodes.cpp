@@ -43,7 +43,7 @@ struct LightSurface {
     sides.kind[0] = BoundaryKind::kSymmetry;
     settings.full_mass = kFull, settings.mass_cutoff = kEmptyNode * kFull;
     PetscCall(grid.Create(comm, shape, layout));
-    light.Create(grid, sides, settings, hoop, std::vector<double>(grid.GhostedNodes(), 1.0));
+    light.Create(grid, sides, settings, hoop, std::vector<double>(grid.Ghosted().Count(), 1.0));
     ForEach(grid.Ghosted(), [&](Index node) {
       const int up = node[dim - 1];
       const double wave = 0.5 + 0.5 * std::sin(node[0] + 3.0 * node[1] + 5.0 * node[2]);
@@ -55,7 +55,7 @@ struct LightSurface {
   /// A linear field of two components, or a wavy one.
   std::vector<double> Field(bool linear) const
   {
-    std::vector<double> field(2 * grid.GhostedNodes());
+    std::vector<double> field(2 * grid.Ghosted().Count());
     ForEach(grid.Ghosted(), [&](Index n) {
       double *const at = &field[2 * grid.Place(n)];
       at[0] = linear ? 3 + n[0] - 2 * n[1] + 0.5 * n[2] : std::sin(7 * n[0] + 3 * n[1] + n[2]);
@@ -69,7 +69,7 @@ struct LightSurface {
     ForEach(grid.Owned(), [&](Index n) {
       for (int c = 0; c < 2; ++c) sum += a[2 * grid.Place(n) + c] * b[2 * grid.Place(n) + c];
     });
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, grid.Comm());
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, grid.Nodes().Comm());
     return sum;
   }
 };
@@ -90,7 +90,7 @@ TEST(LightNodes, KeepLinearMotions)
     });
     EXPECT_GE(light, 10);
     std::vector<double> as_was = field;
-    ASSERT_EQ(body.light.Prolong(body.grid, field.data(), 2), PETSC_SUCCESS);
+    ASSERT_EQ(body.light.Prolong(body.grid.Halo(), field.data(), 2), PETSC_SUCCESS);
     ForEach(body.grid.Owned(), [&](Index node) {
       const std::ptrdiff_t place = body.grid.Place(node);
       double own = 1;
@@ -113,10 +113,10 @@ TEST(LightNodesOnRanks, RestrictByTheTranspose)
     std::vector<double> x = body.Field(false), y = body.Field(true), Px = x, Ry = y, P1 = alone.Field(false),
                         R1 = alone.Field(true), ones(x.size(), 1.0);
     const double sum = body.Product(y, ones);
-    ASSERT_EQ(body.light.Prolong(body.grid, Px.data(), 2), PETSC_SUCCESS);
-    ASSERT_EQ(body.light.Restrict(body.grid, Ry.data(), 2), PETSC_SUCCESS);
-    ASSERT_EQ(alone.light.Prolong(alone.grid, P1.data(), 2), PETSC_SUCCESS);
-    ASSERT_EQ(alone.light.Restrict(alone.grid, R1.data(), 2), PETSC_SUCCESS);
+    ASSERT_EQ(body.light.Prolong(body.grid.Halo(), Px.data(), 2), PETSC_SUCCESS);
+    ASSERT_EQ(body.light.Restrict(body.grid.Halo(), Ry.data(), 2), PETSC_SUCCESS);
+    ASSERT_EQ(alone.light.Prolong(alone.grid.Halo(), P1.data(), 2), PETSC_SUCCESS);
+    ASSERT_EQ(alone.light.Restrict(alone.grid.Halo(), R1.data(), 2), PETSC_SUCCESS);
     EXPECT_NEAR(body.Product(Ry, x), body.Product(y, Px), 1e-10 * std::abs(body.Product(y, Px)) + 1e-9);
     EXPECT_NEAR(body.Product(Ry, ones), sum, 1e-12 * std::abs(sum)) << "mass and momentum are kept";
     ForEach(body.grid.Ghosted(), [&](Index node) {

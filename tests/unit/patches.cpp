@@ -19,7 +19,7 @@ PetscErrorCode CountPatches(Level &level, int counts[2])
   counts[0] = counts[1] = 0;
   for (const SurfacePatch &patch : level.Contact().Patches().Patches()) {
     ++counts[0];
-    counts[1] += grid.OwnerOfNode(grid.Nearest(patch.Center(2))) != RankIn(PETSC_COMM_WORLD);
+    counts[1] += grid.Nodes().OwnerOf(grid.Geometry().Nearest(patch.Center(2))) != RankIn(PETSC_COMM_WORLD);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT, MPI_SUM, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -43,7 +43,7 @@ TEST(PatchesOnRanks, FollowTheOwnersOfNodes)
   ASSERT_EQ(CountPatches(level, before), PETSC_SUCCESS);
   EXPECT_GE(before[0], 28) << "one for each cell of the upper side";
   EXPECT_EQ(before[1], 0);
-  GridLayout layout = level.Mesh().Layout();
+  GridLayout layout = level.Mesh().Nodes().Layout();
   EXPECT_EQ(layout.Blocks(), RanksOf(PETSC_COMM_WORLD));
   std::reverse(layout.ranks.begin(), layout.ranks.end());
   ASSERT_EQ(level.Repartition(layout), PETSC_SUCCESS);

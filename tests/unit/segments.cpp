@@ -43,8 +43,8 @@ struct PressedBody {
     for (int a = 0; a < 3; ++a) layout.widths[a] = {shape.Nodes(a)};
     layout.ranks = {0};
     PetscCall(grid.Create(PETSC_COMM_SELF, shape, layout));
-    PetscCall(group.Create(grid, kAllNodes));
-    light.Create(grid, sides, {}, false, std::vector<double>(grid.GhostedNodes(), 1.0));
+    PetscCall(group.Create(grid.Nodes(), kAllNodes));
+    light.Create(grid, sides, {}, false, std::vector<double>(grid.Ghosted().Count(), 1.0));
     ForEach(grid.Owned(), [&](Index node) {
       const std::ptrdiff_t place = grid.Place(node);
       grid.Sums()[place].mass = 1 + 0.3 * std::sin(node[0] + 7.0 * node[up]);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/handle.hpp"
-#include "grid/grid.hpp"
 #include "grid/nodes.hpp"
 #include "hierarchy/coupling/border_geometry.hpp"
 #include "hierarchy/partition/mapping.hpp"
@@ -36,8 +35,8 @@ class InterfaceNodes
 {
 public:
   /// All are kept by reference. coarse_sides: of the domain, on the coarse grid. Collective on `world`.
-  PetscErrorCode Create(MPI_Comm world, const BorderGeometry &border, const Grid &coarse, const BoundaryConditions &coarse_sides,
-                        const Grid &fine);
+  PetscErrorCode Create(MPI_Comm world, const BorderGeometry &border, const NodePartition &coarse,
+                        const BoundaryConditions &coarse_sides, const NodePartition &fine);
 
   int Owned() const { return owned_; }
   int Known() const { return static_cast<int>(known_.size()); }
@@ -52,7 +51,7 @@ public:
   /// Whether a side of the domain holds a component of an owned one's velocity.
   bool IsHeld(int k, int axis) const { return held_axes_[k] >> axis & 1; }
   /// The block of the finer level that advances the node at an index of the coarse grid.
-  int BlockOf(Index coarse) const { return fine_->BlockOfNode(border_->FineNodeAt(coarse)); }
+  int BlockOf(Index coarse) const { return fine_->BlockOf(border_->FineNodeAt(coarse)); }
   /// Owned fine nodes with beta < 1.
   const std::vector<BlendNode> &Band() const { return band_; }
   const CoupledOfBorder &Coupled() const { return coupled_; }
@@ -88,7 +87,7 @@ private:
 
   MPI_Comm world_ = MPI_COMM_NULL;
   const BorderGeometry *border_ = nullptr;
-  const Grid *coarse_ = nullptr, *fine_ = nullptr;
+  const NodePartition *coarse_ = nullptr, *fine_ = nullptr;
   std::vector<Node> known_; ///< the owned ones first
   int owned_ = 0;
   std::unordered_map<Index, int, IndexHash> place_; ///< in known_

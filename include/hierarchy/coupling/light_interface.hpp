@@ -13,7 +13,7 @@ class LightInterface
 {
 public:
   /// Both are kept by reference. Collective on `world`.
-  PetscErrorCode Create(MPI_Comm world, const InterfaceNodes &nodes, const Grid &coarse);
+  PetscErrorCode Create(MPI_Comm world, const InterfaceNodes &nodes, const NodePartition &coarse);
   /// Takes over what the coarse level's nodes hang on in its step. Collective on `world`.
   PetscErrorCode Update(const LightNodes &light);
 
@@ -44,7 +44,7 @@ private:
 
   MPI_Comm world_ = MPI_COMM_NULL;
   const InterfaceNodes *nodes_ = nullptr;
-  const Grid *coarse_ = nullptr;
+  const NodePartition *coarse_ = nullptr;
   std::vector<std::vector<PetscMPIInt>> readers_; ///< of the coarse level's owned interface nodes: the ranks that know them
   std::vector<double> own_;                       ///< [known]: the part of a node's motion that does not hang on others
   std::vector<int> first_;                        ///< [known + 1] of its donors

@@ -8,6 +8,10 @@
 namespace mlgimp
 {
 
+/// Divides `count` nodes into `parts` ranges of about equal total weight, each at least `minimum` nodes wide.
+/// weights [count]: points per layer of nodes. Needs count >= parts * minimum.
+std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int parts, int minimum);
+
 /// Splits the nodes of a level among `ranks` ranks, or fewer: each rank gets at least `least_points` points on average
 /// and kHaloWidth nodes along each axis. Of all splits by planes normal to the axes, which follow the points per layer of nodes,
 /// the one with the least work on the busiest rank, points and halo nodes, is taken. The first ranks get the blocks. nodes:

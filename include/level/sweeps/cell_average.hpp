@@ -42,7 +42,7 @@ template <int dim> void FindCells(const Grid &grid, const Row *x, int count, int
   const double *const origin = lattice.origin, inverse_spacing = lattice.inverse_spacing;
   double stride[dim], first = 0;
   for (int axis = 0; axis < dim; ++axis) {
-    stride[axis] = static_cast<double>(grid.CellStride()) * lattice.stride[axis];
+    stride[axis] = static_cast<double>(grid.Arrays().CellStride()) * lattice.stride[axis];
     first += stride[axis] * lattice.first[axis];
   }
 #pragma omp simd
@@ -74,7 +74,7 @@ void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid
 {
   const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
-  CellSums *const cells = grid.Cells(b.average);
+  CellSums *const cells = grid.Arrays().Cells(b.average);
   constexpr int kApart = 8; // size: points of a cell lie beside each other, and their sums would wait for each other
   for (int first = 0; first < kApart; ++first)
     for (int p = first; p < b.count; p += kApart) {
@@ -100,7 +100,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
   alignas(64) double sums[3][kBlock]; // of the point's cell
   alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors
   LoadRows<dim>(b.stress, b.count, sigma, Geometry::kStress);
-  const CellSums *const cells = grid.Cells(b.average);
+  const CellSums *const cells = grid.Arrays().Cells(b.average);
   for (int p = 0; p < b.count; ++p) {
     const CellSums &cell = cells[parts.cell[p]];
     sums[0][p] = cell.mass, sums[1][p] = cell.growth, sums[2][p] = cell.relative_volume;

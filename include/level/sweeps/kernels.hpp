@@ -1,7 +1,7 @@
 // The sweeps over the points of a level: points to grid, grid to points, and strain with stress.
 //
 // Each sweep works on blocks of kBlock points: weights, then gather, then the points' own update, then scatter, while
-// the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeSums and NodeLayout in grid.hpp.
+// the block is in the cache. Every array is touched once a sweep. Nodal arrays: see NodeSums and NodeLayout in nodal_arrays.hpp.
 #pragma once
 
 #include "grid/budgets.hpp"

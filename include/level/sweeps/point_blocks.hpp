@@ -144,7 +144,7 @@ template <int dim>
 void Move(const PointArrays &b, Extents<dim> &points, const Grid &grid, double dt, const Row *u, PointFailure &failure)
 {
   for (int axis = 0; axis < dim; ++axis) {
-    const double h = grid.Geometry().spacing, lower = grid.Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
+    const double h = grid.Geometry().spacing, lower = grid.Geometry().Coordinate(axis, grid.Ghosted().lower[axis]) + 0.5 * h;
     const double upper = lower + (grid.Ghosted().Size(axis) - 2) * h;
     const auto inside = [=](double x) { return x >= lower && x < upper; }; // false for a NaN
     double *const x = points.x[axis], lost = 0;

@@ -13,7 +13,7 @@ PetscErrorCode BorderContact::Create()
   carried_over_ = impulse_;
   change_.assign(static_cast<std::size_t>(fields_.components) * nodes_.Known(), 0.0);
   outgoing_.assign(nodes_.Owned(), {});
-  shared_.assign(coarse_.Mesh().Participates() ? coarse_.Mesh().GhostedNodes() : 0, {});
+  shared_.assign(coarse_.Mesh().Participates() ? coarse_.Mesh().Ghosted().Count() : 0, {});
   PetscCall(shared_unit_.Create(sizeof(SharedNode) / sizeof(double)));
   PetscCall(up_unit_.Create(sizeof(UpRecord) / sizeof(double)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -71,7 +71,7 @@ PetscErrorCode BorderContact::Spread(std::vector<NodeChange> *pushed)
   const int dim = border_.Dim();
   PetscFunctionBeginUser;
   if (!FineContactMeets()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(nodes_.Broadcast(fine_.Mesh().VelocityUnit(), change_.data()));
+  PetscCall(nodes_.Broadcast(fine_.Mesh().Arrays().VelocityUnit(), change_.data()));
   for (int k = 0; k < nodes_.Owned(); ++k) {
     const NodeVelocity by = fields_.In(change_, k), mean = fields_.In(fields_.mean, k);
     for (int axis = 0; axis < dim; ++axis) {
@@ -120,7 +120,7 @@ void BorderContact::Record(int k, int axis, double change)
 
 PetscErrorCode BorderContact::ToCoarse()
 {
-  const Grid &coarse = coarse_.Mesh();
+  const NodalArrays &coarse = coarse_.Mesh().Arrays();
   PetscFunctionBeginUser;
   steps_far_ = MayMeetContact() ? 0 : steps_far_ + 1;
   if (!IsFar()) {
@@ -135,7 +135,7 @@ PetscErrorCode BorderContact::ToCoarse()
 /// ToCoarse with what contact on both levels must know, in one message.
 PetscErrorCode BorderContact::ShareContact()
 {
-  const Grid &coarse = coarse_.Mesh();
+  const NodalArrays &coarse = coarse_.Mesh().Arrays();
   std::vector<UpRecord> outgoing(nodes_.Owned()), incoming(shared_.size());
   PetscFunctionBeginUser;
   for (int k = 0; k < nodes_.Owned(); ++k) {

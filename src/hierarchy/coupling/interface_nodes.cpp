@@ -11,8 +11,8 @@
 namespace mlgimp
 {
 
-PetscErrorCode InterfaceNodes::Create(MPI_Comm world, const BorderGeometry &border, const Grid &coarse,
-                                      const BoundaryConditions &coarse_sides, const Grid &fine)
+PetscErrorCode InterfaceNodes::Create(MPI_Comm world, const BorderGeometry &border, const NodePartition &coarse,
+                                      const BoundaryConditions &coarse_sides, const NodePartition &fine)
 {
   PetscFunctionBeginUser;
   world_ = world;
@@ -34,7 +34,7 @@ void InterfaceNodes::ListOwned()
   if (coarse_->Participates())
     border_->ForEachInterface(coarse_->Ghosted(), [&](Index node) {
       coupled_.held_coarse.push_back(coarse_->Place(node));
-      if (coarse_->Owns(node)) coupled_.coarse.push_back({coupled_.held_coarse.back()});
+      if (coarse_->Owned().Contains(node)) coupled_.coarse.push_back({coupled_.held_coarse.back()});
     });
   if (fine_->Participates()) {
     const PetscMPIInt block = RankIn(fine_->Comm());
@@ -153,10 +153,10 @@ PetscErrorCode InterfaceNodes::CreateTransfer()
   std::vector<PetscSFNode> roots;
   PetscFunctionBeginUser;
   for (int k = 0; k < owned_; ++k) {
-    const int block = coarse_->BlockOfNode(known_[k].at);
-    roots.push_back({coarse_->Layout().ranks[block], coarse_->PlaceInBlock(block, known_[k].at)});
+    const int block = coarse_->BlockOf(known_[k].at);
+    roots.push_back({coarse_->Layout().ranks[block], static_cast<PetscInt>(coarse_->GhostedOf(block).Place(known_[k].at))});
   }
-  const PetscInt places = coarse_->Participates() ? static_cast<PetscInt>(coarse_->GhostedNodes()) : 0;
+  const PetscInt places = coarse_->Participates() ? static_cast<PetscInt>(coarse_->Ghosted().Count()) : 0;
   PetscCall(PetscSFCreate(world_, transfer_.Out()));
   PetscCall(PetscSFSetGraph(transfer_, places, owned_, nullptr, PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
   PetscCall(PetscSFSetUp(transfer_));
@@ -203,7 +203,7 @@ PetscErrorCode InterfaceNodes::AddTraffic(int level, double factor, std::vector<
   std::map<int, double> bytes; // by the coarse block; the fine one is this rank's
   std::vector<BlockTraffic> own, all;
   PetscFunctionBeginUser;
-  for (int k = 0; k < owned_; ++k) bytes[coarse_->BlockOfNode(known_[k].at)] += factor * node_bytes;
+  for (int k = 0; k < owned_; ++k) bytes[coarse_->BlockOf(known_[k].at)] += factor * node_bytes;
   for (const auto &[coarse, sum] : bytes) own.push_back({level, coarse, RankIn(fine_->Comm()), sum});
   PetscCall(GatherRecords(world_, own, &all));
   std::sort(all.begin(), all.end(),

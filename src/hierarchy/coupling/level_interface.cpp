@@ -16,8 +16,8 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   coarse_ = &coarse;
   fine_ = &fine;
   border_ = BorderGeometry(coarse.Geometry().grid, fine.Geometry(), ratio, blend_width);
-  PetscCall(nodes_.Create(world, border_, coarse.Mesh(), coarse.Geometry().sides, fine.Mesh()));
-  PetscCall(light_.Create(world, nodes_, coarse.Mesh()));
+  PetscCall(nodes_.Create(world, border_, coarse.Mesh().Nodes(), coarse.Geometry().sides, fine.Mesh().Nodes()));
+  PetscCall(light_.Create(world, nodes_, coarse.Mesh().Nodes()));
   fields_.components = NodeLayout::Velocity(border_.Dim());
   fields_.coarse.assign(nodes_.Owned(), {});
   fields_.fine.assign(nodes_.Known(), {});
@@ -27,7 +27,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
   PetscCall(contact_->Create());
   previous_force_.assign(nodes_.Owned(), {});
   by_hats_.assign(nodes_.Owned(), 0.0);
-  finer_masses_.assign(coarse.Mesh().Participates() ? coarse.Mesh().GhostedNodes() : 0, 0.0);
+  finer_masses_.assign(coarse.Mesh().Participates() ? coarse.Mesh().Ghosted().Count() : 0, 0.0);
   for (const std::ptrdiff_t place : nodes_.Coupled().held_coarse) finer_masses_[place] = HUGE_VAL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -41,7 +41,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
     for (int k = 0; k < nodes_.Owned(); ++k) std::copy_n(fields_.coarse[k].force, 3, previous_force_[k].begin());
   };
   keep_forces();
-  PetscCall(nodes_.ToInterface(coarse.SumsUnit(), coarse.Sums(), fields_.coarse.data()));
+  PetscCall(nodes_.ToInterface(coarse.Arrays().SumsUnit(), coarse.Sums(), fields_.coarse.data()));
   if (!has_previous_) keep_forces();
   has_previous_ = true;
   PetscCall(light_.Update(coarse_->Light()));
@@ -58,7 +58,7 @@ PetscErrorCode LevelInterface::Advance(int substep, double dt)
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Restrict());
   AdvanceInterface(substep, dt);
-  PetscCall(nodes_.Broadcast(mesh.VelocityUnit(), fields_.velocity.data()));
+  PetscCall(nodes_.Broadcast(mesh.Arrays().VelocityUnit(), fields_.velocity.data()));
   Prolong();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,7 +80,7 @@ PetscErrorCode LevelInterface::Restrict()
   }
   for (NodeSums &sums : fields_.fine) sums.owned_mass = sums.mass;
   light_.Restrict(&fields_.fine);
-  PetscCall(nodes_.AddUp(mesh.SumsUnit(), fields_.fine.data()));
+  PetscCall(nodes_.AddUp(mesh.Arrays().SumsUnit(), fields_.fine.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,7 +141,7 @@ PetscErrorCode LevelInterface::ShiftForces(bool from_fine)
   std::vector<NodeSums> shift(nodes_.Owned(), NodeSums{});
   PetscFunctionBeginUser;
   if (!from_fine) {
-    PetscCall(nodes_.ToInterface(coarse.SumsUnit(), coarse.Sums(), shift.data()));
+    PetscCall(nodes_.ToInterface(coarse.Arrays().SumsUnit(), coarse.Sums(), shift.data()));
   } else if (fine_->Mesh().Participates()) {
     PetscCall(Restrict());
     std::copy_n(fields_.fine.begin(), shift.size(), shift.begin());
@@ -156,7 +156,7 @@ PetscErrorCode LevelInterface::SendFinerMasses()
 {
   PetscFunctionBeginUser;
   PetscCall(nodes_.ToCoarse(MPIU_REAL, by_hats_.data(), finer_masses_.data()));
-  if (coarse_->Mesh().Participates()) PetscCall(coarse_->Mesh().BroadcastNumbers(finer_masses_.data()));
+  if (coarse_->Mesh().Participates()) PetscCall(coarse_->Mesh().Halo().Broadcast(MPIU_REAL, finer_masses_.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,8 +205,8 @@ PetscErrorCode LevelInterface::TakeState(const LevelInterface &before)
   std::vector<NodeState> states = before.States();
   PetscFunctionBeginUser;
   has_previous_ = before.has_previous_;
-  PetscCall(
-      ExchangeRecords(world_, &states, [&](const NodeState &s) { return fine_->Mesh().Layout().ranks[nodes_.BlockOf(s.at)]; }));
+  PetscCall(ExchangeRecords(world_, &states,
+                            [&](const NodeState &s) { return fine_->Mesh().Nodes().Layout().ranks[nodes_.BlockOf(s.at)]; }));
   for (const NodeState &state : states) SetState(state);
   if (has_previous_) PetscCall(SendFinerMasses());
   PetscFunctionReturn(PETSC_SUCCESS);

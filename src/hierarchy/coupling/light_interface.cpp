@@ -17,7 +17,7 @@ void AddSums(double part, const NodeSums &from, NodeSums *to)
     to->momentum[axis] += part * from.momentum[axis], to->force[axis] += part * from.force[axis];
 }
 
-PetscErrorCode LightInterface::Create(MPI_Comm world, const InterfaceNodes &nodes, const Grid &coarse)
+PetscErrorCode LightInterface::Create(MPI_Comm world, const InterfaceNodes &nodes, const NodePartition &coarse)
 {
   struct Reader {
     Index at;
@@ -32,7 +32,7 @@ PetscErrorCode LightInterface::Create(MPI_Comm world, const InterfaceNodes &node
   coarse_ = &coarse;
   own_.assign(nodes.Known(), 1.0);
   first_.assign(nodes.Known() + 1, 0);
-  for (int k = 0; k < nodes.Known(); ++k) list.push_back({nodes.At(k), coarse.OwnerOfNode(nodes.At(k)), RankIn(world)});
+  for (int k = 0; k < nodes.Known(); ++k) list.push_back({nodes.At(k), coarse.OwnerOf(nodes.At(k)), RankIn(world)});
   PetscCall(ExchangeRecords(world, &list, [](const Reader &one) { return one.to; }));
   readers_.assign(owned.size(), {});
   for (std::size_t k = 0; k < owned.size(); ++k) number[owned[k].node] = k;
@@ -54,7 +54,8 @@ PetscErrorCode LightInterface::Update(const LightNodes &light)
     const std::ptrdiff_t place = nodes_->Coupled().coarse[k].node;
     if (!light.IsLight(place)) continue;
     light.ForEachDonor(place, [&](std::ptrdiff_t on, double weight) {
-      for (const PetscMPIInt reader : readers_[k]) list.push_back({coarse_->NodeAt(place), coarse_->NodeAt(on), weight, reader});
+      for (const PetscMPIInt reader : readers_[k])
+        list.push_back({coarse_->Ghosted().At(place), coarse_->Ghosted().At(on), weight, reader});
     });
   }
   PetscCall(ExchangeRecords(world_, &list, [](const Link &one) { return one.to; }));

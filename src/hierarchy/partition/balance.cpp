@@ -201,6 +201,23 @@ std::vector<Index> NodesOf(Points &store, const GridGeometry &grid)
 
 } // namespace
 
+std::vector<PetscInt> DivideByWeight(const std::vector<double> &weights, int parts, int minimum)
+{
+  const int count = static_cast<int>(weights.size());
+  double total = 0, sum = 0;
+  for (double w : weights) total += w;
+  std::vector<PetscInt> widths;
+  int start = 0, end = 0;
+  for (int part = 1; part <= parts; ++part) {
+    const int last = count - (parts - part) * minimum; // leaves room for the parts to come
+    while (end < last && (end < start + minimum || sum + 0.5 * weights[end] < total * part / parts)) sum += weights[end++];
+    if (part == parts) end = count;
+    widths.push_back(end - start);
+    start = end;
+  }
+  return widths;
+}
+
 PetscErrorCode FirstLayout(MPI_Comm world, int ranks, double least_points, const std::vector<Index> &nodes,
                            const GridGeometry &grid, GridLayout *layout)
 {
@@ -233,7 +250,7 @@ PetscErrorCode LayoutFor(MPI_Comm world, Points &points, const GridGeometry &gri
 PetscErrorCode BetterLayout(MPI_Comm world, Level &level, double least_points, GridLayout *layout, bool *changed)
 {
   constexpr double kWorthWhile = 0.98; // size: speed only; of the busiest block's work
-  const GridLayout &present = level.Mesh().Layout();
+  const GridLayout &present = level.Mesh().Nodes().Layout();
   const GridGeometry &grid = level.Mesh().Geometry();
   const std::vector<Index> nodes = NodesOf(level.PointStore(), grid);
   PointCloud cloud{world, nodes, grid};

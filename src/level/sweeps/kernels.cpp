@@ -108,7 +108,7 @@ public:
     if constexpr (dim == 2) {
       Weights w;
       SetWeights(view, point, w);
-      const AtRates at(w, 0, view.grid.IndexSpace(), view.grid.RatesArray());
+      const AtRates at(w, 0, view.grid.IndexSpace(), view.grid.Arrays().RatesArray());
       for (int k = 0; k < 8; ++k) tensors[k] = Gather<dim, false>(at, k).value[0];
     }
   }
@@ -150,7 +150,7 @@ private:
                                Motion<dim> &change)
   {
     ForEachGroup(w, b.count, [&](int p, int) {
-      const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.VelocityArray());
+      const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
       PrefetchNext<Geometry>(b, p, kMomentum);
       constexpr int kChange = NodeLayout::Velocity(dim) / 2; // size
 #pragma GCC unroll 3
@@ -203,8 +203,8 @@ private:
   {
     const int parts = kStressOfPoint | kInternal | (b.average >= 0 ? kMassOfPoint : 0) | (plan.xpic_fraction > 0 ? kMomentum : 0);
     ForEachGroup(w, b.count, [&](int p, int) {
-      const AtRates at(w, p, grid.IndexSpace(), grid.RatesArray());
-      const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.VelocityArray());
+      const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
+      const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
       const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
       PrefetchNext<Geometry>(b, p, parts);
 #pragma GCC unroll 3
@@ -273,7 +273,7 @@ private:
   {
     constexpr int n = NodeLayout::Rates(dim);
     ForEachGroup(w, count, [&](int first, int points) {
-      AddToNodes<dim, n>(w, first, points, grid.IndexSpace(), grid.RatesArray(), shares);
+      AddToNodes<dim, n>(w, first, points, grid.IndexSpace(), grid.Arrays().RatesArray(), shares);
     });
   }
 

@@ -83,7 +83,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   const MPI_Comm comm = hierarchy.Comm();
   Level &level = hierarchy.At(l);
   const std::string group = LevelName(l);
-  const GridLayout &layout = level.Mesh().Layout();
+  const GridLayout &layout = level.Mesh().Nodes().Layout();
   const LevelClock &clock = level.Clock();
   std::vector<double> keys, pressures;
   WritePoints(file, comm, group, level.PointStore());

@@ -64,7 +64,7 @@ Json VersionsJson()
 Json LevelJson(const Level &level, double points, double largest, double time_step)
 {
   const GridGeometry &grid = level.Geometry().grid;
-  const int ranks = level.Mesh().Layout().Blocks();
+  const int ranks = level.Mesh().Nodes().Layout().Blocks();
   const auto upper = [&](int axis) { return grid.lower[axis] + grid.cells[axis] * grid.spacing; };
   return {{"lower", Numbers(grid.lower, grid.dim)},
           {"upper", Numbers({upper(0), upper(1), upper(2)}, grid.dim)},

@@ -1,0 +1,89 @@
+// What a rank keeps at its nodes, ghosts among them: sums, velocities, rates and sums of cells.
+#pragma once
+
+#include "base/handle.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace mlgimp
+{
+
+/// What a node holds of the points around it: one cache line in every geometry.
+struct alignas(64) NodeSums {
+  double mass;        ///< kg
+  double owned_mass;  ///< of points that this level owns; the others are copies, kg
+  double momentum[3]; ///< kg m/s
+  double force[3];    ///< internal, of loads and of bodies, N
+};
+static_assert(sizeof(NodeSums) == 64, "nodal sums travel and load as eight doubles");
+
+/// The new velocity of a node and its change in the step, m/s.
+struct NodeVelocity {
+  double *velocity, *change; ///< [dim] each
+};
+
+/// What a cell holds of the points of a material in it, kg: sums of mass, and of what else is named times mass.
+struct CellSums {
+  double mass;
+  double growth;          ///< of volume, in the step
+  double relative_volume; ///< J, at the step's start
+};
+
+/// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
+/// velocity of the second extrapolation, strain rate (xx, yy, xy in the plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz,
+/// xz in space), momentum or velocity of the projection for XPIC.
+struct NodeLayout {
+  static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
+  static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show
+  static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
+  static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
+  static constexpr int StrainRate(int dim) { return dim; }             ///< place of the strain rate among the rates
+  static constexpr int Projected(int dim) { return dim == 2 ? 6 : 9; } ///< place of the projection among them
+};
+
+/// The arrays by place of the node, see NodePartition::Place and NodeLayout. Whoever may read them may also write them.
+class NodalArrays
+{
+public:
+  /// For so many nodes. volume_averages: number of materials that keep sums at the cells.
+  PetscErrorCode Create(int dim, std::ptrdiff_t nodes, int volume_averages);
+
+  NodeSums *Sums() const { return sums_; }
+  double *VelocityArray() const { return velocity_; }
+  double *RatesArray() const { return rates_; }
+  NodeVelocity Velocity(std::ptrdiff_t place) const
+  {
+    double *const first = velocity_ + velocity_size_ * place;
+    return {first, first + velocity_size_ / 2};
+  }
+  double *Rates(std::ptrdiff_t place) const { return rates_ + rates_size_ * place; }
+  /// Sums of a material over the points of cells: those of the cell above a node, along every axis, lie CellStride() times the
+  /// node's place from the first.
+  CellSums *Cells(int average) const { return cells_ + average; }
+  int CellStride() const { return cell_size_; }
+  void ClearSums() const;
+  /// Rates, and the sums of cells.
+  void ClearRates() const;
+
+  /// The values of a node as one unit of communication.
+  MPI_Datatype SumsUnit() const { return sums_unit_; }
+  MPI_Datatype VelocityUnit() const { return velocity_unit_; }
+
+private:
+  /// With 64-byte alignment no node lies across two cache lines.
+  struct alignas(64) CacheLine {
+    double values[8];
+  };
+
+  std::vector<CacheLine> memory_[3]; ///< of sums, velocities and rates
+  std::vector<CellSums> cell_memory_;
+  NodeSums *sums_ = nullptr;
+  double *velocity_ = nullptr, *rates_ = nullptr;
+  CellSums *cells_ = nullptr;
+  std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
+  int cell_size_ = 0;                                 ///< materials that a cell has sums of
+  UnitHandle sums_unit_, velocity_unit_;
+};
+
+} // namespace mlgimp

@@ -1,0 +1,35 @@
+// Memory of the nodal arrays.
+#include "grid/nodal_arrays.hpp"
+
+#include <algorithm>
+
+namespace mlgimp
+{
+
+PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_averages)
+{
+  PetscFunctionBeginUser;
+  velocity_size_ = NodeLayout::Velocity(dim);
+  rates_size_ = NodeLayout::Rates(dim);
+  cell_size_ = volume_averages;
+  const std::ptrdiff_t components[3] = {NodeLayout::kSums, velocity_size_, rates_size_};
+  for (int k = 0; k < 3; ++k) memory_[k].assign((nodes * components[k] + 7) / 8, {});
+  sums_ = reinterpret_cast<NodeSums *>(memory_[0].data());
+  velocity_ = reinterpret_cast<double *>(memory_[1].data());
+  rates_ = reinterpret_cast<double *>(memory_[2].data());
+  cell_memory_.resize(cell_size_ * nodes);
+  cells_ = cell_memory_.data();
+  PetscCall(sums_unit_.Create(NodeLayout::kSums));
+  PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void NodalArrays::ClearSums() const { std::fill_n(sums_, memory_[0].size(), NodeSums{}); }
+
+void NodalArrays::ClearRates() const
+{
+  std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{});
+  std::fill_n(cells_, cell_memory_.size(), CellSums{});
+}
+
+} // namespace mlgimp

@@ -29,6 +29,7 @@ PetscErrorCode ContactGroup::Create(const Grid &grid, const IndexBox &zone)
   PetscCall(Free());
   zone_ = zone;
   blocks_ = grid.BlocksIn(zone);
+  root_ = blocks_.empty() ? 0 : grid.Layout().ranks[blocks_[0]];
   if (!grid.Participates() || RankOf(RankIn(grid.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_group(grid.Comm(), &all));
   PetscCallMPI(MPI_Group_incl(all, static_cast<int>(blocks_.size()), blocks_.data(), &members));

@@ -30,7 +30,10 @@ public:
   const IndexBox &Zone() const { return zone_; }
   /// The blocks of the grid that they hold, on all ranks.
   const std::vector<int> &Blocks() const { return blocks_; }
-  /// Another zone in the same blocks.
+  /// The number of these ranks, and the first of them, among all.
+  int Size() const { return static_cast<int>(blocks_.size()); }
+  PetscMPIInt Root() const { return root_; }
+  /// Another zone, in the same blocks as long as there is no new group.
   void SetZone(const IndexBox &zone) { zone_ = zone; }
   /// The rank in Comm() that holds a block; -1 for none.
   PetscMPIInt RankOf(int block) const;
@@ -39,8 +42,9 @@ private:
   PetscErrorCode Free();
 
   MPI_Comm comm_ = MPI_COMM_NULL, inner_ = MPI_COMM_NULL; ///< inner: PETSc's own beside it, which it would make anew in each use
-  IndexBox zone_;
+  IndexBox zone_ = kAllNodes;
   std::vector<int> blocks_;
+  PetscMPIInt root_ = 0;
 };
 
 } // namespace mlgimp

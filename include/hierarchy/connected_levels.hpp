@@ -79,7 +79,7 @@ public:
   PetscErrorCode BytesBetweenLevels(double *mapped, double *unmapped) const;
 
 private:
-  PetscErrorCode CreateLevel(const Model &model, int l, const Seeding &seeding);
+  PetscErrorCode CreateLevel(const Model &model, int l, const Seeding &seeding, const std::vector<int> &groups);
   PetscErrorCode CreateBorders(std::int64_t seeds);
   PetscErrorCode RenewBorder(int b, bool keeps_state);
   void CoupleNodes(int l);

@@ -21,6 +21,8 @@ public:
   /// Before a step of level 0: gives patches to the levels and ranks where they are now, if they may have moved too far or nodes
   /// have other owners. active: number of levels with points. owner_changes: see ConnectedLevels. Collective.
   PetscErrorCode Watch(int active, int owner_changes);
+  /// Halves patches of level l that have become too long for it, or too near to the indenter with its tip there.
+  void Split(int l, Vec3 tip);
   /// Must be called by all ranks when points belong to other levels.
   void BoxesHaveMoved() { drift_ = HUGE_VAL; }
 

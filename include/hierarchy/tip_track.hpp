@@ -1,7 +1,7 @@
 // Where the indenter's tip is in a run: on its schedule or, under load control, where contact has let it come.
 #pragma once
 
-#include "level/level.hpp"
+#include "level/level_contact.hpp"
 
 #include <vector>
 
@@ -25,7 +25,7 @@ public:
   /// The tip and the load in a step of level l; start: the tip when the step began.
   TipStep Step(int l, Vec3 start, TimeStep step) const;
   /// Takes up what level l did in that step. Collective on all ranks.
-  PetscErrorCode Follow(MPI_Comm comm, int l, const Level &level, TimeStep step);
+  PetscErrorCode Follow(MPI_Comm comm, int l, const LevelContact &contact, TimeStep step);
 
   /// How far the tip can come within some steps, m.
   double Reach(double time, double dt, int steps) const;

@@ -1,7 +1,7 @@
 // What keeps points of metals in shape where these flow far: boxes that shear draws out, and points that come to the surface.
 #pragma once
 
-#include "level/level.hpp"
+#include "level/level_geometry.hpp"
 #include "level/model.hpp"
 #include "points/points.hpp"
 

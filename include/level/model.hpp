@@ -49,6 +49,7 @@ struct Model {
   {
     return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0 || VolumeAverages() > 0;
   }
+  bool HasContact() const { return indenter && contact.method != "none"; }
   const Material &MaterialOf(int body) const { return *materials[bodies[body].material]; }
   int HistoryComponents() const
   {

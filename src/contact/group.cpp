@@ -29,6 +29,7 @@ PetscErrorCode ContactGroup::Create(const NodePartition &nodes, const IndexBox &
   PetscCall(Free());
   zone_ = zone;
   blocks_ = nodes.BlocksIn(zone);
+  root_ = blocks_.empty() ? 0 : nodes.Layout().ranks[blocks_[0]];
   if (!nodes.Participates() || RankOf(RankIn(nodes.Comm())) < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_group(nodes.Comm(), &all));
   PetscCallMPI(MPI_Group_incl(all, static_cast<int>(blocks_.size()), blocks_.data(), &members));

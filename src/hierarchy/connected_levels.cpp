@@ -19,27 +19,25 @@ PetscErrorCode ConnectedLevels::Create(MPI_Comm comm, const Model &model, const 
   events_ = events;
   levels_.resize(settings.levels.size());
   active_ = Count();
-  for (int l = 0; l < Count(); ++l) PetscCall(CreateLevel(model, l, seedings[l]));
   std::iota(groups.begin(), groups.end(), 0);
   for (const Seeding &seeding : seedings) PetscCall(seeding.JoinTouching(comm, &groups));
-  for (auto &level : levels_) level->SetBodyGroups(groups);
+  for (int l = 0; l < Count(); ++l) PetscCall(CreateLevel(model, l, seedings[l], groups));
   PetscCall(CreateBorders(seedings.back().EndId()));
   PetscCall(MapRanks());
   for (int l = 0; l < Count(); ++l) CoupleNodes(l);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ConnectedLevels::CreateLevel(const Model &model, int l, const Seeding &seeding)
+PetscErrorCode ConnectedLevels::CreateLevel(const Model &model, int l, const Seeding &seeding, const std::vector<int> &groups)
 {
+  const XpicSchedule xpic(model.nodal.xpic_fraction, std::pow(settings_.ratio, l));
   GridLayout layout;
   std::vector<Index> nodes;
   PetscFunctionBeginUser;
   seeding.ListNodes(comm_, &nodes);
   PetscCall(FirstLayout(comm_, RanksOf(comm_), settings_.points_per_rank, nodes, settings_.levels[l].grid, &layout));
   levels_[l] = std::make_unique<Level>(model, events_);
-  PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout));
-  levels_[l]->SetSortInterval(settings_.sort_interval);
-  levels_[l]->SetXpic({model.nodal.xpic_fraction, std::pow(settings_.ratio, l)});
+  PetscCall(levels_[l]->Create(comm_, settings_.levels[l], layout, {xpic, settings_.sort_interval, groups}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,20 +117,22 @@ PetscErrorCode ConnectedLevels::RenewBorder(int b, bool keeps_state)
 
 void ConnectedLevels::CoupleNodes(int l)
 {
-  std::vector<CoupledNode> nodes;
-  CoupledPlaces places;
+  CoupledLevel coupled;
   if (!settings_.CouplesNodes()) return;
-  LevelInterface *const coarser = Coarser(l), *const finer = Finer(l);
-  levels_[l]->SetBorders({coarser ? &coarser->Contact() : nullptr, finer ? finer->Contact().Shared() : nullptr},
-                         finer ? finer->FinerMasses() : nullptr);
-  if (coarser) nodes = coarser->Nodes().Coupled().fine, places = coarser->Nodes().Coupled().fine_places;
-  if (finer) {
-    const CoupledOfBorder &coupled = finer->Nodes().Coupled();
-    nodes.insert(nodes.end(), coupled.coarse.begin(), coupled.coarse.end());
-    places.interface = coupled.held_coarse;
-    places.held.insert(places.held.end(), places.interface.begin(), places.interface.end());
+  coupled.on = true;
+  if (LevelInterface *const coarser = Coarser(l)) {
+    coupled.nodes = coarser->Nodes().Coupled().fine, coupled.places = coarser->Nodes().Coupled().fine_places;
+    coupled.coarser = &coarser->Contact();
   }
-  levels_[l]->SetCoupledNodes(std::move(nodes), std::move(places));
+  if (LevelInterface *const finer = Finer(l)) {
+    const CoupledOfBorder &border = finer->Nodes().Coupled();
+    CoupledPlaces &places = coupled.places;
+    coupled.nodes.insert(coupled.nodes.end(), border.coarse.begin(), border.coarse.end());
+    places.interface = border.held_coarse;
+    places.held.insert(places.held.end(), places.interface.begin(), places.interface.end());
+    coupled.finer = finer->Contact().Shared(), coupled.finer_masses = finer->FinerMasses();
+  }
+  levels_[l]->Couple(std::move(coupled));
 }
 
 PetscErrorCode ConnectedLevels::Reconnect(bool keeps_state)

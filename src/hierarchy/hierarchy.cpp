@@ -2,6 +2,7 @@
 #include "hierarchy/hierarchy.hpp"
 
 #include "level/flow.hpp"
+#include "level/samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ PetscErrorCode Hierarchy::Create(MPI_Comm comm, const Model &model, const Hierar
   for (int l = 0; l < Levels(); ++l) PetscCall(seedings[l].Fill(At(l).Mesh().Nodes(), At(l).PointStore()));
   for (int b = 0; b + 1 < Levels(); ++b) PetscCall(levels_.Transfer(b).Transfer(1, nullptr));
   for (int l = 0; l < Levels() && Levels() > 1; ++l) PetscCall(levels_.Rebalance(l)); // for the points that have just crossed
-  for (int l = 0; l < Levels(); ++l) PetscCall(At(l).Sort());                         // seeds come row by row
+  for (int l = 0; l < Levels(); ++l) PetscCall(At(l).Stores().Sort());                // seeds come row by row
   if (model.indenter) PetscCall(surface_.Seed(seedings, tip_.At(0)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,7 +105,7 @@ PetscErrorCode Hierarchy::AdvanceLevel(int l, TimeStep step, int substep)
 PetscErrorCode Hierarchy::RecordTip(int l, TimeStep step)
 {
   PetscFunctionBeginUser;
-  PetscCall(tip_.Follow(Comm(), l, levels_.At(l), step));
+  PetscCall(tip_.Follow(Comm(), l, levels_.At(l).Contact(), step));
   regrid_.Widen(levels_.At(l).Contact().Tip());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +115,7 @@ PetscErrorCode Hierarchy::RefineStretched(int l, double time)
 {
   Level &level = levels_.At(l);
   PetscFunctionBeginUser;
-  if ((level.Steps() + 1) % kSplitInterval != 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if ((level.Step().taken + 1) % kSplitInterval != 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_->SplitsStretched()) {
     StraightenBoxes(*model_, level.PointStore().Arrays());
     if (level.Contact().IsActive()) ExposePoints(*model_, level.Geometry(), level.PointStore(), tip_.At(time));
@@ -122,7 +123,7 @@ PetscErrorCode Hierarchy::RefineStretched(int l, double time)
     for (int b = 0; b + 1 < Levels(); ++b) levels_.Transfer(b).InvalidateClearance();
     level.Contact().InvalidateClearance();
   }
-  if (model_->indenter) level.SplitSurface(tip_.At(time));
+  if (model_->indenter) surface_.Split(l, tip_.At(time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,7 +152,7 @@ PetscErrorCode Hierarchy::AdvanceLevelWithCopies(int l, TimeStep step)
 
 void Hierarchy::MeasureNoise(bool measures)
 {
-  for (int l = 0; l < Levels(); ++l) At(l).MeasureNoise(measures);
+  for (int l = 0; l < Levels(); ++l) At(l).Step().measures_noise = measures;
 }
 
 PetscErrorCode Hierarchy::Follow(double step, double time, double next_check, std::vector<LevelMove> *moves, std::string *problem)
@@ -170,10 +171,10 @@ PetscErrorCode Hierarchy::CheckSpeeds(SpeedCheck *speeds)
   for (int l = 0; l < Levels(); ++l) {
     Level &level = At(l);
     double wave = 0, point = 0;
-    level.LargestSpeeds(&wave, &point);
+    FindLargestSpeeds(level, &wave, &point);
     values[0] = std::max(values[0], wave);
     values[1] = std::max(values[1], point);
-    if (level.Failure().kind != LevelFailure::kNone) values[2] = 1;
+    if (level.Step().failure.kind != LevelFailure::kNone) values[2] = 1;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 3, MPI_DOUBLE, MPI_MAX, Comm()));
   *speeds = {values[0], values[1], values[2] > 0};
@@ -209,11 +210,11 @@ PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
     const double range = kPointRange * levels_.Settings().levels[l].grid.spacing + travel + drift;
     const double touch = range + (TouchRange(model_->contact) - kPointRange) * levels_.Settings().levels[l].grid.spacing;
     Box near = kNowhere, touching = kNowhere;
-    levels_.At(l).FindNearIndenter(tip_.At(time), range, &near);
-    levels_.At(l).FindNearIndenter(tip_.At(time), touch, &touching);
+    FindNearIndenter(levels_.At(l), tip_.At(time), range, &near);
+    FindNearIndenter(levels_.At(l), tip_.At(time), touch, &touching);
     largest.push_back(touching.lower[0] < HUGE_VAL);
     for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
-      if (other != l) levels_.At(other).FindNearIndenter(tip_.At(time), range, &near);
+      if (other != l) FindNearIndenter(levels_.At(other), tip_.At(time), range, &near);
     for (const double x : near.lower) largest.push_back(-x);
     largest.insert(largest.end(), near.upper.begin(), near.upper.end());
   }
@@ -222,7 +223,8 @@ PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
     const double *const n = &largest[static_cast<std::size_t>(kOfLevel) * l];
     const bool awake = n[0] > 0;
     const Box near{{-n[1], -n[2], -n[3]}, {n[4], n[5], n[6]}};
-    PetscCall(levels_.At(l).WatchContact(awake, awake ? ZoneOf(levels_.Settings(), l, near, drift) : IndexBox{}));
+    const IndexBox zone = awake ? ZoneOf(levels_.Settings(), l, near, drift) : IndexBox{};
+    PetscCall(At(l).Contact().Watch(Comm(), At(l).Mesh(), awake, zone));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -234,7 +236,8 @@ PetscErrorCode Hierarchy::Adapt(const SpeedCheck &speeds, double time, double dt
   PetscFunctionBeginUser;
   if (model_->indenter) PetscCall(WatchContact(time, tip_.Reach(time, dt, steps), drift));
   PetscCall(levels_.Balance());
-  for (int l = 0; l < Levels(); ++l) levels_.At(l).BoundDrift(speeds.point_speed, dt / std::pow(levels_.Settings().ratio, l));
+  for (int l = 0; l < Levels(); ++l)
+    levels_.At(l).Stores().BoundDrift(speeds.point_speed, dt / std::pow(levels_.Settings().ratio, l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "hierarchy/partition/balance.hpp"
 #include "hierarchy/transfer/merging.hpp"
+#include "level/samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,13 +78,13 @@ PetscErrorCode Regrid::SplitIntoBoxes(const std::vector<LevelGeometry> &next, in
   PetscFunctionBeginUser;
   for (int l = 0; l + 1 < active; ++l) {
     Level &level = levels_.At(l);
-    PetscCall(level.FindVelocities());
+    PetscCall(FindVelocities(level));
     for (int t = l + 1; t < active; ++t) {
       const double h = next[t].grid.spacing;
       Budgets &totals = levels_.Transfer(t - 1).Totals();
       std::vector<int> points = PointsIn(level.PointStore().Arrays(), WidenedBox(next[t], kEnter * h), true);
       const std::vector<int> parents = FindParents(level, points, h, ratio, levels_.Numbers(), &totals);
-      PetscCall(SplitPoints(level, {parts, levels_.Numbers()}, parents, level.SampleVelocity(parents), &points, &totals));
+      PetscCall(SplitPoints(level, {parts, levels_.Numbers()}, parents, SampleVelocity(level, parents), &points, &totals));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,8 +132,8 @@ PetscErrorCode Regrid::PlaceLevel(int l, const LevelGeometry &geometry)
   GridLayout layout;
   PetscFunctionBeginUser;
   if (geometry.grid.lower == now.lower && geometry.grid.cells == now.cells) {
-    PetscCall(level.Migrate(true));
-    PetscCall(level.Sort());
+    PetscCall(level.Stores().Migrate(true));
+    PetscCall(level.Stores().Sort());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(LayoutFor(levels_.Comm(), level.PointStore(), geometry.grid, levels_.Settings().points_per_rank, &layout));
@@ -161,10 +162,7 @@ PetscErrorCode Regrid::MoveLevels(const BoxPlan &next)
   levels_.SetBoxes(geometries, next.active);
   for (int l = 0; l < levels_.Count(); ++l) {
     PetscCall(PlaceLevel(l, geometries[l]));
-    if (IsActive(l))
-      PetscCall(levels_.At(l).Activate());
-    else
-      levels_.At(l).Deactivate();
+    PetscCall(levels_.At(l).SetActive(IsActive(l)));
   }
   PetscCall(MergeLeft());
   for (int b = 0; b + 1 < levels_.Count(); ++b) levels_.Transfer(b).InvalidateClearance();

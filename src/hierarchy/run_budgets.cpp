@@ -2,6 +2,7 @@
 #include "hierarchy/run_budgets.hpp"
 
 #include "base/text.hpp"
+#include "level/samples.hpp"
 
 #include <cstdio>
 #include <string>
@@ -24,7 +25,7 @@ Budgets SumBudgets(ConnectedLevels &levels, const Model &model)
   Budgets sum;
   for (int l = 0; l < levels.Count(); ++l) {
     Budgets part = levels.At(l).Totals();
-    levels.At(l).SumPoints(&part);
+    SumPoints(levels.At(l), &part);
     if (part.contact_half_width > 0) part.contact_level = l, part.contact_coarseness += levels.Count() - l;
     part.support_impulse += part.xpic_side_impulse;
     if (coupled) part.stagger_impulse += part.xpic_impulse - part.xpic_side_impulse; // between levels; nothing on one
@@ -87,10 +88,10 @@ std::string DescribeFailure(ConnectedLevels &levels, int dim)
 {
   int first = -1; // the first failure may spoil other levels before it is found
   for (int l = 0; l < levels.Count(); ++l) {
-    const LevelFailure &failure = levels.At(l).Failure();
-    if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels.At(first).Failure().time)) first = l;
+    const LevelFailure &failure = levels.At(l).Step().failure;
+    if (failure.kind != LevelFailure::kNone && (first < 0 || failure.time < levels.At(first).Step().failure.time)) first = l;
   }
-  return first < 0 ? "" : Describe(levels.At(first).Failure(), first, dim);
+  return first < 0 ? "" : Describe(levels.At(first).Step().failure, first, dim);
 }
 
 } // namespace mlgimp

@@ -25,7 +25,7 @@ PetscErrorCode SurfaceOwners::Seed(const std::vector<Seeding> &seedings, Vec3 ti
 {
   PetscFunctionBeginUser;
   const auto split = [&] {
-    for (auto &level : levels_) level->SplitSurface(tip);
+    for (int l = 0; l < Levels(); ++l) Split(l, tip);
   };
   for (int l = 0; l < Levels(); ++l) seedings[l].AddPatches(levels_[l]->Mesh().Nodes(), &levels_[l]->Contact().Patches());
   split();
@@ -76,6 +76,12 @@ PetscErrorCode SurfaceOwners::Assign(bool to_levels, int active)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void SurfaceOwners::Split(int l, Vec3 tip)
+{
+  const LevelParts level = levels_[l]->Parts();
+  levels_[l]->Contact().Patches().Split(level.model.geometry, *level.model.indenter, tip, level.geometry.grid.spacing);
+}
+
 PetscErrorCode SurfaceOwners::Watch(int active, int owner_changes)
 {
   constexpr double kMaxDrift = 0.5; // cells
@@ -83,7 +89,7 @@ PetscErrorCode SurfaceOwners::Watch(int active, int owner_changes)
   PetscFunctionBeginUser;
   if (owner_changes_ != owner_changes || drift_ > kMaxDrift) PetscCall(Assign(drift_ > kMaxDrift, active));
   owner_changes_ = owner_changes;
-  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(ratio_, l) * levels_[l]->Clock().drift_per_step);
+  for (int l = 0; l < Levels(); ++l) drift = std::max(drift, std::pow(ratio_, l) * levels_[l]->Stores().Drift().per_step);
   drift_ += drift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

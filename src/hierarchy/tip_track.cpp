@@ -36,19 +36,17 @@ TipStep TipTrack::Step(int l, Vec3 start, TimeStep step) const
   return {start, start + sideways, LoadInStep{load, indenter_->by_load->largest_speed * step.dt}};
 }
 
-PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const Level &level, TimeStep step)
+PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const LevelContact &contact, TimeStep step)
 {
-  TipReport tip = level.Contact().Tip();
+  TipReport tip = contact.Tip();
   PetscFunctionBeginUser;
   if (!IsByLoad()) PetscFunctionReturn(PETSC_SUCCESS);
   if (l != tip_level_) {
     load_on_other_levels_[l] = tip.load;
-    if (level.Contact().IsActive())
-      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &load_on_other_levels_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
+    if (contact.IsActive()) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &load_on_other_levels_[l], 1, MPI_DOUBLE, MPI_SUM, comm));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (level.Contact().Ranks() < RanksOf(comm))
-    PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, level.Contact().Root(level.Mesh()), comm));
+  if (contact.Group().Size() < RanksOf(comm)) PetscCallMPI(MPI_Bcast(&tip, sizeof tip, MPI_BYTE, contact.Group().Root(), comm));
   travel_ += tip.travel;
   speed_ = tip.travel / step.dt;
   time_ = step.End();

@@ -1,4 +1,4 @@
-// One explicit step of a level, as a list of its verbs.
+// Grids and layouts of a level, and its explicit step as a list of verbs.
 #include "level/level.hpp"
 
 #include <algorithm>
@@ -15,26 +15,32 @@ void PlaceSides(const Model &model, LevelGeometry *level)
   }
 }
 
-PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout)
+/// What nodes hold that are full of the lightest material, and what is too little to count.
+static NodalSettings NodalSettingsOf(const Model &model, double h)
 {
+  NodalSettings nodal = model.nodal;
   double density = HUGE_VAL;
+  for (const auto &material : model.materials) density = std::min(density, material->Density());
+  nodal.second_extrapolation = model.stress_update == StressUpdate::kMusl;
+  nodal.full_mass = density * (model.geometry.Dim() == 3 ? h * h * h : h * h * model.geometry.OutOfPlane(h));
+  nodal.mass_cutoff = kEmptyNode * nodal.full_mass;
+  return nodal;
+}
+
+PetscErrorCode Level::Create(MPI_Comm world, const LevelGeometry &geometry, const GridLayout &layout,
+                             const LevelSettings &settings)
+{
   PetscFunctionBeginUser;
-  geometry_ = geometry;
   world_ = world;
-  for (const auto &material : model_.materials) density = std::min(density, material->Density());
-  settings_.nodal = model_.nodal;
-  settings_.nodal.second_extrapolation = model_.stress_update == StressUpdate::kMusl;
-  const double h = geometry.grid.spacing;
-  settings_.nodal.full_mass = density * (geometry.grid.dim == 3 ? h * h * h : h * h * model_.geometry.OutOfPlane(h));
-  settings_.nodal.mass_cutoff = kEmptyNode * settings_.nodal.full_mass;
+  geometry_ = geometry;
+  settings_ = settings;
+  nodal_ = NodalSettingsOf(model_, geometry.grid.spacing);
+  sweeps_ = {CreateKernels(model_.geometry.kind, model_.shape_function), model_.Table()};
+  node_bodies_.SetGroups(settings.body_groups);
   PetscCall(CreateGrid(layout));
-  for (Points *store : {&stores_.own, &stores_.copies[0], &stores_.copies[1]})
-    PetscCall(store->Create(grid_->Nodes().PointsComm(), model_.geometry.kind, static_cast<int>(model_.loads.size()),
-                            model_.HistoryComponents()));
-  sweeps_.kernels = CreateKernels(model_.geometry.kind, model_.shape_function);
+  PetscCall(stores_.Create(world, model_, *grid_, geometry_.PointNodes()));
   PetscCall(contact_.Create(model_));
-  PetscCall(contact_.Regroup(*grid_));
-  sweeps_.bodies = model_.Table();
+  PetscCall(contact_.Regroup(world, *grid_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,40 +53,80 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
     if (geometry_.sides.kind[side] == BoundaryKind::kSymmetry) grid->EndPointsAt(side, geometry_.sides.node[side]);
   grid->WidenThinPoints(model_.LeastHalfSize());
   grid_ = std::move(grid);
-  SetCoupledPlaces({});
+  Couple({}); // until it is coupled anew
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void Level::SetCoupledPlaces(CoupledPlaces places)
+void Level::Couple(CoupledLevel coupled)
 {
-  coupled_.places = std::move(places);
-  coupled_.following.Clear();
+  coupled_ = std::move(coupled);
   if (!grid_->Participates()) return;
   std::vector<double> shares(grid_->Ghosted().Count(), 1.0);
   if (coupled_.coarser)
     ForEach(grid_->Ghosted(), [&](Index node) { shares[grid_->Place(node)] = coupled_.coarser->BlendOf(node).beta; });
   for (const std::ptrdiff_t place : coupled_.places.interface) shares[place] = LightNodes::kWithFiner;
-  light_.Create(*grid_, geometry_.sides, settings_.nodal, model_.geometry.HasHoop(), std::move(shares));
+  light_.Create(*grid_, geometry_.sides, nodal_, model_.geometry.HasHoop(), std::move(shares));
 }
 
-void Level::RecordFailure(const PointFailure &failure, double time)
+PetscErrorCode Level::Repartition(const GridLayout &layout)
 {
-  if (failure.kind != PointFailure::kNone && step_.failure.kind == LevelFailure::kNone)
-    step_.failure = {LevelFailure::kPoint, failure, time};
+  PetscFunctionBeginUser;
+  PetscCall(CreateGrid(layout));
+  PetscCall(contact_.Regroup(world_, *grid_));
+  PetscCall(stores_.Redistribute(*grid_, geometry_.PointNodes()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::Move(const LevelGeometry &geometry, const GridLayout &layout)
+{
+  PetscFunctionBeginUser;
+  geometry_ = geometry;
+  PetscCall(Repartition(layout));
+  contact_.SetPressures({}); // of columns that are others now
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::SetActive(bool active)
+{
+  PetscFunctionBeginUser;
+  if (active) {
+    stores_.Drift().per_step = PointDrift().per_step;
+    PetscCall(contact_.Watch(world_, *grid_, true, kAllNodes));
+  } else {
+    contact_.Rest();
+    budgets_.noise_energy = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::View(const std::string &prefix, double time)
+{
+  PetscBool nodes = PETSC_FALSE;
+  const Budgets before = budgets_;
+  PetscFunctionBeginUser;
+  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(stores_.Own().View(prefix));
+  PetscCall(PetscOptionsHasName(nullptr, prefix.c_str(), "-nodes_view", &nodes));
+  if (nodes) {
+    PetscCall(PointsToGrid(time));
+    PetscCall(grid_->ShareSums());
+    budgets_ = before;
+  }
+  PetscCall(grid_->View(prefix, nodal_.mass_cutoff));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 template <class Sweep> PetscErrorCode Level::ForEachStore(double flops, Sweep sweep)
 {
-  Points *const stores[3] = {&stores_.own, &stores_.copies[0], &stores_.copies[1]};
   PetscFunctionBeginUser;
-  for (int k = 0; k < 3; ++k) {
-    const bool owned = k == 0;
+  for (Points *store : stores_.All()) {
+    const bool owned = store == &stores_.Own();
     PointFailure failure;
     Budgets discarded;
-    if (!owned && stores[k]->Count() == 0) continue;
-    const PointArrays points = stores[k]->Arrays();
+    if (!owned && store->Count() == 0) continue;
+    const PointArrays points = store->Arrays();
     sweep(SweepView{*grid_, points, sweeps_.bodies, owned}, owned ? budgets_ : discarded, failure);
-    if (owned) RecordFailure(failure, step_.time);
+    if (owned) step_.Record(failure);
     PetscCall(PetscLogFlops(flops * points.count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,10 +143,9 @@ PetscErrorCode Level::PointsToGrid(double time)
     sweeps_.kernels->PointsToGrid(view, model_.acceleration, time, budgets);
   }));
   PointFailure failure;
-  AddLoads(*grid_, stores_.own, true, model_.loads, model_.geometry, time, step_.applied, failure);
-  for (Points &copies : stores_.copies)
-    AddLoads(*grid_, copies, false, model_.loads, model_.geometry, time, step_.applied, failure);
-  RecordFailure(failure, time);
+  for (Points *store : stores_.All())
+    AddLoads(*grid_, *store, store == &stores_.Own(), model_.loads, model_.geometry, time, step_.applied, failure);
+  step_.Record(failure);
   PetscCall(PetscLogEventEnd(events_.points_to_grid, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,17 +154,28 @@ PetscErrorCode Level::PointsToGrid(double time)
 PetscErrorCode Level::FindLightNodes()
 {
   PetscFunctionBeginUser;
-  PetscCall(node_bodies_.Find(*grid_, {stores_.own.Arrays(), stores_.copies[0].Arrays(), stores_.copies[1].Arrays()}));
+  PetscCall(node_bodies_.Find(*grid_, {stores_.Own().Arrays(), stores_.Copies(0).Arrays(), stores_.Copies(1).Arrays()}));
   light_.Find(*grid_, node_bodies_, coupled_.finer_masses);
   PetscCall(light_.Restrict(grid_->Halo(), &grid_->Sums()->mass, NodeLayout::kSums));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Of points, J.
+static double KineticEnergy(const PointArrays &points)
+{
+  double energy = 0;
+  for (int p = 0; p < points.count; ++p) {
+    const Vec3 v = points.Velocity(p);
+    energy += 0.5 * points.mass[p] * Dot(v, v);
+  }
+  return energy;
 }
 
 PetscErrorCode Level::GatherForces(TimeStep step)
 {
   PetscFunctionBeginUser;
   budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
-  settings_.nodal.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
+  nodal_.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   step_.time = step.time;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(step.dt));
@@ -127,10 +183,10 @@ PetscErrorCode Level::GatherForces(TimeStep step)
   budgets_.hoop_impulse += step.dt * budgets_.hoop_force;
   PetscCall(PetscLogEventBegin(events_.halo, 0, 0, 0, 0));
   PetscCall(grid_->ShareSums());
-  AddLoadImpulse(*grid_, step_.applied, settings_.nodal.mass_cutoff, step.dt, budgets_);
+  AddLoadImpulse(*grid_, step_.applied, nodal_.mass_cutoff, step.dt, budgets_);
   PetscCall(FindLightNodes());
   PetscCall(PetscLogEventEnd(events_.halo, 0, 0, 0, 0));
-  if (settings_.measures_noise) budgets_.noise_energy = NoiseEnergy();
+  if (step_.measures_noise) budgets_.noise_energy = KineticEnergy(stores_.Own().Arrays()) - KineticEnergy(*grid_, nodal_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,7 +196,7 @@ PetscErrorCode Level::UpdateNodes(double dt)
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  UpdateVelocities(*grid_, settings_.nodal, dt);
+  UpdateVelocities(*grid_, nodal_, dt);
   PetscCall(PetscLogFlops(flops.node * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,15 +205,14 @@ PetscErrorCode Level::UpdateNodes(double dt)
 PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 {
   PetscFunctionBeginUser;
-  contact_.Begin(tip, clock_.drift_per_step * geometry_.grid.spacing);
+  contact_.Begin(tip, stores_.Drift().per_step * geometry_.grid.spacing);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  RecordCoupling(*grid_, settings_.nodal, step.dt, coupled_.nodes);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, settings_.nodal, &step_.held_nodes, budgets_);
-  if (contact_.Exists()) coupled_.following.Find(grid_->Nodes(), coupled_.places, light_, *model_.indenter, tip.start);
-  PetscCall(contact_.Solve(Site(), step, tip, &coupled_.nodes));
-  if (contact_.HasFailed() && step_.failure.kind == LevelFailure::kNone) step_.failure = {LevelFailure::kContact, {}, step.time};
+  RecordCoupling(*grid_, nodal_, step.dt, coupled_.nodes);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &step_.held_nodes, budgets_);
+  if (model_.HasContact()) coupled_.following.Find(grid_->Nodes(), coupled_.places, light_, *model_.indenter, tip.start);
+  PetscCall(contact_.Solve(Parts(), step, tip, &coupled_));
   if (coupled_.on || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
-  if (settings_.nodal.HasBodyForces()) AddBodyWork(*grid_, settings_.nodal, step.dt, budgets_);
+  if (nodal_.HasBodyForces()) AddBodyWork(*grid_, nodal_, step.dt, budgets_);
   const int components = NodeLayout::Velocity(model_.geometry.Dim());
   PetscCall(Timed(events_.halo, [&] { return light_.Prolong(grid_->Halo(), grid_->Arrays().VelocityArray(), components); }));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,7 +226,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   PetscCall(PointsToGrid(step_.time));
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
-  VelocitiesFromSums(*grid_, geometry_.sides, settings_.nodal);
+  VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   PetscCall(ForEachStore(flops.gather_rates + flops.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
@@ -186,7 +241,7 @@ PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
 {
   PetscFunctionBeginUser;
   if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<double> motion = MeanMotion(*grid_, rates, settings_.nodal.mass_cutoff);
+  std::vector<double> motion = MeanMotion(*grid_, rates, nodal_.mass_cutoff);
   PetscCall(light_.Prolong(grid_->Halo(), motion.data(), model_.geometry.Dim()));
   AddLoadWork(*grid_, step_.applied, motion, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -206,9 +261,9 @@ PetscErrorCode Level::ExchangeRates(double dt, double xpic)
   budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), true, ahead);
   PetscCall(AddWorkOfLoads(true, dt));
   if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, ahead, budgets_);
-  DivideRates(*grid_, geometry_.sides, settings_.nodal, dt, plan, budgets_);
+  DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
   PetscCall(Timed(events_.halo, [&] { return light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), components); }));
-  FinishRates(*grid_, settings_.nodal, plan);
+  FinishRates(*grid_, nodal_, plan);
   PetscCall(PetscLogFlops(flops.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -219,15 +274,15 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const Flops flops(model_.geometry.Dim());
   // The weights must not change within a step, so F advances in its last sweep.
   const bool rates = model_.UsesRates() || coupled_.on, strain = model_.stress_update != StressUpdate::kUsf;
-  const double xpic = settings_.xpic.InStep(clock_.steps);
-  const double damped = settings_.nodal.xpic_fraction > 0 ? 0 : settings_.nodal.damping * dt; // XPIC takes that motion by itself
+  const double xpic = settings_.xpic.InStep(step_.taken);
+  const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
   const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
   const RatesPlan second = {dt, strain, model_.short_wave, xpic, true};
   const double first_flops = flops.grid_to_points + rates * flops.scatter_rates + first.strain * flops.stress;
   const double second_flops = flops.gather_rates + second.strain * flops.stress + second.short_wave.On() * flops.short_wave;
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model_.indenter) PetscCall(contact_.PrepareSurface(Site(), step_.drift_path * geometry_.grid.spacing));
+  if (model_.indenter) PetscCall(contact_.PrepareSurface(Parts(), stores_.Drift().path * geometry_.grid.spacing));
   PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
   if (rates) grid_->Arrays().ClearRates();
   PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
@@ -237,7 +292,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   if (!rates) {
     budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), false, {});
     PetscCall(AddWorkOfLoads(false, dt));
-    if (model_.indenter) PetscCall(contact_.MoveSurface(Site(), false, dt));
+    if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), false, dt));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ExchangeRates(dt, xpic));
@@ -246,53 +301,18 @@ PetscErrorCode Level::AdvancePoints(double dt)
     sweeps_.kernels->ApplyRates(view, second, budgets, failure);
   }));
   PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (model_.indenter) PetscCall(contact_.MoveSurface(Site(), true, dt));
+  if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), true, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Level::EndStep()
 {
   PetscFunctionBeginUser;
-  constexpr double kMaxDrift = 0.9; // cells; the halo has room for one
-  ++clock_.steps;
-  clock_.drift += clock_.drift_per_step, step_.drift_path += clock_.drift_per_step;
-  const bool due = clock_.drift + clock_.drift_per_step > kMaxDrift;
-  if (due) clock_.drift = 0; // on ranks without a part of the grid too, so that all ranks have the same value
+  ++step_.taken;
+  const bool due = stores_.CountDrift();
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (due) PetscCall(Migrate());
-  if (clock_.steps % settings_.sort_interval == 0) PetscCall(Sort());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void Level::BoundDrift(double largest_speed, double dt)
-{
-  // Speeds may double before they are measured again, and a body at rest may be set in motion.
-  constexpr double kSafety = 2, kSurprise = 0.02; // -, cells a step
-  clock_.drift_per_step = std::max(kSafety * largest_speed * dt / grid_->Geometry().spacing, kSurprise);
-}
-
-PetscErrorCode Level::SmoothTensors(const std::vector<int> &points, std::vector<double> *tensors)
-{
-  const std::size_t nodes = grid_->Ghosted().Count();
-  PetscFunctionBeginUser;
-  tensors->resize(8 * points.size());
-  if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  grid_->Arrays().ClearRates();
-  grid_->Arrays().ClearSums();
-  PetscCall(ForEachStore(0, [&](const SweepView &view, Budgets &, PointFailure &) {
-    Budgets discarded;
-    sweeps_.kernels->ScatterTensors(view);
-    sweeps_.kernels->PointsToGrid(view, {}, 0, discarded);
-  }));
-  PetscCall(grid_->ShareRates(true, true));
-  PetscCall(grid_->ShareSums());
-  for (std::size_t node = 0; node < nodes; ++node) {
-    const double mass = std::max(grid_->Sums()[node].mass, settings_.nodal.mass_cutoff);
-    for (int c = 0; c < NodeLayout::Rates(2); ++c) grid_->Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
-  }
-  const PointArrays arrays = stores_.own.Arrays();
-  for (std::size_t k = 0; k < points.size(); ++k)
-    sweeps_.kernels->TensorsAt({*grid_, arrays, sweeps_.bodies}, points[k], &(*tensors)[8 * k]);
+  if (due) PetscCall(stores_.Migrate());
+  if (step_.taken % settings_.sort_interval == 0) PetscCall(stores_.Sort());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

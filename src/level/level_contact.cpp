@@ -13,7 +13,7 @@ PetscErrorCode LevelContact::Create(const Model &model)
 {
   PetscFunctionBeginUser;
   budgets_.contact_axes = model.geometry.kind == GeometryKind::kPlaneStrain ? 1 : 2;
-  if (model.indenter && model.contact.method != "none") PetscCall(CreateContact(model.contact, group_, &method_));
+  if (model.HasContact()) PetscCall(CreateContact(model.contact, group_, &method_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,35 +39,32 @@ PetscErrorCode LevelContact::Watch(MPI_Comm world, const Grid &grid, bool within
 {
   PetscFunctionBeginUser;
   InvalidateClearance();
-  reach_.active = within_reach;
-  if (within_reach) reach_.nodes = zone;
-  if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
-  group_.SetZone(reach_.nodes);
-  if (grid.Nodes().BlocksIn(reach_.nodes) == group_.Blocks()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SharePressures(world, grid));
-  PetscCall(group_.Create(grid.Nodes(), reach_.nodes));
+  within_reach_ = within_reach;
+  if (within_reach) group_.SetZone(zone);
+  if (method_ && grid.Nodes().BlocksIn(group_.Zone()) != group_.Blocks()) PetscCall(Regroup(world, grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::Regroup(const Grid &grid)
+PetscErrorCode LevelContact::Regroup(MPI_Comm world, const Grid &grid)
 {
-  PetscFunctionBeginUser;
-  if (method_) PetscCall(group_.Create(grid.Nodes(), reach_.nodes));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode LevelContact::SharePressures(MPI_Comm world, const Grid &grid)
-{
-  const PetscMPIInt root = Root(grid);
-  std::vector<std::pair<std::int64_t, double>> list;
   PetscFunctionBeginUser;
   if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
   InvalidateClearance();
+  PetscCall(SharePressures(world));
+  PetscCall(group_.Create(grid.Nodes(), group_.Zone()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Brings the pressures from the first rank of the group to all, whichever will be in the next.
+PetscErrorCode LevelContact::SharePressures(MPI_Comm world)
+{
+  std::vector<std::pair<std::int64_t, double>> list;
+  PetscFunctionBeginUser;
   for (const auto &pressure : method_->Pressures()) list.push_back(pressure);
   int bytes = static_cast<int>(list.size() * sizeof list[0]);
-  PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, root, world));
+  PetscCallMPI(MPI_Bcast(&bytes, 1, MPI_INT, group_.Root(), world));
   list.resize(bytes / sizeof list[0]);
-  PetscCallMPI(MPI_Bcast(list.data(), bytes, MPI_BYTE, root, world));
+  PetscCallMPI(MPI_Bcast(list.data(), bytes, MPI_BYTE, group_.Root(), world));
   method_->SetPressures(ContactPressures(list.begin(), list.end()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,7 +77,7 @@ void LevelContact::SetPressures(const ContactPressures &pressures)
 void LevelContact::Begin(const TipStep &tip, double drift)
 {
   clearance_.left -= drift;
-  touches_ = reach_.active && group_.Participates() && clearance_.left <= Norm(tip.end - clearance_.tip);
+  touches_ = within_reach_ && group_.Participates() && clearance_.left <= Norm(tip.end - clearance_.tip);
   tip_ = {tip.FreeTravel()};
   changes_.clear(), surface_motion_.Begin();
   if (!touches_) Record({}, 0);
@@ -88,50 +85,51 @@ void LevelContact::Begin(const TipStep &tip, double drift)
 
 /// Nodes that also move those of the next finer level: what contact there has done to them is contact, not coupling of levels;
 /// and in their velocities is the impulse of contact here in the step before, in whose place that of this step comes.
-void LevelContact::TakeShared(const ContactSite &site, std::vector<CoupledNode> *coupled)
+void LevelContact::TakeShared(const LevelParts &level, CoupledLevel *coupled)
 {
-  if (!borders_.finer) return;
-  for (CoupledNode &one : *coupled) {
-    SharedNode &node = borders_.finer[one.node];
-    const double mass = site.grid.Sums()[one.node].mass + node.finer_mass;
-    if (mass <= site.mass_cutoff) node = {}; // the last point has left
+  if (!coupled->finer) return;
+  for (CoupledNode &one : coupled->nodes) {
+    SharedNode &node = coupled->finer[one.node];
+    const double mass = level.grid.Sums()[one.node].mass + node.finer_mass;
+    if (mass <= level.nodal.mass_cutoff) node = {}; // the last point has left
     const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_contact_change - expected;
     if (by != Vec3{}) changes_.push_back({one.node, by});
     one.change = one.change - node.finer_contact_change;
-    const NodeVelocity now = site.grid.Velocity(one.node);
-    for (int axis = 0; axis < site.grid.Geometry().dim; ++axis)
+    const NodeVelocity now = level.grid.Velocity(one.node);
+    for (int axis = 0; axis < level.grid.Geometry().dim; ++axis)
       now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
     node.impulse = {};
   }
 }
 
-PetscErrorCode LevelContact::Solve(const ContactSite &site, TimeStep step, const TipStep &tip, std::vector<CoupledNode> *coupled)
+PetscErrorCode LevelContact::Solve(const LevelParts &level, TimeStep step, const TipStep &tip, CoupledLevel *coupled)
 {
   PetscFunctionBeginUser;
   if (!method_) PetscFunctionReturn(PETSC_SUCCESS);
-  TakeShared(site, coupled);
-  if (!reach_.active) PetscFunctionReturn(PETSC_SUCCESS);
-  surface_.Approach(*site.model.indenter, tip.end, kPointRange * site.geometry.grid.spacing);
-  reaches_coarser_level_ = group_.Blocks().size() < site.grid.Nodes().Layout().ranks.size(); // where some ranks do not know
-  if (touches_) PetscCall(Apply(site, step, tip));
-  if (borders_.coarser && reaches_coarser_level_) PetscCall(borders_.coarser->Spread(&changes_));
+  TakeShared(level, coupled);
+  if (!within_reach_) PetscFunctionReturn(PETSC_SUCCESS);
+  surface_.Approach(*level.model.indenter, tip.end, kPointRange * level.geometry.grid.spacing);
+  reaches_coarser_level_ = group_.Blocks().size() < level.grid.Nodes().Layout().ranks.size(); // where some ranks do not know
+  if (touches_) PetscCall(Apply(level, step, tip, *coupled));
+  if (coupled->coarser && reaches_coarser_level_) PetscCall(coupled->coarser->Spread(&changes_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::Apply(const ContactSite &site, TimeStep step, const TipStep &tip)
+PetscErrorCode LevelContact::Apply(const LevelParts &level, TimeStep step, const TipStep &tip, const CoupledLevel &coupled)
 {
-  const LogScope log(events_.contact);
-  const NodeMotion nodes(site.grid, site.geometry.sides, site.light, site.mass_cutoff, group_, borders_.coarser, borders_.finer);
+  const LogScope log(level.events.contact);
+  const NodeMotion nodes(level.grid, level.geometry.sides, level.light, level.nodal.mass_cutoff, group_, coupled.coarser,
+                         coupled.finer);
   ContactReport report;
   PetscFunctionBeginUser;
-  PetscCall(method_->Apply(site.Of(surface_), nodes, {step.time, step.dt, tip}, &report));
+  PetscCall(method_->Apply(level.InputsOf(surface_), nodes, {step.time, step.dt, tip}, &report));
   reaches_coarser_level_ = reaches_coarser_level_ || report.may_reach_coarser_level;
   changes_.insert(changes_.end(), report.contact_nodes.begin(), report.contact_nodes.end());
-  failed_ = failed_ || !report.solved;
+  if (!report.solved) level.step.Fail(LevelFailure::kContact);
   clearance_.left = report.clearance, clearance_.tip = tip.end;
   surface_motion_.SetPressed(report.columns);
   Record(report, RankIn(group_.Comm()) == 0 ? report.area : 0);
-  AddUp(report, *site.model.indenter, step, tip, site.geometry.grid.spacing);
+  AddUp(report, *level.model.indenter, step, tip, level.geometry.grid.spacing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -150,48 +148,49 @@ void LevelContact::AddUp(const ContactReport &report, const Indenter &indenter, 
   budgets_.contact_set_updates += report.set_updates;
 }
 
-PetscErrorCode LevelContact::PrepareSurface(const ContactSite &site, double path)
+PetscErrorCode LevelContact::PrepareSurface(const LevelParts &level, double path)
 {
-  const LogScope log(events_.surface);
+  const LogScope log(level.events.surface);
   PetscFunctionBeginUser;
   if (IsActive())
-    PetscCall(surface_motion_.Prepare(site.grid, surface_, site.bodies, site.points, path));
+    PetscCall(surface_motion_.Prepare(level.grid, surface_, level.bodies, level.points, path));
   else
     surface_motion_.PrepareFar(surface_);
   strain_under_.Clear();
-  if (touches_ && site.model.HasMetal()) strain_under_.Begin(site.Of(surface_), clearance_.tip);
+  if (touches_ && level.model.HasMetal()) strain_under_.Begin(level.InputsOf(surface_), clearance_.tip);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::MoveSurface(const ContactSite &site, bool rates, double dt)
+PetscErrorCode LevelContact::MoveSurface(const LevelParts &level, bool rates, double dt)
 {
   std::vector<char> by_rates;
   double work = 0;
   PetscFunctionBeginUser;
-  for (const int average : site.bodies.average) by_rates.push_back(rates && average < 0);
-  PetscCall(Timed(events_.surface, [&] {
-    return surface_motion_.Finish(site.grid, site.geometry.sides, site.points.Arrays(), by_rates, site.mass_cutoff, dt,
+  for (const int average : level.bodies.average) by_rates.push_back(rates && average < 0);
+  PetscCall(Timed(level.events.surface, [&] {
+    return surface_motion_.Finish(level.grid, level.geometry.sides, level.points.Arrays(), by_rates, level.nodal.mass_cutoff, dt,
                                   &surface_);
   }));
-  if (!touches_ || !site.model.HasMetal()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Timed(events_.contact, [&] { return method_->Flow(strain_under_.End(site.points.Arrays()), &surface_, &work); }));
+  if (!touches_ || !level.model.HasMetal()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      Timed(level.events.contact, [&] { return method_->Flow(strain_under_.End(level.points.Arrays()), &surface_, &work); }));
   budgets_.contact_plastic_work += work;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::PressuresOnPoints(const ContactSite &site, Vec3 tip, std::vector<double> *pressures)
+PetscErrorCode LevelContact::PressuresOnPoints(const LevelParts &level, Vec3 tip, std::vector<double> *pressures)
 {
   PetscFunctionBeginUser;
-  pressures->assign(site.points.Count(), 0.0);
-  if (IsActive() && group_.Participates()) PetscCall(method_->PressuresOnPoints(site.Of(surface_), tip, pressures));
+  pressures->assign(level.points.Count(), 0.0);
+  if (IsActive() && group_.Participates()) PetscCall(method_->PressuresOnPoints(level.InputsOf(surface_), tip, pressures));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::PressuresOnPatches(const ContactSite &site, Vec3 tip, std::vector<double> *pressures)
+PetscErrorCode LevelContact::PressuresOnPatches(const LevelParts &level, Vec3 tip, std::vector<double> *pressures)
 {
   PetscFunctionBeginUser;
   pressures->clear();
-  if (IsActive() && group_.Participates()) PetscCall(method_->PressuresOnPatches(site.Of(surface_), tip, pressures));
+  if (IsActive() && group_.Participates()) PetscCall(method_->PressuresOnPatches(level.InputsOf(surface_), tip, pressures));
   pressures->resize(surface_.Patches().size());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,7 +79,7 @@ PetscErrorCode Solve(int n, const Variant &variant, double cfl, Errors *errors)
   *errors = {};
   for (int step = 0; step < steps; ++step) {
     PetscCall(hierarchy.Advance({step * dt, dt}));
-    if (hierarchy.At(0).Failure().kind != LevelFailure::kNone) {
+    if (hierarchy.At(0).Step().failure.kind != LevelFailure::kNone) {
       *errors = {NAN, NAN};
       break;
     }

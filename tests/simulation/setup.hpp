@@ -124,7 +124,7 @@ struct LevelsRun {
   bool Failed()
   {
     for (int l = 0; l < hierarchy.Levels(); ++l)
-      if (hierarchy.At(l).Failure().kind != LevelFailure::kNone) return true;
+      if (hierarchy.At(l).Step().failure.kind != LevelFailure::kNone) return true;
     return false;
   }
 };

@@ -1,4 +1,5 @@
 // A body without stress that flies obliquely through the grid: nothing happens to it but the motion.
+#include "level/samples.hpp"
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
 
@@ -81,10 +82,10 @@ PetscErrorCode Fly(const Variant &variant, const std::string &law, bool disk, Er
         errors->velocity = Largest({errors->velocity, std::abs(a.velocity[2 * p + d] / kVelocity[d] - 1)});
   }
   PetscCall(Take(hierarchy, &after));
-  hierarchy.At(0).SumPoints(&point_sums);
+  SumPoints(hierarchy.At(0), &point_sums);
   errors->same_points = after.count == before.count && after.position.size() == before.position.size() &&
                         static_cast<int>(after.position.size()) == after.count &&
-                        hierarchy.At(0).Failure().kind == LevelFailure::kNone;
+                        hierarchy.At(0).Step().failure.kind == LevelFailure::kNone;
   errors->mass = std::abs(after.mass / before.mass - 1);
   errors->momentum = Norm(point_sums.momentum - before.mass * kVelocity) / (before.mass * Norm(kVelocity));
   for (const auto &[id, X] : before.position) {

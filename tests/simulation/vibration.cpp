@@ -1,6 +1,7 @@
 // Free and held bodies that vibrate: energy over many periods, the exact period and displacement of a bar.
 //
 // Without arguments: the tests. With "table": energy of all updates.
+#include "level/samples.hpp"
 #include "simulation/setup.hpp"
 #include "unit/largest.hpp"
 
@@ -46,7 +47,7 @@ PetscErrorCode BlockEnergy(const Scheme &update, double strain, double spin, con
     Budgets point_sums;
     PetscCall(run.Advance());
     if (step >= steps && step < (kPeriods - 1) * steps) continue;
-    run.hierarchy.At(0).SumPoints(&point_sums);
+    SumPoints(run.hierarchy.At(0), &point_sums);
     (step < steps ? first : last) += point_sums.kinetic_energy + point_sums.strain_energy;
   }
   *ratio = run.Failed() ? NAN : last / first;
@@ -66,7 +67,9 @@ PetscErrorCode VibratingBar()
   AddBody(run.model, CreateBoxRegion({{0, 0}, {kLength, 4 * h}}), "neo_hookean", kMaterial);
   const double c = run.model.materials[0]->SpeedOfSound(), w = M_PI * c / (2 * kLength), V = kSpeed * c;
   run.dt = 0.4 * h / c;
-  PetscCall(run.Create(OneLevel(run.model, {{0, 0}, {kLength + 4 * h, 4 * h}}, h)));
+  HierarchySettings settings = OneLevel(run.model, {{0, 0}, {kLength + 4 * h, 4 * h}}, h);
+  settings.sort_interval = 1 << 30; // point numbers stay
+  PetscCall(run.Create(settings));
   PetscCall(run.ForEachPoint([&](const PointArrays &points, int p, int) {
     const double *x = points.position + 2 * p;
     double *v = points.velocity + 2 * p;
@@ -79,7 +82,6 @@ PetscErrorCode VibratingBar()
   const double X = a.position[2 * end], amplitude = V / w * std::sin(0.5 * M_PI * X / kLength);
   double largest_error = 0, crossing = 0, before = 0;
   int crossings = 0;
-  run.hierarchy.At(0).SetSortInterval(1 << 30); // point numbers stay
   while (crossings < 10) {
     PetscCall(run.Advance());
     const double u = a.position[2 * end] - X;

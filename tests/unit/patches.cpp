@@ -38,7 +38,7 @@ TEST(PatchesOnRanks, FollowTheOwnersOfNodes)
   ASSERT_EQ(run.Create(settings), PETSC_SUCCESS);
   run.dt = 1e-3;
   Level &level = run.hierarchy.At(0);
-  level.BoundDrift(0, run.dt); // so that patches are not looked at for their motion
+  level.Stores().BoundDrift(0, run.dt); // so that patches are not looked at for their motion
   ASSERT_EQ(run.Advance(), PETSC_SUCCESS);
   ASSERT_EQ(CountPatches(level, before), PETSC_SUCCESS);
   EXPECT_GE(before[0], 28) << "one for each cell of the upper side";

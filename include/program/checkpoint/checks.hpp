@@ -13,8 +13,9 @@ namespace mlgimp
 
 /// Points that no run can go on from, wherever they are: values that are not finite, det F or mass not above zero, and the like.
 std::string WrongValues(const PointArrays &points, int bodies);
-/// Points that the nodes of this rank cannot serve; `own` where they must be near the rank's own part of the grid.
-std::string WrongPlaces(const PointArrays &points, const Level &level, bool own);
+/// Points that the nodes of this rank cannot serve; allowed: the nearest nodes that points of the level may have; `own` where
+/// they must be near the rank's own part of the grid.
+std::string WrongPlaces(const PointArrays &points, const Grid &grid, IndexBox allowed, bool own);
 
 std::string WrongState(const std::vector<double> &numbers, const Case &settings);
 /// numbers: TipTrack::State, of a run that has `count` of them and is at a time.

@@ -50,7 +50,7 @@ void BorderContact::ForEachDonor(Index coarse, const DonorWork &work) const
 bool BorderContact::FineContactMeets() const
 {
   bool meets = false;
-  IndexBox pushed = fine_.Contact().Zone(); // which holds also the coarser nodes that these move with
+  IndexBox pushed = fine_.Contact().Group().Zone(); // which holds also the coarser nodes that these move with
   for (int axis = 0; axis < border_.Dim(); ++axis) pushed.lower[axis] += border_.Ratio(), pushed.upper[axis] -= border_.Ratio();
   if (fine_.Contact().IsActive())
     ForEach(Intersection(pushed, border_.MassNodes()), [&](Index node) { meets = meets || border_.Beta(node) < 1; });
@@ -61,7 +61,8 @@ bool BorderContact::FineContactMeets() const
 bool BorderContact::MayMeetContact() const
 {
   bool meets = FineContactMeets();
-  if (!meets && coarse_.Contact().IsActive()) border_.ForEachInterface(coarse_.Contact().Zone(), [&](Index) { meets = true; });
+  if (!meets && coarse_.Contact().IsActive())
+    border_.ForEachInterface(coarse_.Contact().Group().Zone(), [&](Index) { meets = true; });
   return meets;
 }
 

@@ -34,7 +34,7 @@ PetscErrorCode LevelInterface::Create(MPI_Comm world, Level &coarse, Level &fine
 
 PetscErrorCode LevelInterface::CoarseToFine()
 {
-  const LogScope log(fine_->Events().coupling);
+  const LogScope log(fine_->Parts().events.coupling);
   const Grid &coarse = coarse_->Mesh();
   PetscFunctionBeginUser;
   const auto keep_forces = [&] {
@@ -44,7 +44,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
   PetscCall(nodes_.ToInterface(coarse.Arrays().SumsUnit(), coarse.Sums(), fields_.coarse.data()));
   if (!has_previous_) keep_forces();
   has_previous_ = true;
-  PetscCall(light_.Update(coarse_->Light()));
+  PetscCall(light_.Update(coarse_->Parts().light));
   std::fill(fields_.mean.begin(), fields_.mean.end(), 0.0);
   contact_->Begin();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -52,7 +52,7 @@ PetscErrorCode LevelInterface::CoarseToFine()
 
 PetscErrorCode LevelInterface::Advance(int substep, double dt)
 {
-  const LogScope log(fine_->Events().coupling);
+  const LogScope log(fine_->Parts().events.coupling);
   const Grid &mesh = fine_->Mesh();
   PetscFunctionBeginUser;
   if (!mesh.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -89,7 +89,7 @@ PetscErrorCode LevelInterface::Restrict()
 /// m^c dv, as the coarse points will get dv.
 void LevelInterface::AdvanceInterface(int substep, double dt)
 {
-  const double extrapolation = static_cast<double>(substep) / border_.Ratio(), cutoff = coarse_->Nodal().mass_cutoff;
+  const double extrapolation = static_cast<double>(substep) / border_.Ratio(), cutoff = coarse_->Parts().nodal.mass_cutoff;
   for (int k = 0; k < nodes_.Owned(); ++k) {
     NodeSums &coarse = fields_.coarse[k];
     const NodeSums &fine = fields_.fine[k];
@@ -162,7 +162,7 @@ PetscErrorCode LevelInterface::SendFinerMasses()
 
 PetscErrorCode LevelInterface::FineToCoarse()
 {
-  const LogScope log(fine_->Events().coupling);
+  const LogScope log(fine_->Parts().events.coupling);
   PetscFunctionBeginUser;
   for (int k = 0; k < nodes_.Owned(); ++k) by_hats_[k] = fields_.fine[k].owned_mass;
   PetscCall(SendFinerMasses());
@@ -172,7 +172,7 @@ PetscErrorCode LevelInterface::FineToCoarse()
 
 PetscErrorCode LevelInterface::TakeContact()
 {
-  const LogScope log(fine_->Events().coupling);
+  const LogScope log(fine_->Parts().events.coupling);
   PetscFunctionBeginUser;
   PetscCall(contact_->Take(budgets_));
   PetscFunctionReturn(PETSC_SUCCESS);

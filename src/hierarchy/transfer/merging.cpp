@@ -2,6 +2,7 @@
 #include "hierarchy/transfer/merging.hpp"
 
 #include "base/exchange.hpp"
+#include "level/samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,7 @@ using SiblingGroups = std::map<std::int64_t, std::vector<Sibling>>; ///< by the 
 /// Half an edge of the points that a level is seeded with, m.
 double UsualSize(Level &level, int body)
 {
-  return 0.5 * level.Geometry().grid.spacing / level.Physics().bodies[body].points_per_cell;
+  return 0.5 * level.Geometry().grid.spacing / level.Parts().model.bodies[body].points_per_cell;
 }
 
 /// This rank's points that are smaller than usual on their level and were made by splitting.
@@ -192,6 +193,7 @@ double Distortion(const PointArrays &a, const std::vector<Sibling> &family, int 
 PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &numbers, int ratio, double most_loss,
                              Budgets *budgets)
 {
+  const Model &model = level.Parts().model;
   const int children = level.Geometry().grid.dim == 3 ? ratio * ratio * ratio : ratio * ratio;
   const PetscMPIInt rank = RankIn(world);
   Migrants migrants;
@@ -206,15 +208,15 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   for (const auto &[parent, family] : WholeFamilies(FindSmall(level, numbers, rank), numbers, children)) {
     std::vector<int> points;
     for (const Sibling &s : family) points.push_back(s.point);
-    const Budgets before = level.SumPoints(points);
+    const Budgets before = SumPoints(level, points);
     if (std::isfinite(most_loss) &&
         Distortion(level.PointStore().Arrays(), family, ratio) > kMaxDistortion * level.Geometry().grid.spacing)
       continue;
     level.PointStore().Pack(points.front(), record.data());
     const double allowed = AllowedLoss(level, points.front(), ratio, most_loss);
-    MakeParent(level.Physics(), level.PointStore(), family, parent, ratio);
-    const Budgets after = level.SumPoints({points.front()});
-    const Material &material = level.Physics().MaterialOf(level.PointStore().Arrays().body[points.front()]);
+    MakeParent(model, level.PointStore(), family, parent, ratio);
+    const Budgets after = SumPoints(level, {points.front()});
+    const Material &material = model.MaterialOf(level.PointStore().Arrays().body[points.front()]);
     const double least = 0.5 * before.mass * std::pow(kNoStrain * material.SpeedOfSound(), 2);
     if (std::abs(after.strain_energy - before.strain_energy) > allowed * std::max<double>(before.strain_energy, least)) {
       level.PointStore().Unpack(record.data(), points.front());
@@ -227,7 +229,7 @@ PetscErrorCode MergeSiblings(MPI_Comm world, Level &level, const PointNumbers &n
   }
   std::sort(spent.begin(), spent.end());
   level.PointStore().Remove(spent);
-  PetscCall(level.Migrate(true));
+  PetscCall(level.Stores().Migrate(true));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

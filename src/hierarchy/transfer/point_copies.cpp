@@ -2,6 +2,7 @@
 #include "hierarchy/transfer/point_copies.hpp"
 
 #include "hierarchy/transfer/point_transfer.hpp"
+#include "level/samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,7 @@ Migrants PointCopies::FindSources()
   Migrants found;
   for (int p = 0; p < a.count; ++p) {
     const Vec3 x = a.Position(p);
-    if (outer_.Contains(x) && !inner_.Contains(x)) list.emplace_back(to_->OwnerOf(a, p), p);
+    if (outer_.Contains(x) && !inner_.Contains(x)) list.emplace_back(to_->Stores().OwnerOf(a, p), p);
   }
   std::sort(list.begin(), list.end());
   for (const auto &[rank, p] : list) found.Add(p, rank);
@@ -52,7 +53,7 @@ PetscErrorCode PointCopies::Renew(double step, double dt_shift, bool smooth)
   Migrants found = FindSources();
   PetscFunctionBeginUser;
   int changed = found.points != sources_.points || found.ranks != sources_.ranks || from_->PointStore().Version() != version_ ||
-                to_->CopyStore(origin_).Version() != copy_version_;
+                to_->Stores().Copies(origin_).Version() != copy_version_;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_MAX, world_));
   if (changed) {
     sources_ = std::move(found);
@@ -67,7 +68,7 @@ PetscErrorCode PointCopies::Renew(double step, double dt_shift, bool smooth)
 
 PetscErrorCode PointCopies::Rebuild()
 {
-  Points &copies = to_->CopyStore(origin_);
+  Points &copies = to_->Stores().Copies(origin_);
   std::vector<PetscSFNode> origins;
   PetscFunctionBeginUser;
   PetscCall(copies.Resize(0));
@@ -103,8 +104,8 @@ PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
   std::vector<VelocitySample> samples;
   std::vector<double> tensors;
   PetscFunctionBeginUser;
-  if (dt_shift != 0) samples = from_->SampleVelocity(points);
-  if (smooth) PetscCall(from_->SmoothTensors(points, &tensors));
+  if (dt_shift != 0) samples = SampleVelocity(*from_, points);
+  if (smooth) PetscCall(SmoothTensors(*from_, points, &tensors));
   ForEachEvolving(from_->PointStore(), [&](PointField field, const double *data, int components, int place) {
     for (std::size_t k = 0; k < points.size(); ++k) {
       double *const to = &state_[size * k + place];
@@ -119,7 +120,7 @@ PetscErrorCode PointCopies::PackState(double step, double dt_shift, bool smooth)
 
 void PointCopies::UnpackState()
 {
-  Points &copies = to_->CopyStore(origin_);
+  Points &copies = to_->Stores().Copies(origin_);
   const int size = StateSize();
   ForEachEvolving(copies, [&](PointField, double *data, int components, int place) {
     for (int p = 0; p < copies.Count(); ++p)
@@ -142,7 +143,7 @@ PetscErrorCode CopyBorder::Create(MPI_Comm world, Level &coarse, Level &fine, in
 
 PetscErrorCode CopyBorder::Exchange(double dt)
 {
-  const LogScope log(fine_->Events().coupling);
+  const LogScope log(fine_->Parts().events.coupling);
   const double fine_dt = dt / ratio_, shift = repairs_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   PetscFunctionBeginUser;
   PetscCall(to_fine_.Renew(dt, shift, repairs_.strain_smoothing));
@@ -156,21 +157,21 @@ static PetscErrorCode KeepByPlace(Level &level, int origin, const Box &box, bool
   Migrants right;
   PetscFunctionBeginUser;
   level.PointStore().Remove(PointsIn(level.PointStore().Arrays(), box, !inside));
-  right.points = PointsIn(level.CopyStore(origin).Arrays(), box, inside);
+  right.points = PointsIn(level.Stores().Copies(origin).Arrays(), box, inside);
   right.ranks.assign(right.points.size(), 0);
-  PetscCall(MovePoints(PETSC_COMM_SELF, level.CopyStore(origin), level.PointStore(), right));
+  PetscCall(MovePoints(PETSC_COMM_SELF, level.Stores().Copies(origin), level.PointStore(), right));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode CopyBorder::DecideByPlace()
 {
-  const LogScope log(fine_->Events().transfer);
+  const LogScope log(fine_->Parts().events.transfer);
   const Box box = WidenedBox(fine_->Geometry(), 0);
   PetscFunctionBeginUser;
   PetscCall(KeepByPlace(*coarse_, 1, box, false));
   PetscCall(KeepByPlace(*fine_, 0, box, true));
-  PetscCall(coarse_->Migrate(true));
-  PetscCall(fine_->Migrate(true));
+  PetscCall(coarse_->Stores().Migrate(true));
+  PetscCall(fine_->Stores().Migrate(true));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,6 +2,7 @@
 #include "hierarchy/transfer/point_transfer.hpp"
 
 #include "hierarchy/transfer/merging.hpp"
+#include "level/samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,12 +66,12 @@ PetscErrorCode PointTransfer::FindClearance(double clearance[2])
 
 PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
 {
-  const LogScope log(fine_.Events().transfer);
+  const LogScope log(fine_.Parts().events.transfer);
   const double fine_dt = dt / ratio_, shift = rule_.velocity_shift ? 0.5 * (dt - fine_dt) : 0;
   double clearance[2];
   PetscFunctionBeginUser;
   PetscCall(SplitRing());
-  clearance_ -= coarse_.Clock().drift_per_step * coarse_.Geometry().grid.spacing;
+  clearance_ -= coarse_.Stores().Drift().per_step * coarse_.Geometry().grid.spacing;
   if (clearance_ > 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindClearance(clearance));
   // Points that reach one of the two levels across another border are more than a cell away from this one.
@@ -81,7 +82,7 @@ PetscErrorCode PointTransfer::Transfer(double dt, LevelInterface *border)
   if (clearance[1] <= 0) {
     budgets_.points_left += static_cast<double>(leaving.size());
     if (border) {
-      PetscCall(fine_.GatherForcesOf(leaving, 1));
+      PetscCall(GatherForcesOf(fine_, leaving, 1));
       PetscCall(border->ShiftForces(true));
     }
     PetscCall(Send(fine_, coarse_, leaving, fine_dt, -shift));
@@ -95,14 +96,14 @@ PetscErrorCode PointTransfer::Enter(std::vector<int> points, double dt, double s
 {
   const PointArrays coarse = coarse_.PointStore().Arrays();
   PetscFunctionBeginUser;
-  points.erase(std::remove_if(points.begin(), points.end(), [&](int p) { return fine_.OwnerOf(coarse, p) < 0; }),
+  points.erase(std::remove_if(points.begin(), points.end(), [&](int p) { return fine_.Stores().OwnerOf(coarse, p) < 0; }),
                points.end()); // beyond the finer grid, which ends the run soon: not to be split
   budgets_.points_entered += static_cast<double>(points.size());
   const std::vector<int> parents = ParentsAmong(points);
   // Before the nodal sums are used for the forces.
-  const std::vector<VelocitySample> samples = coarse_.SampleVelocity(parents);
+  const std::vector<VelocitySample> samples = SampleVelocity(coarse_, parents);
   if (border) {
-    PetscCall(coarse_.GatherForcesOf(points, -1));
+    PetscCall(GatherForcesOf(coarse_, points, -1));
     PetscCall(border->ShiftForces(false));
   }
   PetscCall(Split(parents, samples, &points));
@@ -117,7 +118,7 @@ PetscErrorCode PointTransfer::SplitRing()
   if (rule_.ring == 0) PetscFunctionReturn(PETSC_SUCCESS);
   std::vector<int> near = PointsIn(coarse_.PointStore().Arrays(), box, true);
   const std::vector<int> parents = ParentsAmong(near);
-  PetscCall(Split(parents, coarse_.SampleVelocity(parents), &near));
+  PetscCall(Split(parents, SampleVelocity(coarse_, parents), &near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,20 +127,20 @@ PetscErrorCode PointTransfer::Send(Level &from, Level &to, const std::vector<int
   Migrants migrants;
   std::vector<VelocitySample> samples;
   PetscFunctionBeginUser;
-  if (shift != 0) samples = from.SampleVelocity(points);
+  if (shift != 0) samples = SampleVelocity(from, points);
   const PointArrays a = from.PointStore().Arrays();
   for (std::size_t k = 0; k < points.size(); ++k) {
     const int p = points[k];
-    migrants.Add(p, to.OwnerOf(a, p));
+    migrants.Add(p, to.Stores().OwnerOf(a, p));
     for (int d = 0; d < a.dim && shift != 0; ++d)
       a.velocity[PointArrays::At(p, a.dim) + d] += shift / step * samples[k].change[d];
   }
   const int before = to.PointStore().Count();
-  const Budgets sent = from.SumPoints(migrants.points);
+  const Budgets sent = SumPoints(from, migrants.points);
   PetscCall(MovePoints(world_, from.PointStore(), to.PointStore(), migrants));
   std::vector<int> incoming(to.PointStore().Count() - before); // at the end of the storage
   std::iota(incoming.begin(), incoming.end(), before);
-  const Budgets received = to.SumPoints(incoming);
+  const Budgets received = SumPoints(to, incoming);
   budgets_.points_adrift += static_cast<double>(migrants.points.size()) - static_cast<double>(incoming.size());
   budgets_.mass_adrift += sent.mass - received.mass;
   budgets_.momentum_adrift += sent.momentum - received.momentum;

@@ -1,6 +1,8 @@
 // Children of points, and points that are drawn out.
 #include "hierarchy/transfer/splitting.hpp"
 
+#include "level/samples.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -111,10 +113,11 @@ static void MakeChild(const Model &model, const PointArrays &a, int target, int 
 PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vector<int> &parents,
                            const std::vector<VelocitySample> &samples, std::vector<int> *points, Budgets *budgets)
 {
+  const Model &model = level.Parts().model;
   const int children = split.Children();
   PetscFunctionBeginUser;
   if (parents.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  const Budgets before = level.SumPoints(*points);
+  const Budgets before = SumPoints(level, *points);
   Points &store = level.PointStore();
   int next = store.Count();
   PetscCall(store.Resize(next + static_cast<int>(parents.size()) * (children - 1)));
@@ -124,10 +127,10 @@ PetscErrorCode SplitPoints(Level &level, const PointSplit &split, const std::vec
       const int parent = parents[k], target = child ? next++ : parent;
       if (child) points->push_back(target);
       if (child) store.Copy(parent, target);
-      MakeChild(level.Physics(), a, target, child, split, samples[k]);
+      MakeChild(model, a, target, child, split, samples[k]);
     }
-  level.PutBack(*points);
-  AddChange(before, level.SumPoints(*points), budgets);
+  level.Stores().PutBack(*points);
+  AddChange(before, SumPoints(level, *points), budgets);
   budgets->points_split += static_cast<double>(parents.size());
   budgets->points_made += static_cast<double>(parents.size()) * (children - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -140,7 +143,7 @@ std::vector<int> FindParents(Level &level, const std::vector<int> &points, doubl
   const PointArrays a = level.PointStore().Arrays();
   std::vector<int> parents;
   for (int p : points) {
-    const double usual = 0.5 * spacing / level.Physics().bodies[a.body[p]].points_per_cell;
+    const double usual = 0.5 * spacing / level.Parts().model.bodies[a.body[p]].points_per_cell;
     if (LargestComponent(a.HalfSize(p)) <= kMinParentSize * ratio * usual) continue;
     if (numbers.CanSplit(a.id[p]))
       parents.push_back(p);
@@ -157,7 +160,7 @@ static std::vector<int> FindStretched(Level &level, const PointNumbers &numbers,
   constexpr double kMaxHalfEdge = 0.5, kMinRadius = 0.75; // cells; half edges: a child on the axis would have no mass
   const GridGeometry &grid = level.Geometry().grid;
   const PointArrays a = level.PointStore().Arrays();
-  const Model &model = level.Physics();
+  const Model &model = level.Parts().model;
   std::vector<int> found;
   const auto lies_within = [&](const Vec3 &x) {
     for (int d = 0; d < a.dim; ++d)
@@ -192,9 +195,9 @@ PetscErrorCode SplitStretched(MPI_Comm world, Level &level, const PointNumbers &
     parts[axis] = 2;
     std::vector<int> points = FindStretched(level, numbers, {axis});
     const std::vector<int> parents = points;
-    PetscCall(SplitPoints(level, {parts, numbers}, parents, level.SampleVelocity(parents), &points, &level.Totals()));
+    PetscCall(SplitPoints(level, {parts, numbers}, parents, SampleVelocity(level, parents), &points, &level.Totals()));
   }
-  PetscCall(level.Migrate(true));
+  PetscCall(level.Stores().Migrate(true));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -84,16 +84,16 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   Level &level = hierarchy.At(l);
   const std::string group = LevelName(l);
   const GridLayout &layout = level.Mesh().Nodes().Layout();
-  const LevelClock &clock = level.Clock();
+  const PointDrift &drift = level.Stores().Drift();
+  const ContactGroup &contact = level.Contact().Group();
   std::vector<double> keys, pressures;
   WritePoints(file, comm, group, level.PointStore());
-  std::vector<double> pace = {double(clock.steps), clock.drift, clock.drift_per_step, double(level.Contact().WithinReach())};
-  for (const Index &corner : {level.Contact().Zone().lower, level.Contact().Zone().upper})
-    pace.insert(pace.end(), corner.begin(), corner.end());
+  std::vector<double> pace = {double(level.Step().taken), drift.now, drift.per_step, double(level.Contact().WithinReach())};
+  for (const Index &corner : {contact.Zone().lower, contact.Zone().upper}) pace.insert(pace.end(), corner.begin(), corner.end());
   file.Attribute(group, "pace", pace);
   for (int axis = 0; axis < 3; ++axis) WriteList(file, comm, group + kWidthNames[axis], Numbers(layout.widths[axis]));
   WriteList(file, comm, group + "/ranks", Numbers(layout.ranks));
-  if (RankIn(comm) == level.Contact().Root(level.Mesh()))
+  if (RankIn(comm) == contact.Root())
     for (const auto &[key, pressure] : level.Contact().Pressures()) {
       keys.push_back(static_cast<double>(key));
       pressures.push_back(pressure);
@@ -104,7 +104,7 @@ static void WriteLevel(H5Writer &file, Hierarchy &hierarchy, int l)
   file.List(group + "/pressure_keys", keys);
   file.List(group + "/pressures", pressures);
   for (int origin = 0; origin < 2 && hierarchy.Copies().ready; ++origin)
-    WritePoints(file, comm, CopiesName(l, origin), level.CopyStore(origin));
+    WritePoints(file, comm, CopiesName(l, origin), level.Stores().Copies(origin));
 }
 
 /// The first rank writes what a border keeps.

@@ -70,12 +70,10 @@ std::string WrongValues(const PointArrays &points, int bodies)
   return "";
 }
 
-std::string WrongPlaces(const PointArrays &points, const Level &level, bool own)
+std::string WrongPlaces(const PointArrays &points, const Grid &grid, IndexBox allowed, bool own)
 {
   constexpr int kStray = kHaloWidth - 1; // size: nodes beyond its own that a rank can serve: a stencil reaches one further
-  const Grid &grid = level.Mesh();
   if (own && !grid.Participates() && points.count > 0) return "a rank without a part of the grid has points";
-  IndexBox allowed = level.Geometry().PointNodes();
   for (int axis = 0; axis < points.dim; ++axis) {
     if (own && points.count > 0) {
       allowed.lower[axis] = std::max(allowed.lower[axis], grid.Owned().lower[axis] - kStray);

@@ -249,7 +249,7 @@ void CheckpointReader::ReadPoints(const std::string &group, Level &level, Points
   AgreeOnError("checkpoint_fields");
   const PointArrays arrays = points.Arrays();
   Record(WrongValues(arrays, static_cast<int>(case_.model.bodies.size())));
-  Record(WrongPlaces(arrays, level, same_ranks_));
+  Record(WrongPlaces(arrays, level.Mesh(), level.Geometry().PointNodes(), same_ranks_));
   AgreeOnError("checkpoint_values");
 }
 
@@ -284,19 +284,20 @@ void CheckpointReader::ReadLevel(const RunState &state, int l)
   ReadPoints(group, level, level.PointStore());
   ReadPatches(group, l);
   for (int origin = 0; origin < 2 && hierarchy_.Copies().ready; ++origin)
-    ReadPoints(CopiesName(l, origin), level, level.CopyStore(origin));
+    ReadPoints(CopiesName(l, origin), level, level.Stores().Copies(origin));
   for (std::size_t k = 0; k < keys.size(); ++k) pressures[static_cast<std::int64_t>(keys[k])] = values[k];
   level.Contact().SetPressures(pressures);
   IndexBox zone;
   for (int axis = 0; axis < 3; ++axis)
     zone.lower[axis] = static_cast<int>(clock[4 + axis]), zone.upper[axis] = static_cast<int>(clock[7 + axis]);
-  level.SetClock({static_cast<long>(clock[0]), clock[1], clock[2]});
-  ExitOnError(level.WatchContact(true, zone));
-  if (clock[3] == 0) ExitOnError(level.WatchContact(false, zone));
+  level.Step().taken = static_cast<long>(clock[0]);
+  level.Stores().Drift().now = clock[1], level.Stores().Drift().per_step = clock[2];
+  ExitOnError(level.Contact().Watch(comm_, level.Mesh(), true, zone));
+  if (clock[3] == 0) ExitOnError(level.Contact().Watch(comm_, level.Mesh(), false, zone));
   if (same_ranks_) return;
-  ExitOnError(level.Migrate(true));
-  ExitOnError(level.MigrateCopies());
-  ExitOnError(level.Sort());
+  ExitOnError(level.Stores().Migrate(true));
+  ExitOnError(level.Stores().MigrateCopies());
+  ExitOnError(level.Stores().Sort());
 }
 
 void CheckpointReader::ReadPatches(const std::string &group, int l)

@@ -132,7 +132,7 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
       void *const data = level.PointStore().Field(static_cast<PointField>(k));
       file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
-    ExitOnError(level.Contact().PressuresOnPoints(level.Site(), hierarchy.Tip().At(time), &pressures));
+    ExitOnError(level.Contact().PressuresOnPoints(level.Parts(), hierarchy.Tip().At(time), &pressures));
     AddDerived(file, group, points, model_, pressures, slab);
     AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
@@ -174,7 +174,7 @@ void FrameWriter::AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, 
   for (int l = 0; l < hierarchy.Levels(); ++l) {
     Level &level = hierarchy.At(l);
     std::vector<double> on_level;
-    ExitOnError(level.Contact().PressuresOnPatches(level.Site(), hierarchy.Tip().At(time), &on_level));
+    ExitOnError(level.Contact().PressuresOnPatches(level.Parts(), hierarchy.Tip().At(time), &on_level));
     pressures.insert(pressures.end(), on_level.begin(), on_level.end());
     for (const SurfacePatch &patch : level.Contact().Patches().Patches()) {
       for (int c = 0; c < corners; ++c) positions.insert(positions.end(), patch.corner[c].begin(), patch.corner[c].begin() + dim);

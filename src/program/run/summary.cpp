@@ -61,7 +61,7 @@ Json VersionsJson()
   return json;
 }
 
-Json LevelJson(const Level &level, double points, double largest, double time_step)
+Json LevelJson(Level &level, double points, double largest, double time_step)
 {
   const GridGeometry &grid = level.Geometry().grid;
   const int ranks = level.Mesh().Nodes().Layout().Blocks();
@@ -71,7 +71,7 @@ Json LevelJson(const Level &level, double points, double largest, double time_st
           {"cell_size", Number(grid.spacing)},
           {"points", Number(points)},
           {"cells", static_cast<long>(grid.cells[0]) * grid.cells[1] * (grid.dim == 3 ? grid.cells[2] : 1)},
-          {"steps", level.Steps()},
+          {"steps", level.Step().taken},
           {"time_step", Number(time_step)},
           {"imbalance", Number(points > 0 ? largest * ranks / points : 1)},
           {"ranks", ranks}};

@@ -57,7 +57,7 @@ public:
   /// After it: moves the surface. rates: points that do not average their volume are strained by the second velocity.
   PetscErrorCode MoveSurface(const LevelParts &level, bool rates, double dt);
   /// The level has no points: nothing touches it.
-  void Rest();
+  void Deactivate();
 
   /// What contact did to the tip in the last step.
   const TipReport &Tip() const { return tip_; }

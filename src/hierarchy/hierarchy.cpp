@@ -198,33 +198,39 @@ static IndexBox ZoneOf(const HierarchySettings &settings, int l, const Box &near
   return zone;
 }
 
+/// Widens boxes to those of all ranks; a rank's box may hold nothing.
+static PetscErrorCode UniteBoxes(MPI_Comm comm, std::vector<Box> *boxes)
+{
+  static_assert(sizeof(Box) == 6 * sizeof(double));
+  const auto negate_lower = [&] {
+    for (Box &box : *boxes) box.lower = -1.0 * box.lower;
+  };
+  PetscFunctionBeginUser;
+  negate_lower();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, boxes->data(), static_cast<int>(6 * boxes->size()), MPI_DOUBLE, MPI_MAX, comm));
+  negate_lower();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Activates contact on the levels whose points the indenter can press on, and gives each level the zone that contact may touch.
 /// Points of neighbouring levels may become its own.
 PetscErrorCode Hierarchy::WatchContact(double time, double travel, double drift)
 {
   constexpr Box kNowhere{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-  constexpr int kOfLevel = 7; // size: whether its own points are near; minus the lower end and the upper end of all that are
-  std::vector<double> largest;
+  std::vector<Box> near(Levels(), kNowhere), touching(Levels(), kNowhere);
   PetscFunctionBeginUser;
   for (int l = 0; l < Levels(); ++l) {
-    const double range = kPointRange * levels_.Settings().levels[l].grid.spacing + travel + drift;
-    const double touch = range + (TouchRange(model_->contact) - kPointRange) * levels_.Settings().levels[l].grid.spacing;
-    Box near = kNowhere, touching = kNowhere;
-    FindNearIndenter(levels_.At(l), tip_.At(time), range, &near);
-    FindNearIndenter(levels_.At(l), tip_.At(time), touch, &touching);
-    largest.push_back(touching.lower[0] < HUGE_VAL);
+    const double h = levels_.Settings().levels[l].grid.spacing, room = travel + drift;
+    FindNearIndenter(At(l), tip_.At(time), TouchRange(model_->contact) * h + room, &touching[l]);
     for (int other = std::max(l - 1, 0); other < std::min(l + 2, Levels()); ++other)
-      if (other != l) FindNearIndenter(levels_.At(other), tip_.At(time), range, &near);
-    for (const double x : near.lower) largest.push_back(-x);
-    largest.insert(largest.end(), near.upper.begin(), near.upper.end());
+      FindNearIndenter(At(other), tip_.At(time), kPointRange * h + room, &near[l]);
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, Comm()));
+  PetscCall(UniteBoxes(Comm(), &near));
+  PetscCall(UniteBoxes(Comm(), &touching));
   for (int l = 0; l < Levels(); ++l) {
-    const double *const n = &largest[static_cast<std::size_t>(kOfLevel) * l];
-    const bool awake = n[0] > 0;
-    const Box near{{-n[1], -n[2], -n[3]}, {n[4], n[5], n[6]}};
-    const IndexBox zone = awake ? ZoneOf(levels_.Settings(), l, near, drift) : IndexBox{};
-    PetscCall(At(l).Contact().Watch(Comm(), At(l).Mesh(), awake, zone));
+    const bool within_reach = touching[l].lower[0] < HUGE_VAL;
+    const IndexBox zone = within_reach ? ZoneOf(levels_.Settings(), l, near[l], drift) : IndexBox{};
+    PetscCall(At(l).Contact().Watch(Comm(), At(l).Mesh(), within_reach, zone));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -93,7 +93,7 @@ PetscErrorCode Level::SetActive(bool active)
     stores_.Drift().per_step = PointDrift().per_step;
     PetscCall(contact_.Watch(world_, *grid_, true, kAllNodes));
   } else {
-    contact_.Rest();
+    contact_.Deactivate();
     budgets_.noise_energy = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

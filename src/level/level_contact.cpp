@@ -29,7 +29,7 @@ void LevelContact::Record(const ContactReport &report, double area)
   budgets_.contact_coarseness = report.crosses_border;
 }
 
-void LevelContact::Rest()
+void LevelContact::Deactivate()
 {
   Record({}, 0);
   tip_ = {};

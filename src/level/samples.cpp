@@ -155,9 +155,9 @@ PetscErrorCode SmoothTensors(Level &level, const std::vector<int> &points, std::
   }
   PetscCall(grid.ShareRates(true, true));
   PetscCall(grid.ShareSums());
-  for (std::size_t node = 0; node < grid.Ghosted().Count(); ++node) {
+  for (std::ptrdiff_t node = 0; node < grid.Ghosted().Count(); ++node) {
     const double mass = std::max(grid.Sums()[node].mass, parts.nodal.mass_cutoff);
-    for (int c = 0; c < NodeLayout::Rates(2); ++c) grid.Rates(static_cast<std::ptrdiff_t>(node))[c] /= mass;
+    for (int c = 0; c < NodeLayout::Rates(2); ++c) grid.Rates(node)[c] /= mass;
   }
   const SweepView view = parts.View();
   for (std::size_t k = 0; k < points.size(); ++k) parts.kernels.TensorsAt(view, points[k], &(*tensors)[8 * k]);

@@ -1,8 +1,8 @@
 // Nodes with little mass, at the surface of bodies, hang on fuller ones: an extended basis (Hoellig, Reif and Wipper 2001).
 //
-// The motion of a light node j is v_j = s_j u_j + (1 - s_j) sum_i e_ij v_i, with s_j = smoothstep(m_j/(theta m_full)) and e_ij
-// the linear least squares fit at j over fuller nodes i around it. What points give to nodes goes to these by the transpose, x_i
-// + sum_j (1 - s_j) e_ij x_j and s_j x_j for x = m, p, f. As sum_i e_ij = 1, momentum and mass are kept, and linear motions are
+// The motion of a light node i is v_i = s_i u_i + (1 - s_i) sum_k e_ik v_k, with s_i = smoothstep(m_i/(theta m_full)) and e_ik
+// the linear least squares fit at i over fuller nodes k around it. What points give to nodes goes to these by the transpose, x_k
+// + sum_i (1 - s_i) e_ik x_i and s_i x_i for x = m, p, f. As sum_k e_ik = 1, momentum and mass are kept, and linear motions are
 // as they were. Without it the velocity f/m of a node that few points have reached has no bound.
 #pragma once
 

@@ -1,14 +1,19 @@
-"""What the grid of material points lacks of a half space's compliance, and the constant c of contact that gives it back.
+"""What the grid of material points misses of a half space's compliance, and the constant c of contact that gives it back.
 
 A pressure cos kx moves a half space's surface by 2/(E* k). Through hats, and seen through hats, the grid shows sinc(kh/2)^4 times
 the compliance of its nodes, found here from the weights of undeformed points, four in a cell, layer by layer. Contact adds
 c (1 - Pi(k)), Pi = sinc(kh/2)^4 in each direction (docs/contact.md)."""
+import re
+
 import numpy
 import pytest
 
+import harness
+
 E, NU = 1.0, 0.3
 LAME, MU, E_STAR = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU), E / (1 - NU**2)
-IN_PLANE, IN_SPACE = 0.45, 0.36  # of h/E*, as in src/contact/segment_problem.cpp
+SOURCE = (harness.ROOT / "src" / "contact" / "segment_problem.cpp").read_text()
+IN_PLANE, IN_SPACE = (float(re.search(rf"{name} = ([0-9.]+)", SOURCE)[1]) for name in ("kInPlane", "kInSpace"))  # of h/E*
 
 
 def weight(d, l=0.25):

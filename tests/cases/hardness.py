@@ -154,7 +154,7 @@ def test_steep_cone(expect):
     history = drive(60, CELLS, 1).history
     expect("P/h^2, of that of finite elements", curvature(history, 0.5) / 24.248e9, near=1, tolerance=0.05)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1, near=0,
-           tolerance=0.05)
+           tolerance=0.001)
     expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.05)
 
 
@@ -200,7 +200,8 @@ def test_surface_that_flows_past_an_edge_is_no_blow(expect):
 
 
 def test_light_nodes(expect):
-    """Points under the tip leave nodes at the axis, whose last little mass must not strain the cell below. Seen: P/h^2 3.2 %, contact 4e-5."""
+    """Points under the tip leave nodes at the axis, whose last little mass must not strain the cell below. Seen: P/h^2 3.2 %, contact 4e-5 (1.5e-3 and
+    more where no node is light)."""
     case, speed, _ = following(50e9, 2e9, 0.1, 2 * CELLS)
     down = 8e-4 * speed
     history = harness.run({**case, "indenter_times": [0, 0.1 * DEPTH / down], "indenter_velocities": [0, down],

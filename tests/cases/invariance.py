@@ -106,10 +106,10 @@ def test_mirrored(expect):
 
 
 def test_units(expect):
-    """Lengths in millimetres and times in milliseconds, with moduli, densities and the rest in the units that follow."""
+    """Lengths in millimetres and times in microseconds, with moduli, densities and the rest in the units that follow."""
     reference = harness.run(plain(CASE))
     scaled = lambda name, kind, value: value if isinstance(value, str) else [v * factor(UNITS[kind]) for v in value]
-    factor = lambda unit: 1e3 ** unit[0] * 1e3 ** unit[1]
+    factor = lambda unit: 1e3 ** unit[0] * 1e6 ** unit[1]
     expect_equal(expect, "units", harness.run(changed(CASE, scaled)), reference, lambda column: factor(column_unit(column)))
 
 

@@ -30,14 +30,14 @@ def expect_budgets(expect, result, energy):
 
 
 def test_sphere(expect):
-    """Hertz from the load: contact radius and largest pressure. On four cells. Seen: radius 6e-3, pressure 8e-3, sum of the points' pressures 3e-4,
-    momentum 5e-15, energy 7e-3."""
+    """Hertz from the load: contact radius and largest pressure. On four cells. Seen: radius 6e-3 (2.5e-2 with twice the compliance between nodes),
+    pressure 8e-3, sum of the points' pressures 3e-4, momentum 5e-15, energy 7e-3."""
     result = harness.run(SPHERE)
     history = result.history
     load = 4 * history["load"][-1]
     radius = (3 * load * 40 / 4) ** (1 / 3)
     expect("contact radius, cells", radius, at_least=3)
-    expect("contact radius from the area", math.sqrt(4 * history["contact_area"][-1] / math.pi) / radius, near=1, tolerance=0.05)
+    expect("contact radius from the area", math.sqrt(4 * history["contact_area"][-1] / math.pi) / radius, near=1, tolerance=0.02)
     expect("half width, of the whole tip", history["contact_half_width"][-1] / math.sqrt(4 * history["contact_area"][-1] / math.pi), near=1, tolerance=1e-9)
     expect("largest pressure", history["peak_pressure"][-1] / (2 * radius / math.pi / 40), near=1, tolerance=0.05)
     expect("load of the pressures on the points", harness.load_on_points(result.frame()) / history["load"][-1], near=1,

@@ -117,7 +117,7 @@ private:
 
 /// What the first rank sends the others after a solve. Doubles throughout.
 struct Outcome {
-  double travel, limited, solved, half_width, peak, may_reach_coarser_level;
+  double solved, half_width, peak, may_reach_coarser_level;
 };
 
 class PointPressureContact : public Contact
@@ -140,7 +140,7 @@ public:
     std::vector<PressedPoint> points;
     std::vector<Index> nodes;
     std::vector<Vec3> impulses;
-    Outcome outcome{0, 0, 1, 0, 0, 1};
+    Outcome outcome{1, 0, 0, 1};
     PetscFunctionBeginUser;
     *report = {};
     const PointArrays arrays = surface.points.Arrays();
@@ -153,10 +153,10 @@ public:
     std::sort(points.begin(), points.end(), [](const PressedPoint &a, const PressedPoint &b) { return a.id < b.id; });
     if (RankIn(group_.Comm()) == 0)
       PetscCall(SolveOnFirst(step, surface.grid.Geometry().spacing, std::move(points), &outcome, &impulses, report));
-    std::vector<double> numbers(&outcome.travel, &outcome.travel + sizeof outcome / sizeof(double));
+    std::vector<double> numbers(&outcome.solved, &outcome.solved + sizeof outcome / sizeof(double));
     PetscCall(ShareFromFirst(group_.Comm(), &numbers, kFirstToAll));
-    std::copy(numbers.begin(), numbers.end(), &outcome.travel);
-    report->travel = outcome.travel, report->limited = outcome.limited != 0, report->solved = outcome.solved != 0;
+    std::copy(numbers.begin(), numbers.end(), &outcome.solved);
+    report->solved = outcome.solved != 0;
     report->half_width = outcome.half_width, report->peak_pressure = outcome.peak,
     report->may_reach_coarser_level = outcome.may_reach_coarser_level != 0;
     PetscCall(nodes_.Push(motion, impulses, {}, report));
@@ -216,7 +216,6 @@ private:
     problem_.Build(step.dt, nodes_, std::move(points));
     if (problem_.Size() == 0) {
       pressures_.clear();
-      outcome->travel = step.tip.FreeTravel();
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     std::vector<double> q;
@@ -240,7 +239,7 @@ private:
     }
     if (left < right) outcome->half_width = HalfWidth(left, right, step.tip.start[0], h);
     outcome->may_reach_coarser_level = nodes_.AreAtBorder();
-    outcome->travel = found.travel, outcome->limited = found.limited, outcome->solved = found.solved;
+    outcome->solved = found.solved;
     report->local_points = found.pressing, report->set_updates = std::max(found.turns, 1);
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -105,6 +105,32 @@ def test_mirrored(expect):
     expect("mirrored: stresses of points [of the largest]", numpy.max(stress) / numpy.max(numpy.abs(others["stress"])), at_most=1e-7)
 
 
+# Half of a cylinder on a block, with the tip on the side of symmetry that two levels share.
+HALF = {"thickness": UM, "domain_lower": [0, 0], "domain_upper": [16 * UM, 14 * UM], "cell_size": 0.5 * UM, "levels": 2,
+        "level_1_lower": [0, 6 * UM], "level_1_upper": [8 * UM, 14 * UM], "boundary_x_lower": "symmetry", "boundary_x_upper": "free",
+        "boundary_y_lower": "symmetry", "materials": "m", "m_youngs_modulus": 70e9, "m_poissons_ratio": 0.33, "m_density": 2700,
+        "bodies": "block", "block_lower": [0, 0], "block_upper": [15 * UM, 12 * UM],
+        "indenter": "cylinder", "indenter_radius": 6 * UM, "indenter_tip": [0, 12 * UM], "end_time": 8e-9, "frames": 0}
+BY_DEPTH = {"indenter_times": [0], "indenter_velocities": [50]}
+
+
+@pytest.mark.parametrize("control", [
+    BY_DEPTH, {"indenter_control": "load", "indenter_times": [0, 8e-9], "indenter_loads": [0, 4e-3]},
+    {**BY_DEPTH, "level_follow": "contact", "level_1_lower": None, "level_1_upper": None}], ids=["depth", "load", "boxes_that_follow"])
+def test_mirrored_half(expect, control):
+    """The half at the upper side of the domain: boxes do not hold their upper sides, but the tip there is on the finest level. Seen: 1e-12."""
+    case = {name: value for name, value in {**HALF, **control}.items() if value is not None}
+    other = {**case, "boundary_x_lower": case["boundary_x_upper"], "boundary_x_upper": case["boundary_x_lower"]}
+    for name in (name[:-len("_lower")] for name in case if name.endswith("_lower") and not name.startswith("boundary")):
+        (left, bottom), (right, top) = case[name + "_lower"], case[name + "_upper"]
+        other[name + "_lower"], other[name + "_upper"] = [-right, bottom], [-left, top]
+    result, reference = harness.run(other), harness.run(case)
+    expect("load at the end [N]", numpy.max(reference.history["load"]), at_least=1e-3)
+    expect_equal(expect, "mirrored half", result, reference, lambda column: -1.0 if column.endswith("_x") else 1.0)
+    said = [[re.sub("[xy]_(lower|upper)", "side", line) for line in run.summary["warnings"]] for run in (result, reference)]
+    expect.that("the same warnings", said[0] == said[1], f"{said}")
+
+
 def test_units(expect):
     """Lengths in millimetres and times in microseconds, with moduli, densities and the rest in the units that follow."""
     reference = harness.run(plain(CASE))

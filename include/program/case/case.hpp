@@ -84,9 +84,12 @@ struct Case {
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity;   ///< options that a restart must share
 
-  /// The finest level whose box holds a place.
+  /// The finest level whose box holds a place. A place on a side of the domain is inside it, also where boxes end there.
   int LevelAt(Vec3 x) const
   {
+    for (int axis = 0; axis < Dim(); ++axis)
+      if (std::abs(x[axis] - domain.upper[axis]) < kRounding * cell_size)
+        x[axis] = domain.upper[axis] - kRounding * CellSize(levels - 1);
     int level = 0;
     while (level + 1 < levels && boxes[level + 1].Contains(x)) ++level;
     return level;

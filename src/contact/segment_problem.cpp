@@ -12,7 +12,8 @@ namespace
 {
 
 /// Compliance between the nodes, of h/E*: what an elastic half space yields to waves of pressure more than the grid's nodes do,
-/// where it is even, shorter than two and a half cells. Where waves run in all directions, as in space and under an axis, that is less.
+/// where it is even, shorter than two and a half cells. Where waves run in all directions, as in space and under an axis, that is
+/// less.
 constexpr double kInPlane = 0.45, kInSpace = 0.36;
 /// Flow between the nodes, for a pressure as large as the mean one at which the metal flows under a contact: the offset that a
 /// strain of 1 makes, three times 2.8, and the largest one that it holds, cells.

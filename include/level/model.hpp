@@ -54,12 +54,13 @@ struct Model {
   int HistoryComponents() const
   {
     int largest = 0;
-    for (const auto &material : materials) largest = std::max(largest, material->HistorySize());
+    for (const auto &material : materials) largest = std::max(largest, material->Traits().history);
     return largest;
   }
-  bool HasMetal() const
+  /// Whether any material flows.
+  bool Flows() const
   {
-    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->IsMetal(); });
+    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->Traits().flows; });
   }
   /// Whether any material splits points that are drawn out.
   bool SplitsStretched() const

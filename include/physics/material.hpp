@@ -26,7 +26,7 @@ struct MaterialBatch {
   const double *hoop_ratio; ///< [count] r over that of before the step; likewise
   double *stress;           ///< [count][kStress] Cauchy stress, Pa, updated in place
   double *history;          ///< [count][history_stride] internal variables, updated in place
-  int history_stride;       ///< >= HistorySize(): the most that any material of the run has
+  int history_stride;       ///< >= LawTraits::history: the most that any material of the run has
 };
 
 /// Internal variables that frames show.
@@ -36,10 +36,11 @@ inline constexpr const char *kInternalVariableNames[kInternalVariables] = {"equi
 class Material
 {
 public:
-  explicit Material(const Elasticity &elasticity) : elasticity_(elasticity) {}
+  Material(const Elasticity &elasticity, const LawTraits &traits) : elasticity_(elasticity), traits_(traits) {}
   virtual ~Material() = default;
 
   const Elasticity &Elastic() const { return elasticity_; }
+  const LawTraits &Traits() const { return traits_; }
   double Density() const { return elasticity_.density; } ///< initial density, kg/m3
   double SpeedOfSound() const;                           ///< sqrt((lambda + 2 mu)/rho0), m/s
 
@@ -61,10 +62,8 @@ public:
   /// Square of the current pressure-wave speed, an upper bound over directions, (m/s)^2, into speed2 [count].
   virtual void WaveSpeedSquared(int count, const double *F, const double *hoop, double *speed2) const = 0;
 
-  /// Number of internal variables per point, and their values in the undeformed body.
-  virtual int HistorySize() const { return 0; }
+  /// Internal variables in the undeformed body, [LawTraits::history].
   virtual void InitialHistory(double *) const {}
-  bool IsMetal() const { return HistorySize() > 0; }
   /// Flow stress at an equivalent plastic strain, without a rate and heat, Pa; infinite where nothing flows.
   virtual double FlowStress(double /*plastic_strain*/) const { return HUGE_VAL; }
   /// Simulated time over real time, of a law that knows a rate; 0 of others.
@@ -74,6 +73,7 @@ public:
 
 private:
   Elasticity elasticity_;
+  LawTraits traits_;
   double own_growth_ = 1;
   bool splits_stretched_ = false;
 };

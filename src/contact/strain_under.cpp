@@ -13,7 +13,7 @@ void StrainUnder::Begin(const SurfaceInputs &surface, Vec3 tip)
   const GridGeometry &grid = surface.grid.Geometry();
   Clear();
   for (const int p : surface.points.SurfacePoints()) {
-    if (FarFromIndenter(surface, tip, points.Position(p)) || !surface.bodies.Of(points, p).IsMetal()) continue;
+    if (FarFromIndenter(surface, tip, points.Position(p)) || !surface.bodies.Of(points, p).Traits().flows) continue;
     before_.push_back({p, points.history[PointArrays::At(p, points.history_components)]});
     ForEachColumn(grid, Locate(grid, points.Position(p)), [&](std::int64_t key, Index, double hat) {
       columns_.push_back({key, 0, hat * points.mass[p]});

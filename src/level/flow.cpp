@@ -16,7 +16,7 @@ constexpr double kMaxShear = 2; ///< shift of an edge over the height that it le
 bool Flows(const Model &model, const PointArrays &a, int p)
 {
   const Material &material = model.MaterialOf(a.body[p]);
-  return material.IsMetal() && material.SplitsStretched();
+  return material.Traits().flows && material.SplitsStretched();
 }
 
 int FacesAcross(const PointArrays &a, int p, int axis)

@@ -157,7 +157,7 @@ PetscErrorCode LevelContact::PrepareSurface(const LevelParts &level, double path
   else
     surface_motion_.PrepareFar(surface_);
   strain_under_.Clear();
-  if (touches_ && level.model.HasMetal()) strain_under_.Begin(level.InputsOf(surface_), clearance_.tip);
+  if (touches_ && level.model.Flows()) strain_under_.Begin(level.InputsOf(surface_), clearance_.tip);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,7 +171,7 @@ PetscErrorCode LevelContact::MoveSurface(const LevelParts &level, bool rates, do
     return surface_motion_.Finish(level.grid, level.geometry.sides, level.points.Arrays(), by_rates, level.nodal.mass_cutoff, dt,
                                   &surface_);
   }));
-  if (!touches_ || !level.model.HasMetal()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!touches_ || !level.model.Flows()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       Timed(level.events.contact, [&] { return method_->Flow(strain_under_.End(level.points.Arrays()), &surface_, &work); }));
   budgets_.contact_plastic_work += work;

@@ -23,7 +23,7 @@ template <class Hardening, class Geometry> class Metal : public Material
 
 public:
   explicit Metal(const MaterialConstants &c)
-      : Material(Elasticity(c)), hardening_(c), elasticity_(c), rate_scale_(c.rate_scale),
+      : Material(Elasticity(c), TraitsOf(c)), hardening_(c), elasticity_(c), rate_scale_(c.rate_scale),
         initial_temperature_(c.initial_temperature), heating_(c.adiabatic ? kHeatShare / (c.density * c.heat_capacity) : 0)
   {
   }
@@ -32,12 +32,7 @@ public:
   {
     return hardening_.At(plastic_strain, 0, initial_temperature_).stress;
   }
-  double RateScale() const override
-  {
-    constexpr double kStrain = 0.1,
-                     kFastRate = 1e30; // size: any strain, and a rate in 1/s far beyond all, to see whether the law knows a rate
-    return hardening_.At(kStrain, kFastRate, initial_temperature_).stress == FlowStress(kStrain) ? 0 : rate_scale_;
-  }
+  double RateScale() const override { return Traits().has_rate ? rate_scale_ : 0; }
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
@@ -75,7 +70,6 @@ public:
     std::fill_n(speed2, count, SpeedOfSound() * SpeedOfSound());
   }
 
-  int HistorySize() const override { return kHistory; }
   void InitialHistory(double *history) const override
   {
     history[kStrain] = 0;
@@ -88,6 +82,15 @@ public:
 
 private:
   static constexpr double kHeatShare = 0.9; ///< of plastic work (Taylor & Quinney)
+
+  /// A rate far beyond all, in 1/s, shows whether the law knows it.
+  static LawTraits TraitsOf(const MaterialConstants &c)
+  {
+    constexpr double kSomeStrain = 0.1, kFastRate = 1e30; // size
+    const Hardening hardening(c);
+    const auto stress_at = [&](double rate) { return hardening.At(kSomeStrain, rate, c.initial_temperature).stress; };
+    return {true, false, true, true, stress_at(kFastRate) != stress_at(0), kHistory};
+  }
 
   /// The state of a block; stress: von Mises' of the trial, Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {

@@ -34,7 +34,7 @@ PetscErrorCode SurfaceMotion::Prepare(Grid &grid, const Surface &surface, const 
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     const SurfaceCorner &corner = surface.Corners()[k];
     if (corner.gap.distance > range) continue;
-    corners_[k].by_nodes = PartOfNodes(grid.Geometry(), corner, bodies.material[corner.body]->IsMetal());
+    corners_[k].by_nodes = PartOfNodes(grid.Geometry(), corner, bodies.material[corner.body]->Traits().flows);
     if (corners_[k].by_nodes < 1) places.push_back({corner.x, corner.body});
   }
   PetscCall(near_.Begin(grid, places, points, path));

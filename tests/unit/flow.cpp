@@ -156,7 +156,7 @@ TEST(Flow, TheAxisIsNoSurface)
     Grid grid;
     Points points;
     ASSERT_EQ(grid.Create(PETSC_COMM_SELF, geometry, OneBlock(geometry)), PETSC_SUCCESS);
-    ASSERT_EQ(points.Create(PETSC_COMM_SELF, kind, 0, model.materials[0]->HistorySize()), PETSC_SUCCESS);
+    ASSERT_EQ(points.Create(PETSC_COMM_SELF, kind, 0, model.materials[0]->Traits().history), PETSC_SUCCESS);
     const Seeding seeding(model, {{geometry}, [](Vec3) { return 0; }, 2}, 0, sides, 0);
     ASSERT_EQ(seeding.Fill(grid.Nodes(), points), PETSC_SUCCESS);
     ExposePoints(model, {geometry, sides}, points, {0, 4 - kDepth});

@@ -320,7 +320,7 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
     material->WaveSpeedSquared(1, F, hoops, &outcome.speed2);
   }
   std::copy(stress, stress + G::kStress, outcome.stress.begin());
-  if (material->HistorySize()) outcome.plastic_strain = history[0];
+  if (material->Traits().history) outcome.plastic_strain = history[0];
   return outcome;
 }
 

@@ -106,7 +106,7 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
     sums[0][p] = cell.mass, sums[1][p] = cell.growth, sums[2][p] = cell.relative_volume;
   }
   const double exponent = 2 * (1 - b.material.KeptVolumeShare()) / dim, rate = 1 / dt;
-  const double settling = b.material.IsMetal() ? kSettling * dt / dim : 0, specific_volume = 1 / b.material.Density();
+  const double settling = b.material.Traits().flows ? kSettling * dt / dim : 0, specific_volume = 1 / b.material.Density();
   const double *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
   const int *const faces = b.faces;
   Row *const L = motion.L;

@@ -133,9 +133,9 @@ void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, c
                                b.stress,
                                b.history,
                                b.history_components};
-  if (b.material.HistorySize()) std::fill_n(plastic, b.count, 0.0);
+  if (b.material.Traits().history) std::fill_n(plastic, b.count, 0.0);
   b.material.UpdateStress(batch, plastic);
-  if (b.material.HistorySize())
+  if (b.material.Traits().history)
     budgets.plastic_work += std::transform_reduce(plastic, plastic + b.count, b.mass, 0.0) / b.material.Density();
 }
 

@@ -52,7 +52,7 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
   const double of_motion = kOfMotion * cells_per_speed * cells_per_speed;
   const Row *const F = points.F, *const x = points.x;
   const double *const radius = b.initial_radius;
-  if (b.material.IsMetal()) {
+  if (b.material.Traits().flows) {
     alignas(64) Row stress[Geometry::kStress];
     const Elasticity elastic = b.material.Elastic();
     LoadRows<Geometry::kStress>(b.stress, b.count, stress);

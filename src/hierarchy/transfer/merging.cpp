@@ -146,7 +146,7 @@ void MakeParent(const Model &model, Points &points, const std::vector<Sibling> &
   for (int d = 0; d < a.dim; ++d) a.half_size[PointArrays::At(first, a.dim) + d] *= ratio;
   if (a.initial_radius) SetRadius(a, first, radius, volume_ratio);
   const Material &material = model.MaterialOf(a.body[first]);
-  if (material.IsMetal()) SetVolumeRatio(material, a, first, volume_ratio);
+  if (material.Traits().flows) SetVolumeRatio(material, a, first, volume_ratio);
 }
 
 /// The part of a family's strain energy that may be missing in its parent: as much energy as that of a parent of the usual size

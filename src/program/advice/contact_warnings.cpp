@@ -52,7 +52,7 @@ static double EnoughCells(const Case &c)
 {
   constexpr double kHeight = 4, kSteepRatio = 4; // a half angle of 63 degrees
   const double height = kHeight * c.CellSize(c.LevelAtTip());
-  return c.model.HasMetal() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
+  return c.model.Flows() && c.model.indenter->surface->Width(height) < kSteepRatio * height ? 6 : 2;
 }
 
 /// The contact never gets wide. No warning for a flat indenter over the whole end of a body.

@@ -102,7 +102,7 @@ void CheckPressureRates(OptionReader &reader, const Case &c)
     sample(0);
     for (const double time : pressure.Times()) sample(time), sample(time + kMinTransits * transit);
     const double yield = material.FlowStress(0);
-    if (!material.IsMetal() || largest >= yield || largest_sum <= yield) continue;
+    if (!material.Traits().flows || largest >= yield || largest_sum <= yield) continue;
     reader.WarnLater("-{}_pressures: change by so much within {} s, in which a wave crosses the body twice, that the stress of "
                      "the wave makes a metal with a yield stress of {} Pa flow, which would bear {} Pa at rest; let them rise "
                      "from 0 within five such times or more{}",

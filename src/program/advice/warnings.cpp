@@ -50,9 +50,9 @@ std::string ContactWarning(const Case &c, const Budgets &budgets, const Watched 
   return Format("-indenter: contact has given the bodies {} J more work than the indenter has done, {} % of their energy,{}: "
                 "contact covers few cells so far, or {}",
                 given, 100 * given / work, When(budgets),
-                c.model.HasMetal() ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
-                                   : "its work becomes noise of the points, and the load is wrong; try smaller cells, "
-                                     "-xpic_fraction 0.02 or a smaller -cfl");
+                c.model.Flows() ? "has torn the surface open, and the load is wrong; try smaller cells or a blunter tip"
+                                : "its work becomes noise of the points, and the load is wrong; try smaller cells, "
+                                  "-xpic_fraction 0.02 or a smaller -cfl");
 }
 
 /// Contact takes a little where surface meets the indenter, in blows. Where it lets go of a surface under tension that sticks,
@@ -76,7 +76,7 @@ std::string ContactLossWarning(const Case &c, const Budgets &budgets, const Watc
 std::string NoiseWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxNoise = 0.005;
-  if (!c.model.HasMetal() || !c.model.indenter || c.model.contact.method == "none") return "";
+  if (!c.model.Flows() || !c.model.indenter || c.model.contact.method == "none") return "";
   if (budgets.plastic_work <= 0 || watched.noise <= kMaxNoise * watched.indenter_work) return "";
   return Format("-xpic_fraction {}: noise of the points' velocities holds {} % of the indenter's work{}, which softens plastic "
                 "flow: try a larger fraction or a slower indenter",
@@ -114,7 +114,7 @@ std::string ElasticNoiseWarning(const Case &c, const Budgets &budgets, const Wat
 {
   constexpr double kMaxNoise = 0.01,
                    kMinOfMotion = 0.3; // of the strain energy; of the kinetic energy, which is more in fast tests
-  if (c.model.HasMetal() || budgets.noise_energy <= kMaxNoise * budgets.strain_energy) return "";
+  if (c.model.Flows() || budgets.noise_energy <= kMaxNoise * budgets.strain_energy) return "";
   if (budgets.noise_energy <= kMinOfMotion * budgets.kinetic_energy || !MotionWarning(c, budgets, watched).empty()) return "";
   if (!EnergyWarning(c, budgets, watched).empty()) return "";
   if (budgets.contact_points == 0 && std::abs(watched.made) > kUnexplained * watched.given) return ""; // see LossWarning
@@ -143,7 +143,7 @@ bool HasFastIndenter(const Case &c) { return c.model.indenter && c.model.contact
 std::string DampingWarning(const Case &c, const Budgets &budgets, const Watched &watched)
 {
   constexpr double kMaxDamping = 0.2;
-  if (!HasFastIndenter(c) || c.model.HasMetal()) return "";
+  if (!HasFastIndenter(c) || c.model.Flows()) return "";
   if (budgets.damping_work <= kMaxDamping * std::max(watched.given, watched.floor)) return "";
   return Format("-damping {}: has taken {} J{}, where the bodies had or got {} J, and carries a part of the load: try less, or a "
                 "slower indenter",
@@ -156,7 +156,7 @@ constexpr double kMaxOfMotion = 0.01; // of the load or the plastic work: a meta
 std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.DragOfLoad();
-  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  if (!HasFastIndenter(c) || !c.model.Flows() || share < kMaxOfMotion) return "";
   return Format("-damping {}: its drag adds some {} % to the load at the largest depth: try less, or a slower indenter "
                 "(-quasi_static chooses both)",
                 FormatNumber(c.model.nodal.damping), 100 * share);
@@ -166,7 +166,7 @@ std::string DragWarning(const Case &c, const Budgets &, const Watched &watched)
 std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.InertiaOfLoad();
-  if (!HasFastIndenter(c) || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  if (!HasFastIndenter(c) || !c.model.Flows() || share < kMaxOfMotion) return "";
   return Format(
       "{}: inertia carries some {} % of the load at the largest depth: try a slower indenter (-quasi_static chooses its speed)",
       c.model.indenter->by_load ? "-indenter_loads" : "-indenter_velocities", 100 * share);
@@ -176,7 +176,7 @@ std::string InertiaWarning(const Case &c, const Budgets &, const Watched &watche
 std::string OvershootWarning(const Case &c, const Budgets &, const Watched &watched)
 {
   const double share = watched.motion.ShareOfPlasticWork();
-  if (c.model.loads.empty() || c.model.indenter || !c.model.HasMetal() || share < kMaxOfMotion) return "";
+  if (c.model.loads.empty() || c.model.indenter || !c.model.Flows() || share < kMaxOfMotion) return "";
   return Format("-{}_pressures: the bodies' motion adds some {} % to the plastic work, as they still move when pressures are at "
                 "their largest: let these rise over a longer time, or give -damping",
                 c.load_names[0], 100 * share);
@@ -202,7 +202,7 @@ std::string LossWarning(const Case &c, const Budgets &budgets, const Watched &wa
       "-bodies: energy balance: {} J are missing{}, where they had or got {} J: cells are too few for how they turn and for "
       "their waves, or points have parted or crumpled; look at the last frames, and try smaller cells or steps{}{}",
       -watched.made, When(budgets), watched.given, c.model.nodal.xpic_fraction > 0 ? ", or a smaller -xpic_fraction" : "",
-      c.model.VolumeAverages() > 0 && !c.model.HasMetal() ? ", or no -NAME_volume_average, which takes vibrations" : "");
+      c.model.VolumeAverages() > 0 && !c.model.Flows() ? ", or no -NAME_volume_average, which takes vibrations" : "");
 }
 
 /// All warnings of a run. Each is printed once; those at the end have too little work to compare with before. Checkpoints know

@@ -100,11 +100,11 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
 void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
-  if (common.rate_scale > 1 && !none([](const auto &material) { return material->RateScale() > 0; }))
+  if (common.rate_scale > 1 && !none([](const auto &material) { return material->Traits().has_rate; }))
     reader.WarnLater("-rate_scale {}: the simulation is slower than the test; is it its time over that of the test? 1e-8 where "
                      "100 ns stand for 10 s",
                      FormatNumber(common.rate_scale));
-  if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->RateScale() > 0; }))
+  if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->Traits().has_rate; }))
     reader.WarnLater("-rate_scale {}: changes nothing, as no material knows a rate", FormatNumber(common.rate_scale));
   if (common.initial_temperature != Constants().initial_temperature &&
       none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
@@ -180,15 +180,16 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     reader.Read({prefix + "youngs_modulus", "Young's modulus", "Pa", kPositive}, &k.youngs_modulus, kRequired);
     reader.Read({prefix + "poissons_ratio", "Poisson's ratio", "", Open(-1, 0.5)}, &k.poissons_ratio, kRequired);
     reader.Read({prefix + "density", "initial density", "kg/m3", kPositive}, &k.density, kRequired);
-    bool average = model == "j2", split = average;
-    if (average || reader.Help()) ReadHardening(reader, prefix, &k);
+    if (model == "j2" || reader.Help()) ReadHardening(reader, prefix, &k);
+    c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
+    Material &material = *c->model.materials.back();
+    bool average = material.Traits().averages_volume, split = material.Traits().splits;
     reader.Read({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
     reader.Read({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
-    c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
-    c->model.materials.back()->SplitStretched(split);
+    material.SplitStretched(split);
     if (!reader.Help()) WarnOfLocking(reader, prefix, k.poissons_ratio, average);
-    WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, *c->model.materials.back());
-    if (average) c->model.materials.back()->AverageVolume(KeptVolumeShare(k));
+    WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, material);
+    if (average) material.AverageVolume(KeptVolumeShare(k));
   }
   if (!reader.Help()) WarnOfUnused(reader, c->model, common);
 }

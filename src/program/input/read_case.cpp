@@ -105,7 +105,7 @@ void ReadMethod(OptionReader &reader, Case *c)
   model.short_wave = {viscosity[0], viscosity[1]};
   for (const auto &material : model.materials) {
     constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
-    if (material->IsMetal()) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, kMetalXpic);
+    if (material->Traits().flows) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, kMetalXpic);
     if (c->levels > 1 && material->Elastic().lambda >= kIncompressible * (1 - 1e-9) * material->Elastic().mu)
       model.nodal.xpic_fraction = kIncompressibleXpic;
   }

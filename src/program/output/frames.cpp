@@ -76,7 +76,7 @@ static std::vector<DerivedField> DerivedFields(const Model &model, const std::ve
     const auto has = [&](const auto &material) { return material->PlaceOf(variable) >= 0; };
     const auto first = std::find_if(model.materials.begin(), model.materials.end(), has);
     if (first == model.materials.end()) continue;
-    std::vector<double> history((*first)->HistorySize());
+    std::vector<double> history((*first)->Traits().history);
     (*first)->InitialHistory(history.data());
     const double at_start = history[(*first)->PlaceOf(variable)];
     fields.push_back({kInternalVariableNames[k], 1, [=](Points a, int p, const Material &material, double *value) {

@@ -172,7 +172,7 @@ void PlanLoads(OptionReader &reader, Case *c)
   plan.load = *std::max_element(turns.begin(), turns.end());
   if (!(plan.load > 0)) reader.Refuse("-quasi_static", "true", "with a load above 0");
   plan.exponent = LoadExponent(*c, c->CellSize(c->LevelAtTip()));
-  if (c->model.HasMetal()) plan.pace.transits *= kLoadControl;
+  if (c->model.Flows()) plan.pace.transits *= kLoadControl;
   plan.pace.spring_back = 1 - std::pow(0.5, 1 / plan.exponent);
   for (double &load : turns) load = std::pow(load, 1 / plan.exponent);
   if (turns.front() > 0) turns.insert(turns.begin(), 0.0);
@@ -262,7 +262,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
   double &damping = c->model.nodal.damping;
   const double critical = M_PI / plan.pace.transit; // 2 omega of the lowest mode, omega = pi/2 over the transit
-  if (plan.own_damping) damping = (c->model.HasMetal() ? kMetalDampingRatio : kDampingRatio) * critical;
+  if (plan.own_damping) damping = (c->model.Flows() ? kMetalDampingRatio : kDampingRatio) * critical;
   plan.damping_ratio = damping / critical;
   double &xpic_fraction = c->model.nodal.xpic_fraction;
   if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);

@@ -17,8 +17,7 @@ namespace mlgimp
 
 /// What a law does to its points, for all that treats them.
 struct LawTraits {
-  bool flows = false;  ///< strain goes on growing that no energy stores: points are drawn out, the surface flows between nodes
-  bool reads_F = true; ///< the stress follows from F alone, not from the stress before
+  bool flows = false;           ///< strain that no energy stores grows without end: points are drawn out
   bool averages_volume = false; ///< the growth of volume is the mean of a cell where the user does not say
   bool splits = false;          ///< drawn out points are halved where the user does not say
   bool has_rate = false;        ///< the stress depends on how fast points are strained
@@ -27,8 +26,6 @@ struct LawTraits {
 
 /// Hooke's constants, which all laws have at small strain.
 struct Elasticity {
-  static constexpr LawTraits kTraits{};
-
   explicit Elasticity(const MaterialConstants &c)
       : density(c.density), lambda(c.youngs_modulus * c.poissons_ratio / ((1 + c.poissons_ratio) * (1 - 2 * c.poissons_ratio))),
         mu(c.youngs_modulus / (2 * (1 + c.poissons_ratio)))
@@ -122,7 +119,6 @@ struct LinearElastic : Elasticity {
 /// Jaumann rate of the Cauchy stress: sigma <- Q sigma Q^T + lambda tr(d) I + 2 mu d with d = sym(dt L), and
 /// Q = (I - w/2)^-1 (I + w/2), w = dt L - d, the rotation of Hughes & Winget (1980).
 struct Hypoelastic : Elasticity {
-  static constexpr LawTraits kTraits = {false, false};
   using Elasticity::Elasticity;
 
   /// Q = I + 2/(1 + a.a) (A + A^2), where A = w/2 and A v = a x v.

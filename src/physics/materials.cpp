@@ -19,7 +19,7 @@ template <class Law, class Geometry> class BatchMaterial : public Material
   static constexpr int kS = Geometry::kStress;
 
 public:
-  explicit BatchMaterial(const MaterialConstants &c) : Material(Law(c), Law::kTraits), law_(c) {}
+  explicit BatchMaterial(const MaterialConstants &c) : Material(Law(c), LawTraits{}), law_(c) {}
 
   void UpdateStress(const MaterialBatch &batch, double *) const override
   {

@@ -89,7 +89,7 @@ private:
     constexpr double kSomeStrain = 0.1, kFastRate = 1e30; // size
     const Hardening hardening(c);
     const auto stress_at = [&](double rate) { return hardening.At(kSomeStrain, rate, c.initial_temperature).stress; };
-    return {true, false, true, true, stress_at(kFastRate) != stress_at(0), kHistory};
+    return {true, true, true, stress_at(kFastRate) != stress_at(0), kHistory};
   }
 
   /// The state of a block; stress: von Mises' of the trial, Pa; kept: the part of the deviator that the flow leaves.

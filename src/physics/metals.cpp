@@ -83,13 +83,16 @@ public:
 private:
   static constexpr double kHeatShare = 0.9; ///< of plastic work (Taylor & Quinney)
 
-  /// A rate far beyond all, in 1/s, shows whether the law knows it.
   static LawTraits TraitsOf(const MaterialConstants &c)
   {
-    constexpr double kSomeStrain = 0.1, kFastRate = 1e30; // size
-    const Hardening hardening(c);
-    const auto stress_at = [&](double rate) { return hardening.At(kSomeStrain, rate, c.initial_temperature).stress; };
-    return {true, true, true, stress_at(kFastRate) != stress_at(0), kHistory};
+    LawTraits traits{true, true, true, false, kHistory};
+    if constexpr (Hardening::kOfRate) {                     // with the user's constants it may still not depend on the rate
+      constexpr double kSomeStrain = 0.1, kFastRate = 1e30; // size: any strain; 1/s, far beyond all
+      const Hardening hardening(c);
+      const auto stress_at = [&](double rate) { return hardening.At(kSomeStrain, rate, c.initial_temperature).stress; };
+      traits.has_rate = stress_at(kFastRate) != stress_at(0);
+    }
+    return traits;
   }
 
   /// The state of a block; stress: von Mises' of the trial, Pa; kept: the part of the deviator that the flow leaves.

@@ -222,6 +222,13 @@ def test_memory(expect):
             expect.that(f"-malloc_dump, {name}, {ranks} ranks", not result.stdout and not said, (result.stdout + result.stderr)[:600])
 
 
+@pytest.mark.parametrize("hardening", ["linear", "table", "johnson_cook"])
+def test_help_with_a_law(hardening):
+    """Help comes before the law's constants: no list of a table is there yet."""
+    done = harness.run({"help": None, "materials": "m", "m_model": "j2", "m_hardening": hardening}, must_succeed=False)
+    assert done.status == 0 and "-m_flow_stresses" in done.stdout and not done.stderr
+
+
 def test_help(expect):
     for word, ranks in (("--help", 2), ("-h", 1), ("-help", 1)):
         done = subprocess.run(harness.command([word], ranks), capture_output=True, text=True, env=harness.ENVIRONMENT)

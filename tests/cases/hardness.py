@@ -154,7 +154,7 @@ def test_steep_cone(expect):
     history = drive(60, CELLS, 1).history
     expect("P/h^2, of that of finite elements", curvature(history, 0.5) / 24.248e9, near=1, tolerance=0.05)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1, near=0,
-           tolerance=0.001)
+           tolerance=0.005)
     expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.05)
 
 
@@ -209,7 +209,7 @@ def test_light_nodes(expect):
     [C] = (row[3] for row in table("cone_70deg.csv") if tuple(row[:3]) == (0.1, 50, 2))
     expect("P/h^2, of that of finite elements", curvature(history, 0.5) / (C * 1e9), near=1, tolerance=0.04)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1, near=0,
-           tolerance=0.05)
+           tolerance=0.001)
 
 
 def table(name):

@@ -7,7 +7,7 @@
 
 #include "base/log.hpp"
 #include "base/tensor.hpp"
-#include "physics/hardening.hpp"
+#include "physics/flow/hardening.hpp"
 
 #include <algorithm>
 #include <cmath>

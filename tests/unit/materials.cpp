@@ -75,7 +75,7 @@ struct Sample {
     Row L_rows[9], F_rows[9];
     LoadRows<9>(L.data(), 1, L_rows), LoadRows<9>(F.data(), 1, F_rows);
     AdvanceDeformation<Spatial>(1, dt, L_rows, F_rows);
-    material.UpdateStress({1, dt, L_rows, F_rows, nullptr, nullptr, stress, history, 1}, &dissipated);
+    material.UpdateStress({1, dt, 1, L_rows, F_rows, nullptr, nullptr, stress, history, 1}, &dissipated);
     StoreRows<9>(F_rows, 1, F.data());
   }
   /// Advances to principal stretches along the axes, from such stretches.
@@ -315,7 +315,7 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
     LoadRows<n * n>(F, 1, F_rows), LoadRows<n * n>(L, 1, L_rows);
     const double hoop = now[8], ratio = growth[8];
     const double *const hoops = G::kHoop ? &hoop : nullptr, *const ratios = G::kHoop ? &ratio : nullptr;
-    material->UpdateStress({1, 1, L_rows, F_rows, hoops, ratios, stress, history, 1}, &outcome.dissipated);
+    material->UpdateStress({1, 1, 1, L_rows, F_rows, hoops, ratios, stress, history, 1}, &outcome.dissipated);
     material->StoredEnergy(1, F, hoops, stress, history, 1, &outcome.energy);
     material->WaveSpeedSquared(1, F, hoops, &outcome.speed2);
   }

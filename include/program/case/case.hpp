@@ -30,6 +30,7 @@ struct TimeSettings {
   double time_step = 0;            ///< s; 0 = from cfl
   double cfl = 0.4;                ///< fraction of h/(c + |v|)
   double max_wall_time = HUGE_VAL; ///< by the clock, s
+  double rate_scale = 1;           ///< simulated time over that of the test, where no clock of the test runs
 
   /// Whether the run ends with a step that leads to a time.
   bool IsEnd(long step, double time) const { return (max_steps > 0 && step >= max_steps) || time >= end_time * (1 - 1e-12); }

@@ -84,7 +84,7 @@ void Simulation::Step()
 {
   const double begin = MPI_Wtime();
   hierarchy_.MeasureNoise(output_.IsRowDue(state_.step + 1, state_.time + state_.time_step));
-  ExitOnError(hierarchy_.Advance({state_.time, state_.time_step}));
+  ExitOnError(hierarchy_.Advance({state_.time, state_.time_step, case_.time.rate_scale}));
   cost_.level_seconds += MPI_Wtime() - begin;
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     cost_.point_steps += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);

@@ -185,9 +185,7 @@ void PlanLoads(OptionReader &reader, Case *c)
 /// The time of the test that the schedule stands for, where a material knows its rates.
 std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 {
-  double scale = 0;
-  for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
-  return scale > 0 ? Format(", by -rate_scale that of a test of {} s", plan.end_time / scale) : "";
+  return c.model.HasRate() ? Format(", by -rate_scale that of a test of {} s", plan.end_time / c.time.rate_scale) : "";
 }
 
 /// What was chosen, in one line, and what the user should know of it, each in one.
@@ -270,8 +268,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
-  const auto &materials = c->model.materials;
-  if (std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->RateScale() == 1; }))
+  if (c->model.HasRate() && c->time.rate_scale == 1)
     reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; the scale is its time "
                      "over that of the test");
 }

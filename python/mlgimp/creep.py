@@ -76,11 +76,8 @@ def history_integral(t, at, values, instant, parts, times):
 
     spans, steps = np.diff(at), np.diff(values)
     jumps = spans <= 0
-    found = values[0] * kernel(t - at[0])
-    found = found + kernel(t[:, None] - at[1:][jumps]) @ steps[jumps]
-    slopes = steps[~jumps] / spans[~jumps]
-    begins, ends = at[:-1][~jumps], at[1:][~jumps]
-    return found + (integrated(t[:, None] - begins) - integrated(t[:, None] - ends)) @ slopes
+    found = values[0] * kernel(t - at[0]) + kernel(t[:, None] - at[1:][jumps]) @ steps[jumps]
+    return found - np.diff(integrated(t[:, None] - at), axis=1) @ np.where(jumps, 0, steps / np.where(jumps, 1, spans))
 
 
 def shape_factor(radius=None, half_angle=None):
@@ -144,8 +141,8 @@ def norton_power(exponent, radius=None, half_angle=None):
     return 2 * exponent if radius is None else exponent + 0.5
 
 
-def norton_growth(load, creep_stress, creep_rate, exponent, *, radius=None, half_angle=None):
-    """Returns d(h^q)/dt (m^q/s) under a constant load (N), with q of norton_power().
+def log_growth(load, creep_stress, creep_rate, exponent, *, radius=None, half_angle=None):
+    """Returns the natural logarithm of d(h^q)/dt (m^q/s) under a constant load (N), with q of norton_power().
 
     Cone: 2 n c tan(alpha) a0 (P/(pi c^2 tan(alpha)^2 F s0))^n. Ball: (n + 1/2) a0 sqrt(2 c2 R) (P/(2 pi c2 R F s0))^n.
     creep_stress s0 (Pa) and creep_rate a0 (1/s) are those of Norton's law; radius in m, half_angle in degrees.
@@ -154,16 +151,19 @@ def norton_growth(load, creep_stress, creep_rate, exponent, *, radius=None, half
     power = norton_power(exponent, radius, half_angle)
     if radius is None:
         width = cone * math.tan(math.radians(half_angle))
-        return power * width * creep_rate * (load / (math.pi * width**2 * constraint * creep_stress)) ** exponent
-    return power * creep_rate * math.sqrt(2 * ball * radius) * (load / (2 * math.pi * ball * radius * constraint * creep_stress)) ** exponent
+        area = math.pi * width**2
+    else:
+        width, area = math.sqrt(2 * ball * radius), 2 * math.pi * ball * radius
+    return math.log(power * width * creep_rate) + exponent * math.log(load / (area * constraint * creep_stress))
 
 
 def norton_depth(t, load, creep_stress, creep_rate, exponent, start_depth=0.0, *, radius=None, half_angle=None):
     """Returns the depth (m) at times t (s) after that of the start depth (m), in the shape of t, under a constant load (N):
-    h^q = h0^q + t times norton_growth()."""
+    h^q = h0^q + t exp(log_growth()), with q of norton_power()."""
     power = norton_power(exponent, radius, half_angle)
-    growth = norton_growth(load, creep_stress, creep_rate, exponent, radius=radius, half_angle=half_angle)
-    return (start_depth**power + growth * np.asarray(t, float)) ** (1 / power)
+    growth = log_growth(load, creep_stress, creep_rate, exponent, radius=radius, half_angle=half_angle)
+    with np.errstate(divide="ignore"):  # of times and depths that are 0
+        return np.exp(np.logaddexp(power * np.log(start_depth), growth + np.log(np.asarray(t, float))) / power)
 
 
 def norton_cone(t, load, half_angle, creep_stress, creep_rate, exponent, start_depth=0.0):

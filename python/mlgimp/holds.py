@@ -50,18 +50,21 @@ def find_hold(curve, cycle):
 
 
 def largest_hold(curve):
-    """Returns the Hold at the largest load of a Curve, which may end in it; raises a ResultError where there is none."""
+    """Returns the Hold at the largest load of a Curve, which may end in it, and the row where its loading begins; raises a ResultError
+    where there is none."""
     if clock(curve) is None:
         raise ResultError(curve.name, "has no time of the test: a measured curve needs a column of times, a run -test_times")
     try:
         found = cycles.find_cycles(curve)
     except ResultError:
         found = []
-    found = found or [cycles.Cycle(0, len(curve.load) - 1, len(curve.load) - 1, slice(0, 0))]
-    held = [(curve.load[cycle.start], hold) for cycle in found if (hold := find_hold(curve, cycle))]
+    first, last = found[-1].end if found else 0, len(curve.load) - 1
+    if curve.load[first:].max() >= NEAR * curve.load.max():  # the test ends in a hold
+        found = [*found, cycles.Cycle(first, last, last, slice(last, last + 1))]
+    held = [(hold, cycle.begin) for cycle in found if (hold := find_hold(curve, cycle))]
     if not held:
         raise ResultError(curve.name, "has no hold: neither load nor depth stays within 1 % of its largest value for a twentieth of the ramps")
-    return max(held, key=lambda pair: pair[0])[1]
+    return max(held, key=lambda each: curve.load[each[0].begin])
 
 
 def plateau(time, values):

@@ -6,7 +6,7 @@ usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:U
                       [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-runs N] [-ranks N] [-evaluations N]
                       [options of mlgimp, on all runs]
        scripts/fit.py MEASURED -creep norton|prony -time COLUMN:UNIT [-tip KIND -half_angle DEGREES|-radius UM] [-terms N]
-                      [-creep_stress PA] [-poisson NU] [-output_dir DIR] [-depth, -load, -test and zeros as above]
+                      [-creep_stress PA] [-poisson NU] [-drift NM/S] [-output_dir DIR] [-depth, -load, -test and zeros as above]
 
     scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
     scripts/fit.py hold.csv -creep norton -time Time:s -depth Displacement:nm -load Force:mN -tip berkovich
@@ -22,7 +22,8 @@ The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every e
 -creep norton: exponent n and rate a0 at the stress s0 (-creep_stress, by default about that in the hold) of the stress s0 (rate/a0)^(1/n),
 from a hold at the largest load under a ball, a cone or a pyramid. -creep prony: modulus E_0, shares g_k and times tau_k of -terms terms (1)
 of E_0 (1 - sum g_k (1 - exp(-t/tau_k))), from a hold of the load or of the depth; E_0 needs -poisson. A run with -test_times has its tip,
-times and Poisson's ratio. The folder output/fit_MEASURED/ gets fit.json, fit.csv with the hold and the fit, and fit.png.
+times and Poisson's ratio. -drift takes thermal drift off the depths. The folder output/fit_MEASURED/ gets fit.json, fit.csv with the
+hold and the fit, and fit.png.
 """
 import sys
 from pathlib import Path
@@ -77,7 +78,10 @@ def parse_creep(words):
     more = {"terms": take(passed, "terms", whole_number_from(1), 1, "a whole number >= 1")}
     more |= {name: take(passed, name, float, None, "a number") for name in ("creep_stress", "poisson")}
     tip = take_tip(passed)
-    curve = take_curve(measured, passed, depth, load, time)
+    drift = take(passed, "drift", float, 0.0, "a number in nm/s")
+    if drift and (time is None or measured.is_dir()):
+        raise Error("-drift: needs a measured curve with -time COLUMN:UNIT")
+    curve = load_depth.without_drift(take_curve(measured, passed, depth, load, time), drift)
     if passed:
         raise Error(f"-{next(iter(passed))}: must be left out beside -creep")
     return {"measured": curve, "law": law, "tip": tip, **more}, folder

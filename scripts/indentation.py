@@ -178,13 +178,8 @@ def read_curves(path, options):
     except ResultError as problem:
         return [Analysis(name, problem=problem)]
     chosen = [options.test] if options.test else range(1, len(tests) + 1)
-    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: without_drift(tests[number - 1](), options.drift))
+    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: load_depth.without_drift(tests[number - 1](), options.drift))
             for number in chosen]
-
-
-def without_drift(curve, drift):
-    """Returns a Curve without a drift of the depth (nm/s)."""
-    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
 
 
 def completed(read, given):

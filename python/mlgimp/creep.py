@@ -1,8 +1,8 @@
 """Exact depths and loads of indentation tests on bodies that creep and relax, with a rigid tip without friction. All values are SI.
 
 Viscoelastic bodies after Lee and Radok, J. Appl. Mech. 27 (1960) 438, and Ting, J. Appl. Mech. 33 (1966) 845, with a constant
-Poisson's ratio and a contact that does not shrink; bodies that creep by Norton's law after Hill, Proc. R. Soc. A 436 (1992) 617, and Bower and others, Proc. R. Soc. A 441 (1993)
-97, with slopes of the surface that are small.
+Poisson's ratio and a contact that does not shrink; bodies that creep by Norton's law after Hill, Proc. R. Soc. A 436 (1992) 617, and
+Bower and others, Proc. R. Soc. A 441 (1993) 97, with slopes of the surface that are small.
 """
 
 import math

@@ -178,6 +178,11 @@ def measured_curve(path, name, read, zero_depth, zero_load):
                           notes=curve.notes + left_out)
 
 
+def without_drift(curve, drift):
+    """Returns a Curve without a drift of the depth (nm/s), which needs its times."""
+    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
+
+
 def check_order_and_signs(path, depth, load):
     """Refuses curves whose rows are not in the order of the test, and those whose depth or load has the other sign."""
     for what, values in (("depth", depth), ("load", load)):

@@ -206,6 +206,16 @@ def test_command(tmp_path, capsys):
     assert report["hold"]["constant"] == "depth" and report["constants"]["time_2_s"]["value"] == pytest.approx(30, rel=0.01)
 
 
+def test_drift_is_taken_off(tmp_path, expect):
+    made = norton("cone", 5)
+    path = written(tmp_path / "h.csv", made._replace(depth=made.depth + 1e-4 * made.time))
+    words = [path, "-creep", "norton", "-time", "time:s", "-tip", "cone", "-half_angle", "80", "-output_dir", str(tmp_path / "n")]
+    for drift, tolerance, off in (("0.1", 0.01, 0), ("0", 0.4, -0.5)):
+        fit.main([*words, "-drift", drift])
+        found = json.loads((tmp_path / "n" / "fit.json").read_text())["constants"]["creep_exponent"]["value"]
+        expect(f"n with {drift} nm/s", found - 5, near=off, tolerance=tolerance)
+
+
 def test_a_run_has_its_tip_and_its_times(tmp_path, expect):
     """A result folder with test_time needs neither -tip nor -time."""
     made, folder = norton("cone", 5), write_run(tmp_path / "run", {**CONE_OPTIONS, "-indenter_half_angle": "80"})
@@ -233,6 +243,7 @@ WORDS = {
     "terms": (["h.csv", "-creep", "prony", "-terms", "0", "-time", "time:s", "-tip", "berkovich"], "-terms 0"),
     "many terms": (["h.csv", "-creep", "prony", "-terms", "9", "-time", "time:s", "-tip", "berkovich"], "terms=9: must be at most 5"),
     "stress": (["h.csv", "-creep", "norton", "-creep_stress", "-1", "-time", "time:s", "-tip", "berkovich"], "creep_stress=-1.0: must be a number > 0"),
+    "drift without times": (["h.csv", "-creep", "norton", "-drift", "1", "-tip", "berkovich"], "-drift: needs"),
     "depth": (["r.csv", "-creep", "norton", "-time", "time:s", "-tip", "sphere", "-radius", "10"], "has a hold of the depth"),
     "other options": (["h.csv", "-creep", "norton", "-time", "time:s", "-tip", "berkovich", "-vary", "E"], "-vary: must be left out"),
     "no file": (["none.csv", "-creep", "norton"], "there is no such file"),

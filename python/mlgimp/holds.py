@@ -69,10 +69,13 @@ def largest_hold(curve):
 
 def plateau(time, values):
     """Returns the first and the last row of the plateau at the largest values [rows], or None; time in s, not falling."""
-    smooth, least = cycles.without_spikes(values), CLEAR * cycles.noise(values)
+    smooth = cycles.without_spikes(values)
     top = smooth.max()
     if not top > 0 or len(values) < LEAST_HELD:
         return None
+    least = CLEAR * cycles.noise(values)
+    if np.median(np.abs(np.diff(values, 3))) == 0:  # exact: the noise is the least step, of rounding, or of a ramp with few rows
+        least = min(least, TIGHT * top)
     bands = dict.fromkeys(max(share * top, least) for share in BANDS)
     return next(filter(None, (plateau_within(time, smooth, top, band, max(TIGHT * top, least)) for band in bands)), None)
 
@@ -147,10 +150,16 @@ def nearest(time, wanted, row, other):
 
 # ---- figures ----
 
-def change(values, hold):
-    """Returns by what share of itself a column [rows] changes from the begin of a Hold to its end; running medians take blows off."""
-    smooth = cycles.without_spikes(values)
-    return float(smooth[hold.end] / smooth[hold.begin] - 1)
+def change(curve, hold):
+    """Returns by what share of itself the depth changes in a Hold of the load, or the load in one of the depth, from begin to end.
+
+    At the end it is that of parabola_at_end(). At the begin a depth that goes on growing is a running median, but a load
+    has its peak there, of which that would take some off: it is that of the row.
+    """
+    is_load = hold.kind == "load"
+    values = curve.depth if is_load else curve.load
+    first = cycles.without_spikes(values)[hold.begin] if is_load else values[hold.begin]
+    return float(parabola_at_end(clock(curve), values, hold)[2] / first - 1)
 
 
 def trend(values, hold):
@@ -162,16 +171,17 @@ def trend(values, hold):
 
 def creep_rate(curve, hold):
     """Returns dh/dt (um/s) at the end of a Hold: that of the parabola of the second half of its time."""
-    return rate_at_end(clock(curve), curve.depth, hold)
+    return float(parabola_at_end(clock(curve), curve.depth, hold)[1])
 
 
-def rate_at_end(time, values, hold):
-    """Returns the rate (1/s) of a column [rows] at the end of a Hold, of the parabola through the second half of its time."""
+def parabola_at_end(time, values, hold):
+    """Returns the coefficients of the parabola of a column [rows] through the second half of a Hold's time: half the second derivative
+    (1/s^2), the rate (1/s) and the value at its end."""
     half = (time[hold.begin] + time[hold.end]) / 2
     rows = np.arange(hold.begin, hold.end + 1)
     later = rows[time[rows] >= half] if np.sum(time[rows] >= half) >= LEAST_ROWS else rows
     scale = time[hold.end] - time[later[0]]
-    return float(np.polyfit((time[later] - time[hold.end]) / scale, values[later], 2)[1] / scale)
+    return np.polyfit((time[later] - time[hold.end]) / scale, values[later], 2) / scale ** np.array([2, 1, 0])
 
 
 def rows_of_onset(curve, cycle, hold):

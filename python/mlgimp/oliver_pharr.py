@@ -215,11 +215,11 @@ def held_figures(curve, cycle, fit, row, constants):
     time = holds.clock(curve)
     found |= {"hold_start_s": float(time[hold.begin]), "hold_end_s": float(time[hold.end])}
     if hold.kind == "depth":
-        return found | {"relaxation_percent": -100 * holds.change(curve.load, hold)}
+        return found | {"relaxation_percent": -100 * holds.change(curve, hold)}
     onset = holds.rows_of_onset(curve, cycle, hold)
     creep, unloading = holds.creep_rate(curve, hold), holds.unloading_rate(curve, onset)
     stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
-    found |= {"creep_percent": 100 * holds.change(curve.depth, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
+    found |= {"creep_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
               "corrected_stiffness_mN_per_um": stiffness}
     if curve.tip is None or not math.isfinite(stiffness):
         return found

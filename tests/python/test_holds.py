@@ -25,9 +25,9 @@ def rows_of(corners, uneven=False, count=600):
     return np.unique(np.concatenate([first + (last - first) * way for first, last in zip(corners, corners[1:])]))
 
 
-def punch(corners, loads, noise=0.0, uneven=False, seed=1):
+def punch(corners, loads, noise=0.0, uneven=False, seed=1, count=600):
     """The curve of a punch on a viscoelastic body under loads (mN) at corners (s): exact, as its contact does not change."""
-    time, random = rows_of(corners, uneven), np.random.default_rng(seed)
+    time, random = rows_of(corners, uneven, count), np.random.default_rng(seed)
     load = np.interp(time, corners, loads)
     depth = creep.history_integral(time, corners, loads, 1.0, *creep.retardation(*TERMS)) / STIFFNESS
     depth, load = depth + 0.1 * noise * depth.max() * random.normal(size=len(time)), load + noise * max(loads) * random.normal(size=len(time))
@@ -48,13 +48,14 @@ TESTS = {
     "hold without load before": (((0, 50, 60, 90, 94), (0, 0, 5, 5, 0)), {}),
     "overshoot": (((0, 10, 10.4, 10.8, 40, 44), (0, 5, 5.2, 5, 5, 0)), {}),
     "load that drifts up": (((0, 10, 40, 44), (0, 5, 5.02, 0)), {}), "load that drifts down": (((0, 10, 40, 44), (0, 5, 4.98, 0)), {}),
+    "few rows": (((0, 10, 12, 22), (0, 5, 5, 0)), {"count": 21}),
     "short hold": (((0, 10, 12, 22), (0, 5, 5, 0)), {}),
 }
 
 
 @pytest.mark.parametrize("name", TESTS)
 def test_creep(expect, name):
-    """C_IT within 2 % of itself, and times within 1 % of the hold, of that where the load first reaches the level; with noise 5 %."""
+    """C_IT within 2 % of itself, and times within 2 % of the hold, of that where the load first reaches the level; with noise 5 %."""
     (corners, loads), more = TESTS[name]
     [row] = oliver_pharr.analyse(punch(corners, loads, **more))
     held = corners[next(k for k, load in enumerate(loads) if load > 4.5)], corners[max(k for k, load in enumerate(loads) if load > 4.5)]

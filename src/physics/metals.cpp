@@ -90,8 +90,7 @@ private:
 
   static LawTraits TraitsOf(const MaterialConstants &c)
   {
-    LawTraits traits{true, true, true, false, kHistory};
-    traits.has_rate = Hardening::kCreeps;
+    LawTraits traits{true, true, true, Hardening::kCreeps, Hardening::kCreeps, kHistory};
     if constexpr (Hardening::kOfRate && !Hardening::kCreeps) { // with the user's constants it may still not depend on the rate
       constexpr double kSomeStrain = 0.1, kFastRate = 1e30;    // size: any strain; 1/s, far beyond all
       const Hardening hardening(c);

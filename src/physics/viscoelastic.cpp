@@ -77,7 +77,7 @@ public:
       const double *const parts = history + kPart * (term + 1);
       for (int p = 0; p < count; ++p) {
         const double *const part = parts + static_cast<std::ptrdiff_t>(history_stride) * p;
-        const Sym3 Q = LoadStress<Geometry>(part);
+        const Sym3 Q = PushedDeviator(GradientOf<Geometry>(F, hoop, p), LoadStress<Geometry>(part));
         energy[p] += shear * Contract(Q, Q) + bulk * part[kS] * part[kS];
       }
     }
@@ -103,7 +103,7 @@ private:
   static double Sum(const std::vector<double> &shares) { return std::accumulate(shares.begin(), shares.end(), 0.0); }
   static LawTraits TraitsOf(const MaterialConstants &c)
   {
-    return {false, false, false, true, kPart * (static_cast<int>(c.relaxation_times.size()) + 1)};
+    return {false, false, false, true, true, kPart * (static_cast<int>(c.relaxation_times.size()) + 1)};
   }
 
   /// S and P of the law at once: S = mu J^(-2/3) (I - tr C/3 C^-1).
@@ -129,7 +129,8 @@ private:
     LoadRows<kPart>(history, b.count, part, b.history_stride);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
-      const Sym3 Q = StressIn<Geometry>(part, p), dS = StressIn<Geometry>(change, p);
+      const Mat3 F = GradientOf<Geometry>(b.F, b.hoop, p);
+      const Sym3 Q = PushedDeviator(F, StressIn<Geometry>(part, p)), dS = PushedDeviator(F, StressIn<Geometry>(change, p));
       const double P = part[kS][p], dP = change[kS][p];
       dissipated[p] +=
           shear * (of_shear.of_old * Contract(Q, Q) + of_shear.of_both * Contract(Q, dS) + of_shear.of_new * Contract(dS, dS)) +
@@ -144,12 +145,18 @@ private:
     StoreRows<kPart>(part, b.count, history, b.history_stride);
   }
 
+  /// dev(F S F^T): energies of a term are those of its Kirchhoff stress.
+  [[gnu::always_inline]] static Sym3 PushedDeviator(const Mat3 &F, const Sym3 &S)
+  {
+    const Sym3 pushed = mlgimp::Push<Geometry::kDim == 2>(F, S);
+    return pushed - Sphere(kThird * Trace(pushed));
+  }
+
   /// Cauchy stress (P I + dev(F S F^T))/J.
   [[gnu::always_inline]] static void Push(const MaterialBatch &b, int p, const Row *sum)
   {
     const Mat3 F = GradientOf<Geometry>(b.F, b.hoop, p);
-    const Sym3 pushed = mlgimp::Push<Geometry::kDim == 2>(F, StressIn<Geometry>(sum, p));
-    const Sym3 tau = pushed + Sphere(sum[kS][p] - kThird * Trace(pushed));
+    const Sym3 tau = PushedDeviator(F, StressIn<Geometry>(sum, p)) + Sphere(sum[kS][p]);
     StoreStress<Geometry>((1 / Determinant(F)) * tau, b.stress + kS * p);
   }
 

@@ -12,7 +12,7 @@ namespace mlgimp
 /// The time theta of the test is not that of the simulation, t. While the tip is driven, theta is that at which the test passes
 /// the depth or load that the schedule has reached. In a hold it goes at a rate r = d theta/dt that follows the tip,
 ///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = creep h/T,
-/// v the tip's mean speed over the last transit T of waves, h = P/S the elastic part of its depth; in a hold of the depth
+/// v the tip's mean speed over the last transit T of waves, h = P/S the elastic depth of the largest load so far; in a hold of the depth
 /// |dP/dt|/S takes the place of v. What began to relax when the hold did has changed by a tenth and no more in a transit: r is at
 /// most 0.1 (theta - theta_hold + theta_leg)/T. The schedule waits until the hold's time is up.
 /// Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last transit, is added to the
@@ -30,6 +30,8 @@ public:
   void Check(Hierarchy &hierarchy, double time, double dt);
   /// Goes on from the state of a checkpoint.
   void TakeState(Hierarchy &hierarchy);
+  /// How many transits of a wave a leg has taken so far, of a state.
+  static double TransitsOf(const std::vector<double> &state, std::size_t leg);
   /// Whether such numbers are a state of a test with so many legs.
   static bool IsState(const std::vector<double> &state, std::size_t legs);
 
@@ -50,10 +52,9 @@ private:
 
   const Case &case_;
   RunState &state_;
-  double rate_ = 0;              ///< r in a hold; 0 elsewhere
-  double more_load_ = 0;         ///< N
-  std::vector<double> transits_; ///< of each leg so far
-  std::vector<Sample> window_;   ///< of the last transit, at checks
+  double rate_ = 0;            ///< r in a hold; 0 elsewhere
+  double more_load_ = 0;       ///< N
+  std::vector<Sample> window_; ///< of the last transit, at checks
 };
 
 } // namespace mlgimp

@@ -138,9 +138,9 @@ void Simulation::ControlStep()
   if (speeds.failed) return;
   const double now = state_.Schedule(), speed = FastestSignal(case_, now, speeds);
   FailOrRefuseIf(WrongStep(case_, now, speed, begun));
-  // A restart goes on with the speed of its run's last check, so that its steps are the same.
+  // A restart goes on with the speed and the step of its run's last check, so that its steps are the same.
   if (state_.wave_speed == 0 || begun) state_.wave_speed = speed;
-  state_.time_step = StepLength(case_, now, state_.wave_speed);
+  if (begun || state_.step_settings != StepSettings()) state_.time_step = StepLength(case_, now, state_.wave_speed);
   ExitOnError(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
   CheckFailure(); // points that have failed may be anywhere
   FailOrRefuseIf(WrongPace(case_, hierarchy_, state_.time, NextCheck()));

@@ -10,8 +10,11 @@
 namespace mlgimp
 {
 
-static constexpr double kAtRest = 1e30;   // size: simulated time over that of a test whose time rests
+static constexpr double kAtRest = 1e30;    // size: simulated time over that of a test whose time rests
 static constexpr double kSmallTime = 1e-9; // rounding: of transits and of times of the test
+
+/// In a state rate and load stand first, the transits of each leg so far behind them, then the samples.
+static constexpr std::size_t kNumbers = 2, kSample = 4; // size
 
 /// The leg that a time of the schedule is in, or behind; -1 before the first.
 int TestClock::LegAt(double schedule) const
@@ -38,7 +41,7 @@ TimeStep TestClock::Step(double time, double dt)
   const TestLeg &leg = legs[at];
   const double passes = leg.Holds() ? std::min(rate_ * dt, leg.times.back() - state_.test_time)
                                     : leg.TimeOf(ValueAt(schedule + dt)) - state_.test_time;
-  transits_[at] += dt / case_.quasi_static.pace.transit;
+  state_.test_clock[kNumbers + at] += dt / case_.quasi_static.pace.transit;
   if (!(passes > 0)) return {time, dt, kAtRest};
   state_.test_time += passes;
   return {time, dt, std::min(dt / passes, kAtRest)};
@@ -86,7 +89,7 @@ double TestClock::AllowedOverSpeed(double schedule) const
                  late = (now.impulse - middle.impulse) / (now.time - middle.time);
     return allowed * std::abs(late) * 0.5 * passed / std::abs(late - early); // P/S over |dP/dt|/S
   }
-  const double load = plan.test.parts * std::max(ValueAt(schedule), plan.tolerance * plan.load);
+  const double load = plan.test.parts * indenter.by_load->force.LargestMagnitude(0, schedule);
   const double width = 2 * std::max(indenter.HalfWidth(now.depth), case_.CellSize(case_.LevelAtTip()));
   const double elastic = load / (plan.test.modulus * (case_.model.geometry.kind == GeometryKind::kPlaneStrain ? 1 : width));
   return allowed * elastic * passed / std::abs(now.depth - then.depth);
@@ -135,27 +138,29 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
 
 void TestClock::KeepState()
 {
-  state_.test_clock = {rate_, more_load_};
-  state_.test_clock.insert(state_.test_clock.end(), transits_.begin(), transits_.end());
+  state_.test_clock.resize(kNumbers + case_.quasi_static.test.legs.size());
+  state_.test_clock[0] = rate_, state_.test_clock[1] = more_load_;
   for (const Sample &sample : window_)
     state_.test_clock.insert(state_.test_clock.end(), {sample.time, sample.depth, sample.impulse, sample.drag});
 }
 
 void TestClock::TakeState(Hierarchy &hierarchy)
 {
-  const std::size_t legs = case_.quasi_static.test.legs.size();
-  transits_.assign(legs, 0.0);
-  if (!On() || state_.test_clock.empty()) return;
-  const double *next = state_.test_clock.data(), *const end = next + state_.test_clock.size();
-  rate_ = next[0], more_load_ = next[1];
-  std::copy_n(next + 2, legs, transits_.begin());
-  for (next += 2 + legs; next < end; next += 4) window_.push_back({next[0], next[1], next[2], next[3]});
+  if (!On()) return;
+  const std::size_t first = kNumbers + case_.quasi_static.test.legs.size();
+  std::vector<double> &state = state_.test_clock;
+  state.resize(std::max(state.size(), first));
+  rate_ = state[0], more_load_ = state[1];
+  for (std::size_t k = first; k + kSample <= state.size(); k += kSample)
+    window_.push_back({state[k], state[k + 1], state[k + 2], state[k + 3]});
   hierarchy.Tip().SetClock({state_.delay, more_load_});
 }
 
+double TestClock::TransitsOf(const std::vector<double> &state, std::size_t leg) { return state[kNumbers + leg]; }
+
 bool TestClock::IsState(const std::vector<double> &state, std::size_t legs)
 {
-  return legs == 0 ? state.empty() : state.size() >= 2 + legs && (state.size() - 2 - legs) % 4 == 0;
+  return legs == 0 ? state.empty() : state.size() >= kNumbers + legs && (state.size() - kNumbers - legs) % kSample == 0;
 }
 
 } // namespace mlgimp

@@ -317,8 +317,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
   if (c->model.HasRate() && c->time.rate_scale == 1 && !plan.test.On())
-    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; the scale is its time "
-                     "over that of the test");
+    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; -test_times give the "
+                     "times of the test, or the scale is the simulation's time over the test's");
 }
 
 } // namespace mlgimp

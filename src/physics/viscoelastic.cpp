@@ -47,7 +47,7 @@ public:
   {
     const MaterialBatch b = batch;
     const Elasticity law = Elastic();
-    alignas(64) Row now[kPart], change[kPart], sum[kPart];
+    alignas(64) Row now[kPart], change[kPart], pushed[kS], sum[kPart];
     LoadRows<kPart>(b.history, b.count, change, b.history_stride);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) AtOnce(law, b, p, now);
@@ -58,8 +58,11 @@ public:
       for (int p = 0; p < b.count; ++p) change[k][p] = now[k][p] - change[k][p], sum[k][p] = left * now[k][p];
     }
     StoreRows<kPart>(now, b.count, b.history, b.history_stride);
+#pragma omp simd
+    for (int p = 0; p < b.count; ++p)
+      PutStress<Geometry>(PushedDeviator(GradientOf<Geometry>(b.F, b.hoop, p), StressIn<Geometry>(change, p)), p, pushed);
     for (std::size_t term = 0; term < constants_.relaxation_times.size(); ++term)
-      Relax(b, law, static_cast<int>(term), change, sum, dissipated);
+      Relax(b, law, static_cast<int>(term), change, pushed, sum, dissipated);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) Push(b, p, sum);
   }
@@ -118,8 +121,9 @@ private:
     now[kS][p] = law.Bulk() * log_J;
   }
 
-  /// A term forgets and takes up; its stresses are added to the sums.
-  void Relax(const MaterialBatch &b, const Elasticity &law, int term, const Row *change, Row *sum, double *dissipated) const
+  /// A term forgets and takes up, of a change of S that is pushed forward, too; its stresses are added to the sums.
+  void Relax(const MaterialBatch &b, const Elasticity &law, int term, const Row *change, const Row *pushed, Row *sum,
+             double *dissipated) const
   {
     const double x = b.dt / (b.scale * constants_.relaxation_times[term]);
     const TermStep of_shear(x, constants_.relaxation_shares[term]), of_bulk(x, constants_.relaxation_bulk_shares[term]);
@@ -130,7 +134,7 @@ private:
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
       const Mat3 F = GradientOf<Geometry>(b.F, b.hoop, p);
-      const Sym3 Q = PushedDeviator(F, StressIn<Geometry>(part, p)), dS = PushedDeviator(F, StressIn<Geometry>(change, p));
+      const Sym3 Q = PushedDeviator(F, StressIn<Geometry>(part, p)), dS = StressIn<Geometry>(pushed, p);
       const double P = part[kS][p], dP = change[kS][p];
       dissipated[p] +=
           shear * (of_shear.of_old * Contract(Q, Q) + of_shear.of_both * Contract(Q, dS) + of_shear.of_new * Contract(dS, dS)) +

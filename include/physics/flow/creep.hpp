@@ -85,36 +85,46 @@ template <class Hardening> struct PerzynaFlow {
 /// end over its time, q + 3 mu d = target.
 struct CreepStage {
   alignas(64) double target[kBlock], plastic_strain[kBlock], stress[kBlock], strain[kBlock];
+  alignas(64) double rate[kBlock], by_stress[kBlock]; ///< there where a stage has been before, else 0
 };
 
-/// Newton's method for q, from stage.stress on: the rate is convex in q, so that all its steps but the first come from above, and
-/// the first goes no higher than the target, or than the stress that alone makes all of it flow.
+/// No higher than the stress that alone makes all of the target flow: from far above Newton's method is slow.
+template <class Law> [[gnu::always_inline]] inline void BoundStage(const Law &law, double factor, int count, CreepStage &stage)
+{
+  const double inverse = 1 / factor;
+#pragma omp simd
+  for (int p = 0; p < count; ++p) stage.stress[p] = std::min(stage.stress[p], law.StressAt(stage.target[p] * inverse));
+}
+
+/// Newton's method for q, from stage.stress on: the rate is convex in q, so that all its steps but the first come from above. One
+/// with the slope of the stage before costs nothing.
 template <class Law>
 [[gnu::always_inline]] inline void SolveStage(const Law &law, double three_mu, int count, double time, CreepStage &stage)
 {
-  constexpr int kMaxSteps = 100; // rounding
+  constexpr int kMaxSteps = 100, kFewSteps = 4; // rounding
   constexpr double kLastStep = 1e-7,
                    kLeastStress = 1e-9; // rounding: of q, as the error after a step is about its square; of target
-  const double factor = three_mu * time, inverse = 1 / factor;
-  alignas(64) double most[kBlock];
+  const double factor = three_mu * time;
 #pragma omp simd
   for (int p = 0; p < count; ++p) {
-    const double target = stage.target[p];
-    most[p] = std::min(target, law.StressAt(target * inverse));
-    stage.stress[p] = std::min(std::max(stage.stress[p], kLeastStress * most[p]), most[p]);
+    const double target = stage.target[p], q = stage.stress[p];
+    const double next = q + (target - q - factor * stage.rate[p]) / (1 + factor * stage.by_stress[p]);
+    stage.stress[p] = std::min(std::max(stage.rate[p] > 0 ? next : q, kLeastStress * target), target);
   }
   double open = 1;
   for (int k = 0; k < kMaxSteps && open > 0; ++k) {
+    if (k == kFewSteps) BoundStage(law, factor, count, stage);
     open = 0;
 #pragma omp simd reduction(+ : open)
     for (int p = 0; p < count; ++p) {
       const double q = std::max(stage.stress[p], std::numeric_limits<double>::min());
       const CreepRate now = law.RateAt(q);
       const double change = (stage.target[p] - q - factor * now.rate) / (1 + factor * now.by_stress);
-      const double next = std::min(q + change, most[p]);
-      stage.strain[p] = time * std::max(now.rate + now.by_stress * (next - q), 0.0); // target - next would be rounding
+      const double next = std::min(q + change, stage.target[p]);
+      const double rate = std::max(now.rate + now.by_stress * (next - q), 0.0); // target - next would be rounding
+      stage.strain[p] = time * rate, stage.rate[p] = rate, stage.by_stress[p] = now.by_stress;
       stage.stress[p] = next;
-      open += std::abs(next - q) > kLastStep * next ? 1 : 0;
+      open += (next > 0) & (std::abs(next - q) > kLastStep * next) ? 1 : 0;
     }
   }
 }
@@ -139,7 +149,8 @@ template <class Law>
   double any = 0;
 #pragma omp simd
   for (int p = 0; p < count; ++p) {
-    stage.stress[p] = states.before[p], stage.plastic_strain[p] = states.plastic_strain[p];
+    stage.stress[p] = states.before[p], stage.plastic_strain[p] = states.plastic_strain[p],
+    stage.rate[p] = stage.by_stress[p] = 0;
     stage.target[p] = states.before[p] + kPart * (states.trial[p] - states.before[p]);
   }
   SolveStage(law, three_mu, count, kPart * time, stage);
@@ -156,8 +167,10 @@ template <class Law>
   for (int p = 0; p < count; ++p) step.strain[p] = first[p] + stage.strain[p];
   if (any > 0) {
 #pragma omp simd
-    for (int p = 0; p < count; ++p)
+    for (int p = 0; p < count; ++p) {
       stage.target[p] = stage.stress[p] = states.trial[p], stage.plastic_strain[p] = states.plastic_strain[p];
+      stage.rate[p] = stage.by_stress[p] = 0;
+    }
     SolveStage(law, three_mu, count, time, stage);
 #pragma omp simd
     for (int p = 0; p < count; ++p) step.strain[p] = relaxes[p] > 0 ? stage.strain[p] : step.strain[p];

@@ -46,10 +46,8 @@ struct TimeSettings {
 /// The test that a slow one stands for, where the user gives its times.
 struct TestPlan {
   std::vector<double> times, loads; ///< given, s; N, where it is by loads
-  double creep = 0.025;             ///< way of a tip that creeps in a transit of waves, of its elastic depth
+  double creep = 0.025;             ///< way of a tip that creeps in a transit of waves, of its depth
   std::vector<TestLeg> legs;        ///< none without times
-  double modulus = 0;               ///< E* of the body under the tip, Pa
-  double parts = 1;                 ///< of the tip that symmetry leaves out, with the one that is simulated
   bool On() const { return !legs.empty(); }
   /// Begin and end of each leg in the schedule, s.
   void Place(const std::vector<std::pair<double, double>> &in_schedule)

@@ -11,12 +11,12 @@ namespace mlgimp
 
 /// The time theta of the test is not that of the simulation, t. While the tip is driven, theta is that at which the test passes
 /// the depth or load that the schedule has reached. In a hold it goes at a rate r = d theta/dt that follows the tip,
-///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = creep h/T,
-/// v the tip's mean speed over the last transit T of waves, h = P/S the elastic depth of the largest load so far; in a hold of the depth
-/// |dP/dt|/S takes the place of v. What began to relax when the hold did has changed by a tenth and no more in a transit: r is at
-/// most 0.1 (theta - theta_hold + theta_leg)/T. The schedule waits until the hold's time is up.
-/// Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last transit, is added to the
-/// load. Nothing of it changes but at checks, every kControlInterval steps.
+///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = eps h/T,
+/// v the tip's mean speed over the last transit T of waves and h its depth, so that it creeps as slowly as a loading in 1/eps
+/// transits goes; in a hold of the depth dP/dt and P take their places. What began to relax when the hold did has changed by a
+/// tenth and no more in a transit: r is at most 0.1 (theta - theta_hold + theta_leg)/T. The schedule waits until the hold's time
+/// is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last transit, is added
+/// to the load. Nothing of it changes but at checks, every kControlInterval steps.
 class TestClock
 {
 public:
@@ -46,7 +46,7 @@ private:
   void Look(Hierarchy &hierarchy, double time);
   double StartRate(int leg) const;
   double ReferenceTime(int leg) const;
-  double AllowedOverSpeed(double schedule) const;
+  double AllowedOverSpeed() const;
   double Drag(double schedule) const;
   void KeepState();
 

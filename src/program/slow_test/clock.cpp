@@ -77,7 +77,7 @@ double TestClock::StartRate(int leg) const
 }
 
 /// v*/v of the last transit.
-double TestClock::AllowedOverSpeed(double schedule) const
+double TestClock::AllowedOverSpeed() const
 {
   const QuasiStaticPlan &plan = case_.quasi_static;
   const Indenter &indenter = *case_.model.indenter;
@@ -87,12 +87,9 @@ double TestClock::AllowedOverSpeed(double schedule) const
   if (!indenter.by_load) {
     const double early = (middle.impulse - then.impulse) / (middle.time - then.time),
                  late = (now.impulse - middle.impulse) / (now.time - middle.time);
-    return allowed * std::abs(late) * 0.5 * passed / std::abs(late - early); // P/S over |dP/dt|/S
+    return allowed * std::abs(late) * 0.5 * passed / std::abs(late - early); // P over |dP/dt|
   }
-  const double load = plan.test.parts * indenter.by_load->force.LargestMagnitude(0, schedule);
-  const double width = 2 * std::max(indenter.HalfWidth(now.depth), case_.CellSize(case_.LevelAtTip()));
-  const double elastic = load / (plan.test.modulus * (case_.model.geometry.kind == GeometryKind::kPlaneStrain ? 1 : width));
-  return allowed * elastic * passed / std::abs(now.depth - then.depth);
+  return allowed * std::abs(now.depth) * passed / std::abs(now.depth - then.depth);
 }
 
 /// Load that damping takes up, N: its work over the way of the tip in the last transit. Small ways, as those of a tip that swings
@@ -123,8 +120,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
   } else {
     const TestLeg &leg = plan.test.legs[at];
     const double since = state_.test_time - leg.times.front() + ReferenceTime(at), left = leg.times.back() - state_.test_time;
-    rate_ = rate_ == 0 ? StartRate(at)
-                       : rate_ * std::pow(std::clamp(AllowedOverSpeed(schedule), 0.5, 2.0), elapsed / plan.pace.transit);
+    rate_ = rate_ == 0 ? StartRate(at) : rate_ * std::pow(std::clamp(AllowedOverSpeed(), 0.5, 2.0), elapsed / plan.pace.transit);
     rate_ = std::min(rate_, kGrowth * since / plan.pace.transit);
     const bool ends = rate_ * elapsed >= left * (1 - kSmallTime);
     if (ends) rate_ = left / elapsed;

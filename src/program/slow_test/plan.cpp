@@ -158,11 +158,6 @@ void PlanTest(OptionReader &reader, const std::vector<double> &values, const cha
   if (values.size() < 2 && values.front() == 0) reader.Refuse(option, 0.0, "more than nothing at some time");
   test.legs = LegsOf(values, test.times);
   if (test.legs.front().Holds()) reader.Refuse(option, 0.0, "above 0 at the second of -test_times: nothing happens before");
-  const Material *material = MaterialAt(c->model, ContactPlace(*c));
-  if (!material) material = c->model.materials[c->model.bodies[0].material].get();
-  test.modulus = material->Elastic().PlaneModulus();
-  for (int axis = 0; axis < UpAxis(c->model.geometry.kind); ++axis)
-    if (c->model.geometry.kind != GeometryKind::kAxisymmetric && c->MirrorsTip(axis)) test.parts *= 2;
 }
 
 void PlanDepths(OptionReader &reader, Case *c)
@@ -257,7 +252,10 @@ void ReadTest(OptionReader &reader, TestPlan *test)
               &test->times);
   for (std::size_t k = 1; k < test->times.size() && !reader.Help(); ++k)
     if (!(test->times[k] > test->times[k - 1])) reader.Refuse("-test_times", test->times[k], "above the time before it");
-  reader.Read({"-test_creep", "way that a tip may creep in a transit of waves, of its elastic depth", "", {0, 0.5, true, false}},
+  reader.Read({"-test_creep",
+               "way that a tip may creep in a transit of waves, of its depth, in a hold of the depth that of the load",
+               "",
+               {0, 0.5, true, false}},
               &test->creep);
   std::string scale;
   if (!test->times.empty() && !reader.Help() && FindValue("-rate_scale", &scale))

@@ -159,7 +159,7 @@ private:
   void MeasureColumns(const BorderNodes *border, Vec3 tip, SegmentSolution *solution) const;
   void MeasureSegments(const std::vector<double> &q, double travel, SegmentSolution *solution) const;
   bool CrossesBorderAt(const BorderNodes *border, Vec3 tip, Index column) const;
-  void SetFlow(const ColumnNumbers &strains);
+  void SetFlow(GeometryKind geometry, const ColumnNumbers &strains);
   void StartFrom(const std::vector<PatchState> &last);
   void SumMeans(const double *q, double Candidate::*root, std::vector<double> *means) const;
   /// root (root q - Pi root q) of a candidate, with the means that SumMeans has found.

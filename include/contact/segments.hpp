@@ -32,6 +32,7 @@ struct Segment {
   double gap;            ///< to the indenter at the end of the step, with a free tip where it was, m
   double modulus;        ///< plane-strain modulus E/(1 - nu^2) of its material, Pa
   double flow;           ///< mean pressure at which its material flows, infinite where it does not, Pa; 0 where it creeps at any
+  double exponent;       ///< of that creep's rate over stress; 0 elsewhere
 };
 
 /// A change of a segment's offset for the rank that has its patch.

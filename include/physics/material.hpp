@@ -67,6 +67,8 @@ public:
   virtual void InitialHistory(double *) const {}
   /// Flow stress at an equivalent plastic strain, without a rate and heat, Pa; infinite where nothing flows.
   virtual double FlowStress(double /*plastic_strain*/) const { return HUGE_VAL; }
+  /// Exponent of the rate of creep over stress, of a law that has no yield stress; 0 of others.
+  virtual double CreepExponent() const { return 0; }
   /// Place of an internal variable with a name of its own, or -1.
   virtual int PlaceOf(InternalVariable) const { return -1; }
 

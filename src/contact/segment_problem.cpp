@@ -18,6 +18,11 @@ constexpr double kInPlane = 0.45, kInSpace = 0.36;
 /// Flow between the nodes, for a pressure as large as the mean one at which the metal flows under a contact: the offset that a
 /// strain of 1 makes, three times 2.8, and the largest one that it holds, cells.
 constexpr double kRate = 8.4, kBack = 0.5;
+/// The same of a viscous body, of the elastic compliance: its viscosity is flow/2.8 over three times the rate of strain, and four
+/// times that takes the place of E*. What creeps by a power n of the stress has n times as much.
+constexpr double kViscous = 3 * 2.8 / 4; // exact: by that analogy
+
+double Compliance(GeometryKind geometry) { return geometry == GeometryKind::kPlaneStrain ? kInPlane : kInSpace; }
 
 } // namespace
 
@@ -126,7 +131,7 @@ void SegmentProblem::AddCandidates(const ColumnNumbers &before)
 /// c = kInPlane or kInSpace h/E*, c_p = kBack h/flow.
 void SegmentProblem::SetCompliance(GeometryKind geometry)
 {
-  const double elastic = geometry == GeometryKind::kPlaneStrain ? kInPlane : kInSpace;
+  const double elastic = Compliance(geometry);
   for (Candidate &one : candidates_) {
     const Segment &segment = segments_[one.segment];
     one.beside = 1;
@@ -152,7 +157,7 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
   FindCreepPressure(before);
   AddCandidates(before);
   SetCompliance(geometry);
-  SetFlow(strains);
+  SetFlow(geometry, strains);
   StartFrom(last);
   gaps_without_friction_ = gaps_;
   scratch_.moved.resize(nodes_->Size());
@@ -185,7 +190,7 @@ std::vector<PatchState> SegmentProblem::StatesOf(const std::vector<double> &q) c
 /// dw = kappa h ((p - Pi p) - w/c_p)/flow deps, with the mean of w over the step's end: beta (c_p (p - Pi p) - w) with
 /// beta = 1 - exp(-kappa h deps/(flow c_p)), a compliance in the step beside the elastic one. Strain is greater within a cell of
 /// an indenter's edge, about as one over the distance from it, than the points under a column have it.
-void SegmentProblem::SetFlow(const ColumnNumbers &strains)
+void SegmentProblem::SetFlow(GeometryKind geometry, const ColumnNumbers &strains)
 {
   constexpr double kMoreAtEdge = 16;
   flows_step_ = false;
@@ -197,7 +202,8 @@ void SegmentProblem::SetFlow(const ColumnNumbers &strains)
       if (const auto found = strains.find(columns_[one.column[n]].key); found != strains.end())
         strain += one.hat[n] * found->second;
     if (one.back == 0 || strain == 0) continue;
-    one.relaxes = -std::expm1(-kRate * grid_.spacing / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
+    const double rate = segment.exponent > 0 ? std::min(kRate, kViscous * Compliance(geometry) * segment.exponent) : kRate;
+    one.relaxes = -std::expm1(-rate * grid_.spacing / segment.flow * strain * (1 + kMoreAtEdge * one.beside) / one.back);
     one.root_flow = std::sqrt(one.relaxes * one.back);
     gaps_[k] -= one.root_area * one.relaxes * segment.offset;
     flows_step_ = true;

@@ -108,9 +108,10 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
     const double modulus = material.Elastic().PlaneModulus();
     const double yields = ContactPressureOfFlow(material), flow = material.Traits().flows && std::isinf(yields) ? 0 : yields;
     const double offset = std::isfinite(flow) ? patch.flow : 0;
-    Segment one{
-        patch.number, patch.path, rank, static_cast<int>(k), offset,  {},  {}, Locate(surface.grid.Geometry(), s.x), gap.normal,
-        s.area,       pressed,    ring, gap.distance,        modulus, flow};
+    Segment one{patch.number, patch.path, rank,    static_cast<int>(k),
+                offset,       {},         {},      Locate(surface.grid.Geometry(), s.x),
+                gap.normal,   s.area,     pressed, ring,
+                gap.distance, modulus,    flow,    flow == 0 ? material.CreepExponent() : 0};
     const std::array<double, 4> weights = CornerWeights(part.s, part.t, dim);
     std::copy_n(patch.corner, 4, one.corner);
     std::copy(weights.begin(), weights.end(), one.corner_part);

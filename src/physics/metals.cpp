@@ -39,6 +39,14 @@ public:
       return HUGE_VAL;
   }
 
+  double CreepExponent() const override
+  {
+    if constexpr (kYields)
+      return 0;
+    else
+      return hardening_.exponent;
+  }
+
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
     Flow flow;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "base/log.hpp"
+#include "physics/crystal/stiffness.hpp"
 #include "physics/rows.hpp"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ struct MaterialConstants {
   double initial_temperature = 293;                             ///< K
   double reference_temperature = NAN;                           ///< of the constants, where not the initial one, K
   bool adiabatic = false;                                       ///< plastic work heats the point
+  Crystal crystal = {};                                         ///< of the law anisotropic
 };
 
 /// Flow stress, and its derivatives by plastic strain and by its rate, Pa, Pa, Pa s.

@@ -100,13 +100,13 @@ void CheckSymmetry(const OptionReader &reader, const std::string &option, const 
 
 Stiffness ReadConstants(OptionReader &reader, const std::string &prefix)
 {
-  constexpr double kSoftest = 1e6; // Pa; crystals have 1e9 and more
+  constexpr double kSoftestCrystal = 1e6; // Pa; crystals have 1e9 and more
   const std::string name = prefix + "elastic_constants";
   Numbers constants;
   reader.Read(
       {name,
-       "cubic C11,C12,C44; hexagonal C11,C12,C13,C33,C44; trigonal these and C14; orthotropic "
-       "C11,C22,C33,C12,C13,C23,C44,C55,C66; or the 21 of the upper triangle in the order 11,22,33,23,13,12 (anisotropic)",
+       "C11,C12,C44 (cubic), C11,C12,C13,C33,C44 (hexagonal), these and C14 (trigonal), C11,C22,C33,C12,C13,C23,C44,C55,C66 "
+       "(orthotropic), or the 21 of the upper triangle by rows, in the order 11,22,33,23,13,12 (anisotropic)",
        "Pa"},
       &constants, kRequired);
   if (reader.Help()) return {};
@@ -117,7 +117,7 @@ Stiffness ReadConstants(OptionReader &reader, const std::string &prefix)
   if (!(least > 1e-9 * most)) // rounding
     reader.Refuse(name, count, "positive definite, as else some strain would set energy free; the smallest eigenvalue is {} Pa",
                   least);
-  if (most < kSoftest) reader.WarnLater("{} up to {}: no crystal is as soft; are they in Pa?", name, FormatNumber(most));
+  if (most < kSoftestCrystal) reader.WarnLater("{} up to {}: no crystal is as soft; are they in Pa?", name, FormatNumber(most));
   return C;
 }
 

@@ -251,12 +251,6 @@ def stiffness_tensor(constants):
     return np.array([[[[C[place[i, j], place[k, l]] for l in range(3)] for k in range(3)] for j in range(3)] for i in range(3)])
 
 
-def crystal_axes(surface, along):
-    """Returns the directions of x, y and z (up) in the crystal, rows [3][3], from -NAME_surface and -NAME_along."""
-    up, x = (np.array(v, float) / np.linalg.norm(v) for v in (surface, along))
-    return np.array([x, np.cross(up, x), up])
-
-
 def indentation_modulus(C, normal, directions=180):
     """Returns the modulus M by which an anisotropic half space yields to a round rigid tip: P = 2 M a h under a flat punch.
 

@@ -183,7 +183,8 @@ double FastestModulus(const Stiffness &C)
   constexpr int kRings = 8, kAround = 16, kTurns = 40; // size: of starts over half a sphere, and of turns from each
   double fastest = 0;
   for (int start = 0; start < kRings * kAround; ++start) {
-    const double z = (start / kAround + 0.5) / kRings, angle = 2 * M_PI * (start % kAround) / kAround;
+    const int ring = start / kAround, around = start % kAround;
+    const double z = (ring + 0.5) / kRings, angle = 2 * M_PI * around / kAround;
     Vec3 n = {std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z};
     for (int turn = 0; turn < kTurns; ++turn)
       fastest = std::max(fastest, Largest(Decompose(SymmetricPart(Acoustic(C, n, n))), &n));

@@ -200,6 +200,26 @@ TEST(Crystals, IndentationModulus)
   EXPECT_NEAR(IndentationModulus({Turned(kZinc, y_up), 1}) / 69.226, 1, 1e-5) << "c axis along y";
 }
 
+/// Each class keeps its constants under its turns, and more constants say the same of one with fewer.
+TEST(Crystals, Classes)
+{
+  const auto expect_same = [](const Stiffness &a, const Stiffness &b, const char *name) {
+    for (int k = 0; k < 21; ++k) EXPECT_NEAR(a.c[k], b.c[k], 1e-12) << name << " " << k;
+  };
+  const double c = -0.5, s = std::sqrt(0.75);
+  const Mat3 third = {c, s, 0, -s, c, 0, 0, 0, 1}, quarter = {0, 1, 0, -1, 0, 0, 0, 0, 1}, diagonal = {0, 1, 0, 0, 0, 1, 1, 0, 0},
+             half = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+  expect_same(Turned(kQuartz, third), kQuartz, "trigonal, a third about c");
+  expect_same(Turned(kQuartz, half), kQuartz, "trigonal, a half about a");
+  expect_same(Turned(kSilicon, quarter), kSilicon, "cubic, a quarter");
+  expect_same(Turned(kSilicon, diagonal), kSilicon, "cubic, about [111]");
+  expect_same(StiffnessOf({165.7, 165.7, 165.7, 63.9, 63.9, 63.9, 79.6, 79.6, 79.6}), kSilicon, "orthotropic");
+  expect_same(StiffnessOf({std::begin(kQuartz.c), std::end(kQuartz.c)}), kQuartz, "all");
+  expect_same(StiffnessOf({163.7, 36.4, 53, 63.5, 38.8, 0}), kZinc, "trigonal without C14");
+  EXPECT_NEAR(kZinc.At(5, 5), 63.65, 1e-12);
+  EXPECT_FALSE(StiffnessOf({1, 2}).Given());
+}
+
 /// A round axis, mirrors, and what has none.
 TEST(Crystals, Mirrors)
 {

@@ -111,12 +111,14 @@ BALL = {"indenter": "sphere", "indenter_radius": 10, "indenter_tip": "0,0,8", "i
 
 
 def test_ranks(expect):
-    """Quartz, as it comes, on two levels: the same history on any number of ranks."""
-    case = {**SPACE, **material(QUARTZ, euler_angles=(20, 40, 10)), **BALL, "levels": 2, "level_1_lower": "0,0,4", "level_1_upper": "4,4,10"}
-    whole = harness.run(case).history
-    for ranks in (2, 3):
-        difference, column = largest_difference(harness.run(case, ranks=ranks).history, whole)
-        expect(f"{ranks} ranks: history (worst column {column})", difference, at_most=SAME)
+    """Quartz, as it comes, on two levels: the same history on any number of ranks, and from a checkpoint."""
+    case = {**SPACE, **material(QUARTZ, euler_angles=(20, 40, 10)), **BALL, "levels": 2, "level_1_lower": "0,0,4", "level_1_upper": "4,4,10",
+            "checkpoint_interval": 10}
+    whole = harness.run(case)
+    begun = {"restart": whole.folder / "checkpoint_000010.h5"}
+    for name, ranks, more in (("2 ranks", 2, {}), ("3 ranks", 3, {}), ("a restart", 1, begun), ("a restart on 2 ranks", 2, begun)):
+        difference, column = largest_difference(harness.run({**case, **more}, ranks=ranks).history, whole.history)
+        expect(f"{name}: history (worst column {column})", difference, at_most=SAME)
 
 
 def test_euler_angles(expect):

@@ -114,6 +114,39 @@ TEST(Crystals, StressIsDerivativeOfEnergy)
   EXPECT_LE(largest, 1e-8);
 }
 
+/// Stress of a point of a geometry at F, in which only zz has z.
+template <class G> Sym3 StressOf(const Stiffness &C, const Mat3 &F)
+{
+  constexpr int n = G::kDim;
+  MaterialConstants constants;
+  constants.density = 1;
+  constants.crystal = {C, 1};
+  const double f[9] = {F.xx, F.xy, F.xz, F.yx, F.yy, F.yz, F.zx, F.zy, F.zz}, one = 1, zero[9] = {};
+  double stored[n * n], stress[G::kStress] = {}, dissipated = 0;
+  Row L_rows[n * n], F_rows[n * n];
+  for (int k = 0; k < n * n; ++k) stored[k] = f[3 * (k / n) + k % n];
+  LoadRows<n * n>(stored, 1, F_rows), LoadRows<n * n>(zero, 1, L_rows);
+  CreateMaterial("anisotropic", constants, G::kKind)
+      ->UpdateStress({1, 1, L_rows, F_rows, G::kHoop ? &F.zz : nullptr, G::kHoop ? &one : nullptr, stress, nullptr, 0},
+                     &dissipated);
+  return LoadStress<G>(stress);
+}
+
+/// Crystals that a geometry may have have the stress there that they have in space.
+TEST(Crystals, SameInAllGeometries)
+{
+  const Stiffness zinc = Turned(kZinc, {1, 0, 0, 0, 0, 1, 0, -1, 0});
+  const Mat3 above = Axes({1, 1, 1}, {1, 1, -2});
+  const Stiffness silicon =
+      Turned(kSilicon, {above.xx, above.xy, above.xz, above.zx, above.zy, above.zz, -above.yx, -above.yy, -above.yz});
+  for (int n = 0; n < 20; ++n) {
+    const auto r = [] { return Random(-0.1, 0.1); };
+    const Mat3 F = {1 + r(), r(), 0, r(), 1 + r(), 0, 0, 0, 1 + r()}, plane = {F.xx, F.xy, 0, F.yx, F.yy, 0, 0, 0, 1};
+    EXPECT_LE(Size(StressOf<Axisymmetric>(zinc, F) - StressOf<Spatial>(zinc, F)), 1e-12);
+    EXPECT_LE(Size(StressOf<PlaneStrain>(silicon, plane) - StressOf<Spatial>(silicon, plane)), 1e-12);
+  }
+}
+
 /// A strained point that is turned ten times about, by 10 degrees each: the stress in its own frame stays.
 TEST(Crystals, Objectivity)
 {

@@ -334,6 +334,7 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
   if (!a.history) return;
   std::fill_n(a.history + PointArrays::At(p, a.history_components), a.history_components, 0.0);
   material.InitialHistory(a.history + PointArrays::At(p, a.history_components));
+  std::copy(body.history.begin(), body.history.end(), a.history + PointArrays::At(p, a.history_components));
 }
 
 /// The cells whose tiles may be this rank's.

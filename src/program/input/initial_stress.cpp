@@ -14,28 +14,38 @@ namespace
 Vec3 NormalsOf(const Sym3 &s) { return {s.xx, s.yy, s.zz}; }
 double LargestMagnitude(const Vec3 &v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
+double MisesOf(const Vec3 &s)
+{
+  const Sym3 stress = {s[0], s[1], s[2], 0, 0, 0}, deviator = stress - Sphere(kThird * Trace(stress));
+  return std::sqrt(1.5 * Contract(deviator, deviator));
+}
+
 /// What a law says of one point.
 struct Answer {
   Sym3 stress;
-  double plastic_work = 0;
+  std::vector<double> history;
 };
 
-/// The stress at stretches exp(log_stretch) along the axes, from the stress of before with a strain of so many times that.
+/// The stress at stretches exp(log_stretch) along the axes, from the stress of before with a strain of so many times that, in no
+/// time: nothing creeps.
 template <class G> Answer Ask(const Material &material, const Vec3 &log_stretch, const Sym3 &before, double strain)
 {
   constexpr int n = G::kDim;
-  double F[n * n] = {}, L[n * n] = {}, stress[G::kStress];
+  constexpr double kAtOnce = 1e-30; // rounding: s
+  double F[n * n] = {}, L[n * n] = {}, stress[G::kStress], plastic_work = 0;
   Row F_rows[n * n], L_rows[n * n];
-  std::vector<double> history(std::max(material.Traits().history, 1));
   const double hoop = std::exp(log_stretch[2]), hoop_ratio = std::exp(strain * log_stretch[2]);
-  Answer answer{};
-  for (int d = 0; d < n; ++d) F[(n + 1) * d] = std::exp(log_stretch[d]), L[(n + 1) * d] = std::expm1(strain * log_stretch[d]);
+  Answer answer{{}, std::vector<double>(material.Traits().history)};
+  for (int d = 0; d < n; ++d) {
+    F[(n + 1) * d] = std::exp(log_stretch[d]);
+    L[(n + 1) * d] = std::expm1(strain * log_stretch[d]) / kAtOnce;
+  }
   StoreStress<G>(before, stress);
   LoadRows<n * n>(F, 1, F_rows), LoadRows<n * n>(L, 1, L_rows);
-  material.InitialHistory(history.data());
-  material.UpdateStress({1, 1, L_rows, F_rows, G::kHoop ? &hoop : nullptr, G::kHoop ? &hoop_ratio : nullptr, stress,
-                         history.data(), static_cast<int>(history.size())},
-                        &answer.plastic_work);
+  material.InitialHistory(answer.history.data());
+  material.UpdateStress({1, kAtOnce, L_rows, F_rows, G::kHoop ? &hoop : nullptr, G::kHoop ? &hoop_ratio : nullptr, stress,
+                         answer.history.data(), material.Traits().history},
+                        &plastic_work);
   answer.stress = LoadStress<G>(stress);
   return answer;
 }
@@ -94,17 +104,12 @@ Vec3 ReadWanted(OptionReader &reader, const std::string &name, GeometryKind kind
 }
 
 /// Refuses what the material cannot have.
-void CheckAnswer(const OptionReader &reader, const std::string &name, GeometryKind kind, const Material &material,
-                 const Answer &answer, const Vec3 &wanted, const Vec3 &left, const std::string &text)
+void CheckAnswer(const OptionReader &reader, const std::string &name, GeometryKind kind, const Answer &answer, const Vec3 &wanted,
+                 const Vec3 &left, const std::string &text)
 {
   constexpr double kSame = 1e-9; // rounding: of the largest component
   const double limit = kSame * LargestMagnitude(wanted);
   const Sym3 &s = answer.stress;
-  if (answer.plastic_work > 0) {
-    const Sym3 stress = {wanted[0], wanted[1], wanted[2], 0, 0, 0}, deviator = stress - Sphere(kThird * Trace(stress));
-    reader.Refuse(name, text, "within yield: von Mises' stress of it is {} Pa, and the yield stress {} Pa",
-                  std::sqrt(1.5 * Contract(deviator, deviator)), material.FlowStress(0));
-  }
   if (LargestMagnitude({s.xy, s.yz, s.xz}) > limit)
     reader.Refuse(name, text,
                   "a stress without shear in the crystal's axes: as the crystal lies, stretches along the axes that have it "
@@ -139,6 +144,10 @@ void ReadInitialStress(OptionReader &reader, const Model &model, Body *body)
   if (any_z) wanted[2] = response.AlongZ(wanted);
   Sym3 carried = {wanted[0], wanted[1], wanted[2], 0, 0, 0};
   Vec3 log_stretch{}, left{};
+  const std::string text = FormatVector({given[0], given[1], given.back()}, static_cast<int>(given.size()));
+  if (MisesOf(wanted) > material.FlowStress(0))
+    reader.Refuse(name, text, "within yield: von Mises' stress of it is {} Pa, and the yield stress {} Pa", MisesOf(wanted),
+                  material.FlowStress(0));
   Answer answer{};
   double before = HUGE_VAL;
   for (int turn = 0; turn < kMaxTurns; ++turn) {
@@ -147,12 +156,12 @@ void ReadInitialStress(OptionReader &reader, const Model &model, Body *body)
     if (any_z) left[2] = 0;
     const double off = LargestMagnitude({left[0], left[1], kind == GeometryKind::kSpatial ? left[2] : 0});
     const bool at_end = turn + 1 == kMaxTurns || (turn > kMaxTurns / 2 && off >= before); // of what doubles can say
-    if (!(off > kSame * LargestMagnitude(wanted)) || answer.plastic_work > 0 || at_end) break;
+    if (!(off > kSame * LargestMagnitude(wanted)) || at_end) break;
     before = off;
     log_stretch = log_stretch + response.Solve(left);
   }
-  CheckAnswer(reader, name, kind, material, answer, wanted, left, FormatVector({given[0], given[1], given.back()}, given.size()));
-  body->stress = answer.stress;
+  CheckAnswer(reader, name, kind, answer, wanted, left, text);
+  body->stress = answer.stress, body->history = answer.history;
   for (int d = 0; d < 3; ++d) body->stretch[d] = std::exp(log_stretch[d]);
 }
 

@@ -117,7 +117,7 @@ void CheckAnswer(const OptionReader &reader, const std::string &name, GeometryKi
                   LargestMagnitude({s.xy, s.yz, s.xz}));
   if (LargestMagnitude({left[0], left[1], kind == GeometryKind::kPlaneStrain ? 0 : left[2]}) > limit ||
       !std::isfinite(s.xx + s.yy + s.zz))
-    reader.Refuse(name, text, "a stress that the law of the material can have");
+    reader.Refuse(name, text, "a stress that the law of the material can have; of metals, the yield stress bounds J times it");
   if (std::abs(left[2]) > limit)
     reader.Refuse(name, text, "with zz = {} in plane strain, which goes with xx and yy in an elastic body; or leave zz out",
                   FormatNumber(s.zz));

@@ -1,11 +1,16 @@
 #!/usr/bin/env python3
-"""Finds the constants of a material from a measured load-depth curve: least squares over runs of a case, several at once.
+"""Finds the constants of a material from a measured load-depth curve: least squares over runs of a case, several at once; or those of
+creep and relaxation from the hold of a curve, without runs.
 
 usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-test N]
                       [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-runs N] [-ranks N] [-evaluations N]
                       [options of mlgimp, on all runs]
+       scripts/fit.py MEASURED -creep norton|prony -time COLUMN:UNIT [-tip KIND -half_angle DEGREES|-radius UM] [-terms N]
+                      [-creep_stress PA] [-poisson NU] [-drift NM/S] [-output_dir DIR] [-depth, -load, -test and zeros as above]
 
     scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
+    scripts/fit.py hold.csv -creep norton -time Time:s -depth Displacement:nm -load Force:mN -tip berkovich
+    scripts/fit.py hold.csv -creep prony -terms 2 -time Time:s -tip sphere -radius 10 -poisson 0.4
 
 MEASURED is a text with columns (scripts/indentation.py says which) or the folder of a run. NAME is an option of the case, with or
 without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio. The case's values are the
@@ -13,6 +18,12 @@ first guess, and constants stay within a factor of 30 of it. -runs are made at t
 at most -evaluations steps (30), each of a run and one more for each constant.
 
 The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every evaluation, fit.json with the constants, and fit.png.
+
+-creep norton: exponent n and rate a0 at the stress s0 (-creep_stress, by default about that in the hold) of the stress s0 (rate/a0)^(1/n),
+from a hold at the largest load under a ball, a cone or a pyramid. -creep prony: modulus E_0, shares g_k and times tau_k of -terms terms (1)
+of E_0 (1 - sum g_k (1 - exp(-t/tau_k))), from a hold of the load or of the depth; E_0 needs -poisson. A run with -test_times has its tip,
+times and Poisson's ratio. -drift takes thermal drift off the depths. The folder output/fit_MEASURED/ gets fit.json, fit.csv with the
+hold and the fit, and fit.png.
 """
 import sys
 from pathlib import Path
@@ -20,7 +31,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
-from mlgimp import fitting, load_depth, zeros
+from mlgimp import checks, creep_fits, fitting, load_depth, tips, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
@@ -41,10 +52,54 @@ def parse(words):
         raise Error("-vary: must be given")
     for name, least in (("ranks", 1), ("runs", None), ("evaluations", 30)):
         passed[name] = take(passed, name, count, least, at_once)
-    test = take(passed, "test", count, None, at_once)
+    return {"measured": take_curve(measured, passed, depth, load), "case": file, "vary": vary, **passed}
+
+
+def take_curve(measured, passed, depth, load, time=None):
+    """Takes which test of a file and which zeros, and returns the Curve of a file or of a run."""
+    test = take(passed, "test", whole_number_from(1), None, "a whole number >= 1")
     offsets = {name: take(passed, name, zero, 0, "a number, or auto") for name in ("zero_depth", "zero_load")}
-    curve = load_depth.read_run(measured) if measured.is_dir() else load_depth.read_measured(measured, depth, load, test=test, **offsets)
-    return {"measured": curve, "case": file, "vary": vary, **passed}
+    if measured.is_dir():
+        return load_depth.read_run(measured)
+    return load_depth.read_measured(measured, depth, load, time, test=test, **offsets)
+
+
+def parse_creep(words):
+    """The arguments of creep_fits.fit_creep that the command line asks for, and the folder for the results."""
+    measured, passed = Path(words[0]), of_words(words[1:])
+    if not measured.exists():
+        raise Error(f"{measured}: there is no such file")
+    law = take(passed, "creep", str, None, "norton or prony")
+    folder = take(passed, "output_dir", str, f"output/fit_{measured.resolve().stem}", "a folder")
+    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS, "um")
+    load = take_column(passed, "load", load_depth.LOAD_UNITS, "mN")
+    time = take(passed, "time", load_depth.column_argument(load_depth.TIME_UNITS), None,
+                f"COLUMN:UNIT with a unit of {', '.join(load_depth.TIME_UNITS)}")
+    more = {"terms": take(passed, "terms", whole_number_from(1), 1, "a whole number >= 1")}
+    more |= {name: take(passed, name, float, None, "a number") for name in ("creep_stress", "poisson")}
+    tip = take_tip(passed)
+    drift = take(passed, "drift", float, 0.0, "a number in nm/s")
+    if drift and (time is None or measured.is_dir()):
+        raise Error("-drift: needs a measured curve with -time COLUMN:UNIT")
+    curve = load_depth.without_drift(take_curve(measured, passed, depth, load, time), drift)
+    if passed:
+        raise Error(f"-{next(iter(passed))}: must be left out beside -creep")
+    return {"measured": curve, "law": law, "tip": tip, **more}, folder
+
+
+def take_tip(passed):
+    """Takes the tip with its sizes (degrees and um); None where none is named."""
+    kind = take(passed, "tip", str, None, f"one of {', '.join(tips.NEEDS)}")
+    sizes = {name: take(passed, name, int if name == "faces" else float, None, rule.allowed) for name, rule in tips.RULES.items()}
+    given = {name: size for name, size in sizes.items() if size is not None}
+    if kind is None:
+        if given:
+            raise Error(f"-{next(iter(given))}: must stand beside -tip")
+        return None
+    if kind not in tips.NEEDS:
+        raise Error(f"-tip {kind}: must be one of {', '.join(tips.NEEDS)}")
+    tips.check_sizes(kind, sizes, lambda name, value="": f"-{name} {value}".rstrip())
+    return tips.make_tip(kind, **{name: checks.number(name, size, tips.RULES[name]) if name != "faces" else size for name, size in given.items()})
 
 
 def zero(text):
@@ -63,6 +118,9 @@ def main(words):
     if words and words[0] in ("-help", "--help", "-h"):
         print(__doc__)
         return
+    if any(word.lower() in ("-creep", "--creep") for word in words[1:]):
+        creep_main([word.replace("--creep", "-creep") for word in words])
+        return
     found = fitting.fit(**parse(words))
     for each, value, lower, upper in zip(found.variables, found.values, found.lower, found.upper):
         print(f"{each.option} {value:.6g}, 95 % confidence {lower:.6g} to {upper:.6g}")
@@ -70,6 +128,20 @@ def main(words):
         print(f"warning: {line}")
     print(found.folder / "fit.csv", found.folder / "fit.json", sep="\n")
     save(found.plot(), found.folder / "fit.png")
+
+
+def creep_main(words):
+    """Fits a law of creep or relaxation to a hold."""
+    arguments, folder = parse_creep(words)
+    found = creep_fits.fit_creep(**arguments)
+    for name, value in found.constants.items():
+        lower, upper = found.lower[name], found.upper[name]
+        print(f"{name} {value:.6g}" + f", 95 % confidence {lower:.6g} to {upper:.6g}" * (name != "creep_stress_Pa"))
+    for line in found.warnings:
+        print(f"warning: {line}")
+    found.write(folder)
+    print(Path(folder) / "fit.csv", Path(folder) / "fit.json", sep="\n")
+    save(found.plot(), Path(folder) / "fit.png")
 
 
 if __name__ == "__main__":

@@ -36,7 +36,11 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
          ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
          ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
-         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""))
+         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""),
+         ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "creep_percent", "%"), ("relaxation R_IT", "relaxation_percent", "%"),
+         ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
+         ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
+         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"))
 
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
@@ -129,7 +133,8 @@ def parse(arguments):
     parser.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), default="depth:um", metavar="COLUMN:UNIT",
                         help="of measured curves: name or number of the column, and its unit (depth:um)")
     parser.add_argument("--load", type=column(load_depth.LOAD_UNITS), default="load:mN", metavar="COLUMN:UNIT", help="(load:mN)")
-    parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, and for --drift")
+    parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, for creep and relaxation in "
+                        "holds, and for --drift")
     parser.add_argument("--test", type=checked(WHOLE, int), metavar="N", help="of measured files with several tests only this one (all)")
     parser.add_argument("--zero-depth", type=zero, default=0, metavar="DEPTH", help="what measured files have where the tip touches, in the unit "
                         "of --depth, or auto: where the power law of the first loading begins (0)")
@@ -173,13 +178,8 @@ def read_curves(path, options):
     except ResultError as problem:
         return [Analysis(name, problem=problem)]
     chosen = [options.test] if options.test else range(1, len(tests) + 1)
-    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: without_drift(tests[number - 1](), options.drift))
+    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: load_depth.without_drift(tests[number - 1](), options.drift))
             for number in chosen]
-
-
-def without_drift(curve, drift):
-    """Returns a Curve without a drift of the depth (nm/s)."""
-    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
 
 
 def completed(read, given):

@@ -7,9 +7,10 @@ namespace mlgimp
 /// A step from `time` to `time + dt`, s.
 struct TimeStep {
   double time, dt;
+  double scale = 1; ///< simulated time over that of the test, for laws that know a rate or relax
   double End() const { return time + dt; }
   /// Step k of the equal steps that it consists of on a finer level.
-  TimeStep Part(int k, int of) const { return {time + k * (dt / of), dt / of}; }
+  TimeStep Part(int k, int of) const { return {time + k * (dt / of), dt / of, scale}; }
 };
 
 } // namespace mlgimp

@@ -152,6 +152,7 @@ private:
   const std::array<int, 8> &NodesOfCell(Index cell);
   bool FindWeights(const Segment &segment, Candidate *one);
   void SumColumns();
+  void FindCreepPressure(const ColumnNumbers &before);
   void AddCandidates(const ColumnNumbers &before);
   void SetCompliance(GeometryKind geometry);
   void AddLoads(const std::vector<double> &q, SegmentSolution *solution) const;

@@ -31,7 +31,7 @@ struct Segment {
                          ///< pressure then gives nodes near an axis what an even stress of points does; 1 without an axis
   double gap;            ///< to the indenter at the end of the step, with a free tip where it was, m
   double modulus;        ///< plane-strain modulus E/(1 - nu^2) of its material, Pa
-  double flow;           ///< mean pressure at which its material flows, infinite where it does not, Pa
+  double flow;           ///< mean pressure at which its material flows, infinite where it does not, Pa; 0 where it creeps at any
 };
 
 /// A change of a segment's offset for the rank that has its patch.

@@ -29,6 +29,7 @@ enum class Shown {
   kHoopColumn,  ///< the same, in axisymmetry alone
   kLaterColumn, ///< the same, after all of these: new columns go to the end
   kSlowColumn,  ///< the same, in slow tests alone
+  kTestColumn,  ///< the same, in those with a clock of the test alone
   kSummary,     ///< summary.json
   kTransfers,   ///< `transfers` in summary.json
 };
@@ -114,6 +115,8 @@ struct Budgets {
                                      Shown::kLaterColumn}; ///< between the nodes; part of strain_energy
   /// Set in the sums of a slow test, see QuasiStaticWatch.
   ScalarBudget load_quasi_static{"load_quasi_static", Adds::kNow, Shown::kSlowColumn};
+  ScalarBudget test_time{"test_time", Adds::kNow, Shown::kTestColumn};
+  ScalarBudget schedule{"schedule", Adds::kNow, Shown::kNowhere}; ///< time of the indenter's schedule
 
   // summary.json
   ScalarBudget points_entered{"entered", Adds::kCount, Shown::kTransfers}, points_left{"left", Adds::kCount, Shown::kTransfers};

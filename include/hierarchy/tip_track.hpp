@@ -14,14 +14,24 @@ namespace mlgimp
 class TipTrack
 {
 public:
+  /// What the clock of a test does to the schedule.
+  struct Clock {
+    double delay = 0;     ///< time by which the schedule waits, s
+    double more_load = 0; ///< beside that of the schedule, N
+  };
+
   /// indenter: null for none; it must outlive this. tip_level: the level that finds the way, of so many.
   void Create(const Indenter *indenter, int tip_level, int levels);
 
+  /// From now on, until it changes.
+  void SetClock(const Clock &clock) { clock_ = clock; }
   /// Another level finds the way from now on.
   void SetLevel(int tip_level);
 
   /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
   Vec3 At(double time) const;
+  /// What the schedule has under load control, N.
+  double LoadAt(double time) const { return indenter_->by_load->force.Value(time - clock_.delay); }
   /// The tip and the load in a step of level l; start: the tip when the step began.
   TipStep Step(int l, Vec3 start, TimeStep step) const;
   /// Takes up what level l did in that step. Collective on all ranks.
@@ -37,6 +47,7 @@ public:
   void SetState(const std::vector<double> &state);
 
 private:
+  double Load(TimeStep step) const; ///< in the mean, N
   bool IsByLoad() const { return indenter_ && indenter_->by_load; }
 
   const Indenter *indenter_ = nullptr;
@@ -44,6 +55,7 @@ private:
   double time_ = 0, travel_ = 0; ///< end of the last step, s; way down since the start, m
   double speed_ = 0;             ///< in that step, downward, m/s
   double overrun_ = 0;
+  Clock clock_;
   std::vector<double> load_on_other_levels_; ///< load on each other level in its last step, N
 };
 

@@ -25,6 +25,7 @@ struct LevelFailure {
 struct LevelStep {
   long taken = 0;                     ///< steps before it; after its end also itself
   double time = 0;                    ///< at its start, s
+  double scale = 1;                   ///< simulated time over that of the test
   bool measures_noise = false;        ///< of the points' velocities, for Level::Totals
   std::vector<FaceForce> applied;     ///< by loads
   std::vector<NodeChange> held_nodes; ///< by sides

@@ -65,6 +65,16 @@ struct Model {
   {
     return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->Traits().flows; });
   }
+  /// Whether the stress of any material depends on how fast it is strained.
+  bool HasRate() const
+  {
+    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->Traits().has_rate; });
+  }
+  /// Whether any material creeps or relaxes under a stress that stays.
+  bool Creeps() const
+  {
+    return std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->Traits().creeps; });
+  }
   /// Whether any material splits points that are drawn out.
   bool SplitsStretched() const
   {

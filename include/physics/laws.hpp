@@ -8,7 +8,7 @@
 #include "base/log.hpp"
 #include "base/tensor.hpp"
 #include "physics/crystal/stiffness.hpp"
-#include "physics/hardening.hpp"
+#include "physics/flow/hardening.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +22,7 @@ struct LawTraits {
   bool averages_volume = false; ///< the growth of volume is the mean of a cell where the user does not say
   bool splits = false;          ///< drawn out points are halved where the user does not say
   bool has_rate = false;        ///< the stress depends on how fast points are strained
+  bool creeps = false;          ///< and it strains under a stress that stays, or loses it under a strain that does
   int history = 0;              ///< internal variables of a point
   int skew_axes = 0;            ///< bits: axes across which the material is not its own mirror image
 };

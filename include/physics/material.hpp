@@ -20,6 +20,7 @@ namespace mlgimp
 struct MaterialBatch {
   int count;                ///< number of points, at most kBlock
   double dt;                ///< s
+  double scale;             ///< simulated time over that of the test, which goes on by dt/scale
   const Row *L;             ///< [kGradient] velocity gradient, 1/s
   const Row *F;             ///< [kGradient] new deformation gradient
   const double *hoop;       ///< [count] new F_zz = r/R; null but in axisymmetry
@@ -66,8 +67,6 @@ public:
   virtual void InitialHistory(double *) const {}
   /// Flow stress at an equivalent plastic strain, without a rate and heat, Pa; infinite where nothing flows.
   virtual double FlowStress(double /*plastic_strain*/) const { return HUGE_VAL; }
-  /// Simulated time over real time, of a law that knows a rate; 0 of others.
-  virtual double RateScale() const { return 0; }
   /// Place of an internal variable with a name of its own, or -1.
   virtual int PlaceOf(InternalVariable) const { return -1; }
 
@@ -91,16 +90,33 @@ struct HardeningConstant {
   double least, most;
   bool may_be_least, required;
 };
+using CreateJ2 = std::unique_ptr<Material> (*)(const MaterialConstants &, GeometryKind);
 struct HardeningLaw {
   const char *name;
   std::vector<HardeningConstant> constants;
-  std::unique_ptr<Material> (*create)(const MaterialConstants &, GeometryKind); ///< j2 with it
+  CreateJ2 create;                    ///< j2 with it; null for a rate law that needs a hardening
+  CreateJ2 with_overstress = nullptr; ///< j2 with it and -NAME_rate_law perzyna; null where it has a rate of its own
 };
+/// What -NAME_rate_law accepts, each with its constants.
+const std::vector<HardeningLaw> &RateLaws();
+
 /// What -NAME_hardening accepts, each with its constants; the table has its lists beside.
 const std::vector<HardeningLaw> &HardeningLaws();
 
 /// The law j2: von Mises plasticity with the hardening that the constants name.
 std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry);
+
+/// The law viscoelastic: a generalized Maxwell solid, with the terms that the constants have.
+std::unique_ptr<Material> CreateViscoelastic(const MaterialConstants &constants, GeometryKind geometry);
+
+/// An upper bound of the largest eigenvalue of B = F F^T; without z, as in plane strain, of those in the plane, where waves
+/// travel.
+template <bool with_z> inline double LargestStretchSquared(const Mat3 &F)
+{
+  const Sym3 B = SymmetricProduct(F, F);
+  const double xy = std::abs(B.xy), yz = std::abs(B.yz), xz = std::abs(B.xz);
+  return std::max(std::max(B.xx + xy + xz, B.yy + xy + yz), with_z ? B.zz + yz + xz : 0);
+}
 
 /// The tensor of a point in rows [kGradient], as by the other LoadGradient.
 template <class Geometry> inline Mat3 LoadGradient(const Row *a, int p, double zz)

@@ -1,4 +1,4 @@
-"""mlgimp from Python: run a case, read its results, indent a material, fit constants to a measured curve.
+"""mlgimp from Python: run a case, read its results, indent a material, fit constants to a measured curve or to its hold.
 
     import mlgimp
     test = mlgimp.indent("j2", youngs_modulus=70e9, poissons_ratio=0.33, density=2700, yield_stress=400e6, depth=200e-9)
@@ -12,6 +12,7 @@ from .needs import need
 
 need("numpy", "scipy", "h5py")  # before the modules that import them
 
+from .creep_fits import fit_creep
 from .errors import Error, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read
@@ -19,4 +20,4 @@ from .indentation import indent
 from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "indent", "read", "read_measured", "read_tests", "run"]
+__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests", "run"]

@@ -12,11 +12,12 @@ from .cycles import find_cycles
 from .errors import ResultError
 from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block", defaults=(None, None))
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time", defaults=(None, None, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
-these half widths lie between the tip and the nearest side of the model [rows]."""
+these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
+[rows], None of one without it and of a measured curve, whose time is that."""
 
 FREE = 0.05  # of the largest load: what a tip over the surface may seem to carry
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
@@ -51,6 +52,8 @@ def read_run(directory):
     half = history.get("contact_half_width", np.full(len(history["time"]), np.nan))[1:]
     cells = half / results.finest_cells(summary, history["time"][1:])
     curve = curve._replace(cells=cells, block=room / np.where(half > 0, half, np.nan))
+    if "test_time" in history:
+        curve = curve._replace(test_time=(history["test_time"][1:] + history["test_time"][:-1]) / 2)
     return curve._replace(notes=curve.notes + list(notes_on_waves(curve)))
 
 
@@ -175,6 +178,11 @@ def measured_curve(path, name, read, zero_depth, zero_load):
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
     return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
                           notes=curve.notes + left_out)
+
+
+def without_drift(curve, drift):
+    """Returns a Curve without a drift of the depth (nm/s), which needs its times."""
+    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
 
 
 def check_order_and_signs(path, depth, load):

@@ -7,7 +7,7 @@ from collections import namedtuple
 import numpy as np
 from scipy.optimize import curve_fit
 
-from . import checks, cycles, tips
+from . import checks, cycles, holds, tips
 from .checks import Rule
 from .errors import Error, ResultError
 
@@ -36,7 +36,10 @@ RULES = {  # for Constants
 COLUMNS = ("curve", "cycle", "depth_um", "load_mN", "stiffness_mN_per_um", "stiffness_error_mN_per_um", "exponent", "final_depth_um",
            "fit_residual", "rows", "epsilon", "beta", "contact_depth_um", "area_um2", "hardness_GPa", "reduced_modulus_GPa", "modulus_GPa",
            "true_area_um2", "true_hardness_GPa", "true_modulus_GPa", "pile_up_um", "total_work_nJ", "elastic_work_nJ", "plastic_share",
-           "warnings", "cells", "expected_error")
+           "warnings", "cells", "expected_error", "hold_start_s", "hold_end_s", "creep_percent", "relaxation_percent", "creep_rate_um_per_s",
+           "unloading_rate_mN_per_s", "corrected_stiffness_mN_per_um", "corrected_hardness_GPa", "corrected_reduced_modulus_GPa",
+           "corrected_modulus_GPa")
+HELD = COLUMNS[COLUMNS.index("hold_start_s"):]  # what a hold gives
 EDGE, AREA = 0.3, 0.6  # of a cell: see expected_errors()
 STIFFER = 1.09  # half widths of the contact: a block of the width L takes 0.545 P/(E* L) from the depth, that is of 1/S = 1/(2 E* a)
 
@@ -196,7 +199,34 @@ def analyse_cycle(curve, number, cycle, fit, constants):
         pile_up = tips.depth_of(curve.tip, true_area, 3 * fit.depth) - fit.depth
     row |= {"true_area_um2": true_area, "true_hardness_GPa": hardness(fit.load, true_area), "true_modulus_GPa": true_modulus,
             "pile_up_um": pile_up, "total_work_nJ": total, "elastic_work_nJ": elastic, "plastic_share": 1 - elastic / total if total > 0 else math.nan}
-    return row | {"warnings": "; ".join(doubts(curve, cycle, fit, row)), **expected_errors(curve, cycle)}
+    row |= {"warnings": "; ".join(doubts(curve, cycle, fit, row)), **expected_errors(curve, cycle)}
+    return row | held_figures(curve, cycle, fit, row, constants)
+
+
+def held_figures(curve, cycle, fit, row, constants):
+    """Returns the results HELD of the hold before an unloading; NaN without a hold or a time of the test.
+
+    creep_percent is C_IT = (h2 - h1)/h1 at constant load and relaxation_percent R_IT = (P1 - P2)/P1 at constant depth, of ISO 14577-1,
+    from hold_start_s to hold_end_s. corrected_... are figures of the stiffness without creep, see holds.corrected_stiffness().
+    """
+    found, hold = dict.fromkeys(HELD, math.nan), holds.find_hold(curve, cycle)
+    if hold is None:
+        return found
+    time = holds.clock(curve)
+    found |= {"hold_start_s": float(time[hold.begin]), "hold_end_s": float(time[hold.end])}
+    if hold.kind == "depth":
+        return found | {"relaxation_percent": -100 * holds.change(curve, hold)}
+    onset = holds.rows_of_onset(curve, cycle, hold)
+    creep, unloading = holds.creep_rate(curve, hold), holds.unloading_rate(curve, onset)
+    stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
+    found |= {"creep_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
+              "corrected_stiffness_mN_per_um": stiffness}
+    if curve.tip is None or not math.isfinite(stiffness):
+        return found
+    poisson = curve.poisson if constants.poisson is None else constants.poisson
+    *_, pressure, modulus = contact(curve.tip, fit.depth, fit.load, stiffness, row["epsilon"], row["beta"])
+    return found | {"corrected_hardness_GPa": pressure, "corrected_reduced_modulus_GPa": modulus,
+                    "corrected_modulus_GPa": specimen_modulus(modulus, poisson, constants)}
 
 
 def expected_errors(curve, cycle):

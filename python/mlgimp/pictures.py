@@ -106,6 +106,17 @@ def compared(measured, runs):
 
 
 @styled
+def hold(time, measured, fitted_time, fitted, ylabel, name):
+    """Returns the picture of a hold: measured values [rows] over the time of the test (s) as dots, and what was fitted to them as a line."""
+    figure, axes = plt.subplots(figsize=(6.8, 4.8), layout="constrained")
+    axes.plot(time, measured, ".", color="C0", markersize=2, linestyle="none", label=name)
+    axes.plot(fitted_time, fitted, color="C1", linestyle="-", linewidth=1.3, label="fit")
+    line_axes(axes, "time of the test (s)", ylabel)
+    axes.legend()
+    return figure
+
+
+@styled
 def energy(history, title):
     """Returns the picture of the energies and works against time, with the residual of their balance below."""
     residual = results.energy_residual(history)

@@ -84,6 +84,17 @@ bool SegmentProblem::FindWeights(const Segment &segment, Candidate *one)
   return count > 0;
 }
 
+/// What creeps flows at any pressure: in the mean at that which the contact had in the last step.
+void SegmentProblem::FindCreepPressure(const ColumnNumbers &before)
+{
+  double load = 0, area = 0;
+  for (const SurfaceColumn &column : columns_)
+    if (const auto found = before.find(column.key); found != before.end())
+      load += column.surface * found->second, area += column.surface;
+  for (Segment &segment : segments_)
+    if (segment.flow == 0) segment.flow = load > 0 ? load / area : HUGE_VAL;
+}
+
 void SegmentProblem::AddCandidates(const ColumnNumbers &before)
 {
   candidates_.clear(), weights_.clear();
@@ -138,6 +149,7 @@ void SegmentProblem::Build(const GridGeometry &grid, GeometryKind geometry, doub
   cell_nodes_.clear();
   segments_ = std::move(segments);
   SumColumns();
+  FindCreepPressure(before);
   AddCandidates(before);
   SetCompliance(geometry);
   SetFlow(strains);

@@ -106,7 +106,7 @@ void CollectSegments(const SurfaceInputs &surface, const TipStep &tip, PetscMPII
     if (pressed == 0 && s.normal[dim - 1] <= kMinFacing) continue;
     const Material &material = *surface.bodies.material[patch.body];
     const double modulus = material.Elastic().PlaneModulus();
-    const double flow = ContactPressureOfFlow(material);
+    const double yields = ContactPressureOfFlow(material), flow = material.Traits().flows && std::isinf(yields) ? 0 : yields;
     const double offset = std::isfinite(flow) ? patch.flow : 0;
     Segment one{
         patch.number, patch.path, rank, static_cast<int>(k), offset,  {},  {}, Locate(surface.grid.Geometry(), s.x), gap.normal,

@@ -23,15 +23,20 @@ void TipTrack::SetLevel(int tip_level)
 Vec3 TipTrack::At(double time) const
 {
   if (!indenter_) return {};
-  if (!IsByLoad()) return indenter_->Tip(time);
+  if (!IsByLoad()) return indenter_->Tip(time - clock_.delay);
   return indenter_->tip - indenter_->Up(travel_ + speed_ * (time - time_)) + indenter_->Sideways(time);
+}
+
+double TipTrack::Load(TimeStep step) const
+{
+  return indenter_->by_load->force.Mean(step.time - clock_.delay, step.End() - clock_.delay) + clock_.more_load;
 }
 
 TipStep TipTrack::Step(int l, Vec3 start, TimeStep step) const
 {
   if (!IsByLoad() || l != tip_level_) return {start, At(step.End()), {}};
   const double others = std::accumulate(load_on_other_levels_.begin(), load_on_other_levels_.end(), 0.0);
-  const double load = std::max(0.0, indenter_->by_load->force.Mean(step.time, step.End()) - others);
+  const double load = std::max(0.0, Load(step) - others);
   const Vec3 sideways = indenter_->Sideways(step.End()) - indenter_->Sideways(step.time);
   return {start, start + sideways, LoadInStep{load, indenter_->by_load->largest_speed * step.dt}};
 }

@@ -177,7 +177,7 @@ PetscErrorCode Level::GatherForces(TimeStep step)
   budgets_.noise_energy = 0; // also on a rank that has lost its part of the grid
   nodal_.gravity = model_.gravity_share.Value(step.time) * model_.nodal.gravity;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  step_.time = step.time;
+  step_.time = step.time, step_.scale = step.scale;
   if (model_.stress_update == StressUpdate::kUsf) PetscCall(StrainBeforeForces(step.dt));
   PetscCall(PointsToGrid(step.time));
   budgets_.hoop_impulse += step.dt * budgets_.hoop_force;
@@ -221,7 +221,7 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 PetscErrorCode Level::StrainBeforeForces(double dt)
 {
   const Flops flops(model_.geometry.Dim());
-  const RatesPlan plan = {dt, true, {}, 0, false};
+  const RatesPlan plan = {dt, step_.scale, true, {}, 0, false};
   PetscFunctionBeginUser;
   PetscCall(PointsToGrid(step_.time));
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
@@ -276,8 +276,8 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const bool rates = model_.UsesRates() || coupled_.on, strain = model_.stress_update != StressUpdate::kUsf;
   const double xpic = settings_.xpic.InStep(step_.taken);
   const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
-  const GridToPointsPlan first = {dt, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
-  const RatesPlan second = {dt, strain, model_.short_wave, xpic, true};
+  const GridToPointsPlan first = {dt, step_.scale, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
+  const RatesPlan second = {dt, step_.scale, strain, model_.short_wave, xpic, true};
   const double first_flops = flops.grid_to_points + rates * flops.scatter_rates + first.strain * flops.stress;
   const double second_flops = flops.gather_rates + second.strain * flops.stress + second.short_wave.On() * flops.short_wave;
   PetscFunctionBeginUser;

@@ -44,7 +44,7 @@ public:
 #pragma omp simd
     for (int p = 0; p < count; ++p) {
       const Mat3 f = GradientOf<Geometry>(F, hoop, p);
-      speed2[p] = law.WaveSpeedSquared(f, LargestStretchSquared(f));
+      speed2[p] = law.WaveSpeedSquared(f, LargestStretchSquared < Geometry::kDim == 3 || Geometry::kHoop > (f));
     }
   }
 
@@ -61,14 +61,6 @@ private:
   static double EnergyOf(const Law &law, const double *F, const double *hoop, const double *stress, int p)
   {
     return law.Energy({GradientOf<Geometry>(F, hoop, p), {}, LoadStress<Geometry>(stress + kS * p)});
-  }
-  /// An upper bound of the largest eigenvalue of B = F F^T; in plane strain of those in the plane, where waves travel.
-  static double LargestStretchSquared(const Mat3 &F)
-  {
-    constexpr bool kStretchesZ = Geometry::kDim == 3 || Geometry::kHoop;
-    const Sym3 B = SymmetricProduct(F, F);
-    const double xy = std::abs(B.xy), yz = std::abs(B.yz), xz = std::abs(B.xz);
-    return std::max(std::max(B.xx + xy + xz, B.yy + xy + yz), kStretchesZ ? B.zz + yz + xz : 0);
   }
   /// dt L, with the logarithm of its growth along the hoop.
   static Mat3 Strain(double dt, const Mat3 &L, double growth)
@@ -98,6 +90,7 @@ constexpr Model kModels[] = {
     {"j2", CreateMetal},
     {"st_venant_kirchhoff", Create<StVenantKirchhoff>},
     {"linear", Create<LinearElastic>},
+    {"viscoelastic", CreateViscoelastic},
     {"anisotropic", Create<Anisotropic>},
 };
 

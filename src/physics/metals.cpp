@@ -1,5 +1,6 @@
 // The law j2: multiplicative von Mises plasticity with logarithmic elastic strain and radial return of the Kirchhoff stress
 // (Simo 1992), with the hardening laws of hardening.hpp, in loops over blocks of points.
+#include "physics/flow/creep.hpp"
 #include "physics/log_strain.hpp"
 #include "physics/material.hpp"
 
@@ -20,19 +21,23 @@ template <class Hardening, class Geometry> class Metal : public Material
 {
   static constexpr int kS = Geometry::kStress, kStrain = 0, kHeat = 1, kHistory = 1 + Hardening::kThermal; // size
   static constexpr bool kInPlane = Geometry::kDim == 2;
+  /// Whether there is a stress at which it yields, at any rate.
+  static constexpr bool kYields = !std::is_same_v<Hardening, NortonCreep> && !std::is_same_v<Hardening, GarofaloCreep>;
 
 public:
   explicit Metal(const MaterialConstants &c)
-      : Material(Elasticity(c), TraitsOf(c)), hardening_(c), elasticity_(c), rate_scale_(c.rate_scale),
-        initial_temperature_(c.initial_temperature), heating_(c.adiabatic ? kHeatShare / (c.density * c.heat_capacity) : 0)
+      : Material(Elasticity(c), TraitsOf(c)), hardening_(c), elasticity_(c), initial_temperature_(c.initial_temperature),
+        heating_(c.adiabatic ? kHeatShare / (c.density * c.heat_capacity) : 0)
   {
   }
 
   double FlowStress(double plastic_strain) const override
   {
-    return hardening_.At(plastic_strain, 0, initial_temperature_).stress;
+    if constexpr (kYields)
+      return hardening_.At(plastic_strain, 0, initial_temperature_).stress;
+    else
+      return HUGE_VAL;
   }
-  double RateScale() const override { return Traits().has_rate ? rate_scale_ : 0; }
 
   void UpdateStress(const MaterialBatch &batch, double *dissipated) const override
   {
@@ -85,9 +90,9 @@ private:
 
   static LawTraits TraitsOf(const MaterialConstants &c)
   {
-    LawTraits traits{true, true, true, false, kHistory};
-    if constexpr (Hardening::kOfRate) {                     // with the user's constants it may still not depend on the rate
-      constexpr double kSomeStrain = 0.1, kFastRate = 1e30; // size: any strain; 1/s, far beyond all
+    LawTraits traits{true, true, true, Hardening::kCreeps, Hardening::kCreeps, kHistory};
+    if constexpr (Hardening::kOfRate && !Hardening::kCreeps) { // with the user's constants it may still not depend on the rate
+      constexpr double kSomeStrain = 0.1, kFastRate = 1e30;    // size: any strain; 1/s, far beyond all
       const Hardening hardening(c);
       const auto stress_at = [&](double rate) { return hardening.At(kSomeStrain, rate, c.initial_temperature).stress; };
       traits.has_rate = stress_at(kFastRate) != stress_at(0);
@@ -95,9 +100,10 @@ private:
     return traits;
   }
 
-  /// The state of a block; stress: von Mises' of the trial, Pa; kept: the part of the deviator that the flow leaves.
+  /// The state of a block; stress, before: von Mises' of the trial and at
+  /// the start, which only creep reads, Pa; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) Row elastic[kS], deviator[kS], J, inverse_J, norm2, stress, kept;
+    alignas(64) Row elastic[kS], deviator[kS], J, inverse_J, norm2, stress, before, kept;
     Sym3 Deviator(int p) const { return StressIn<Geometry>(deviator, p); }
   };
 
@@ -140,6 +146,7 @@ private:
     const double inverse_both = 1 / (J * growth); // one division
     const Sym3 twice = TwiceStrain(StressIn<Geometry>(stress, p), J * J * inverse_both, mu);
     flow.J[p] = J, flow.inverse_J[p] = growth * inverse_both, flow.norm2[p] = Contract(twice, twice);
+    if constexpr (Hardening::kCreeps) flow.before[p] = mu * std::sqrt(1.5 * flow.norm2[p]);
     PutStress<Geometry>(Exponential<kInPlane>(twice), p, flow.elastic);
   }
 
@@ -162,9 +169,12 @@ private:
   [[gnu::flatten]] void Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
   {
     const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
-    const double mu3 = 3 * elasticity_.mu, rate = rate_scale_ / b.dt, heating = heating_;
+    const double mu3 = 3 * elasticity_.mu, rate = b.scale / b.dt, heating = heating_;
     PlasticStep step;
-    FlowOf(law, mu3, {b.count, flow.stress, history[kStrain], Hardening::kThermal ? history[kHeat] : nullptr, rate}, step);
+    FlowOf(law, mu3,
+           {b.count, flow.stress, history[kStrain], Hardening::kThermal ? history[kHeat] : nullptr,
+            Hardening::kCreeps ? flow.before : nullptr, rate},
+           step);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
       const double plastic = step.strain[p], work = step.work[p];
@@ -185,7 +195,7 @@ private:
 
   Hardening hardening_;
   Elasticity elasticity_;
-  double rate_scale_, initial_temperature_;
+  double initial_temperature_;
   double heating_; ///< rise of temperature by plastic work, K m3/J
 };
 
@@ -215,16 +225,17 @@ constexpr HardeningConstant
 const std::vector<HardeningLaw> &HardeningLaws()
 {
   static const std::vector<HardeningLaw> laws = {
-      {"linear", {kYield, kModulus}, Create<LinearHardening>},
-      {"swift", {kYield, kExponent, kStrain}, Create<SwiftHardening>},
+      {"linear", {kYield, kModulus}, Create<LinearHardening>, Create<PerzynaFlow<LinearHardening>>},
+      {"swift", {kYield, kExponent, kStrain}, Create<SwiftHardening>, Create<PerzynaFlow<SwiftHardening>>},
       {"voce",
        {kYield,
         {"saturation_stress", "ss of ss - (ss - sy) exp(-a/ec) (voce)", "Pa", &C::saturation_stress, 0, HUGE_VAL, false, true},
         {"saturation_strain", "ec of it (voce)", "", &C::saturation_strain, 0, HUGE_VAL, false, true}},
-       Create<VoceHardening>},
-      {"ludwik", {kYield, kModulus, kExponent}, Create<LudwikHardening>},
-      {"power", {kYield, kExponent}, Create<SwiftHardening>},
-      {"table", {}, Create<TableHardening>},
+       Create<VoceHardening>,
+       Create<PerzynaFlow<VoceHardening>>},
+      {"ludwik", {kYield, kModulus, kExponent}, Create<LudwikHardening>, Create<PerzynaFlow<LudwikHardening>>},
+      {"power", {kYield, kExponent}, Create<SwiftHardening>, Create<PerzynaFlow<SwiftHardening>>},
+      {"table", {}, Create<TableHardening>, Create<PerzynaFlow<TableHardening>>},
       {"johnson_cook",
        {kYield,
         kModulus,
@@ -243,11 +254,45 @@ const std::vector<HardeningLaw> &HardeningLaws()
   return laws;
 }
 
+const std::vector<HardeningLaw> &RateLaws()
+{
+  static const HardeningConstant
+      stress = {"creep_stress",
+                "s0 of (q/s0)^n (norton), of sinh(q/s0)^n (garofalo, eyring), D of ((q - flow)/D)^n (perzyna)",
+                "Pa",
+                &C::creep_stress,
+                0,
+                HUGE_VAL,
+                false,
+                true},
+      rate = {"creep_rate", "a0, the rate of flow where that is 1", "1/s", &C::creep_rate, 0, HUGE_VAL, false, true},
+      exponent = {"creep_exponent", "n (norton, perzyna, garofalo)", "", &C::creep_exponent, 1, HUGE_VAL, true, true};
+  static const std::vector<HardeningLaw> laws = {
+      {"none", {}, nullptr},
+      {"norton", {stress, rate, exponent}, Create<NortonCreep>},
+      {"perzyna", {stress, rate, exponent}, nullptr},
+      {"garofalo",
+       {stress,
+        rate,
+        exponent,
+        {"activation_energy", "Q of the rate a0 exp(-Q/(R T)) at -initial_temperature (garofalo)", "J/mol", &C::activation_energy,
+         0, HUGE_VAL, true, false}},
+       Create<GarofaloCreep>},
+      {"eyring", {stress, rate}, Create<GarofaloCreep>},
+  };
+  return laws;
+}
+
+static const HardeningLaw &Find(const std::vector<HardeningLaw> &laws, const std::string &name)
+{
+  return *std::find_if(laws.begin(), laws.end(), [&](const auto &law) { return name == law.name; });
+}
+
 std::unique_ptr<Material> CreateMetal(const MaterialConstants &constants, GeometryKind geometry)
 {
-  const auto &laws = HardeningLaws();
-  const auto found = std::find_if(laws.begin(), laws.end(), [&](const auto &law) { return constants.hardening == law.name; });
-  return found->create(constants, geometry);
+  if (const auto create = Find(RateLaws(), constants.rate_law).create) return create(constants, geometry);
+  const HardeningLaw &hardening = Find(HardeningLaws(), constants.hardening);
+  return (constants.rate_law == "none" ? hardening.create : hardening.with_overstress)(constants, geometry);
 }
 
 } // namespace mlgimp

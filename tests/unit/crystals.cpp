@@ -127,7 +127,7 @@ template <class G> Sym3 StressOf(const Stiffness &C, const Mat3 &F)
   for (int k = 0; k < n * n; ++k) stored[k] = f[3 * (k / n) + k % n];
   LoadRows<n * n>(stored, 1, F_rows), LoadRows<n * n>(zero, 1, L_rows);
   CreateMaterial("anisotropic", constants, G::kKind)
-      ->UpdateStress({1, 1, L_rows, F_rows, G::kHoop ? &F.zz : nullptr, G::kHoop ? &one : nullptr, stress, nullptr, 0},
+      ->UpdateStress({1, 1, 1, L_rows, F_rows, G::kHoop ? &F.zz : nullptr, G::kHoop ? &one : nullptr, stress, nullptr, 0},
                      &dissipated);
   return LoadStress<G>(stress);
 }

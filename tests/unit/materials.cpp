@@ -19,6 +19,7 @@ RandomNumbers Random(kSeed);
 
 constexpr double kE = 70e9, kNu = 0.33, kRho = 2700, kYield = 200e6, kHardening = 2e9;
 constexpr double kMu = kE / (2 * (1 + kNu)), kLambda = kE * kNu / ((1 + kNu) * (1 - 2 * kNu)), kBulk = kLambda + 2 * kMu / 3;
+constexpr int kHistory = 16; // at least what any law here keeps
 
 /// F or L by rows; stress as xx, yy, zz, xy, yz, xz.
 using Matrix = std::array<double, 9>;
@@ -75,7 +76,7 @@ struct Sample {
     Row L_rows[9], F_rows[9];
     LoadRows<9>(L.data(), 1, L_rows), LoadRows<9>(F.data(), 1, F_rows);
     AdvanceDeformation<Spatial>(1, dt, L_rows, F_rows);
-    material.UpdateStress({1, dt, L_rows, F_rows, nullptr, nullptr, stress, history, 1}, &dissipated);
+    material.UpdateStress({1, dt, 1, L_rows, F_rows, nullptr, nullptr, stress, history, kHistory}, &dissipated);
     StoreRows<9>(F_rows, 1, F.data());
   }
   /// Advances to principal stretches along the axes, from such stretches.
@@ -83,7 +84,7 @@ struct Sample {
   double Energy() const
   {
     double energy;
-    material.StoredEnergy(1, F.data(), nullptr, stress, history, 1, &energy);
+    material.StoredEnergy(1, F.data(), nullptr, stress, history, kHistory, &energy);
     return energy;
   }
   double Jacobian() const { return Determinant(LoadGradient<Spatial>(F.data(), 1)); }
@@ -97,7 +98,7 @@ struct Sample {
 
   const Material &material;
   Matrix F = kUnit;
-  double stress[6] = {}, history[1] = {}, dissipated = 0;
+  double stress[6] = {}, history[kHistory] = {}, dissipated = 0;
 };
 
 /// The state after one increment from the undeformed body to F.
@@ -300,7 +301,7 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
 {
   const auto material = Create(law, kYield, G::kKind);
   constexpr int n = G::kDim;
-  double F[9], L[9], stress[6] = {}, history[1];
+  double F[9], L[9], stress[6] = {}, history[kHistory];
   Row F_rows[9], L_rows[9];
   Matrix now = kUnit;
   Outcome outcome;
@@ -315,12 +316,12 @@ template <class G> Outcome Follow(const std::string &law, const Matrix &first, c
     LoadRows<n * n>(F, 1, F_rows), LoadRows<n * n>(L, 1, L_rows);
     const double hoop = now[8], ratio = growth[8];
     const double *const hoops = G::kHoop ? &hoop : nullptr, *const ratios = G::kHoop ? &ratio : nullptr;
-    material->UpdateStress({1, 1, L_rows, F_rows, hoops, ratios, stress, history, 1}, &outcome.dissipated);
-    material->StoredEnergy(1, F, hoops, stress, history, 1, &outcome.energy);
+    material->UpdateStress({1, 1, 1, L_rows, F_rows, hoops, ratios, stress, history, kHistory}, &outcome.dissipated);
+    material->StoredEnergy(1, F, hoops, stress, history, kHistory, &outcome.energy);
     material->WaveSpeedSquared(1, F, hoops, &outcome.speed2);
   }
   std::copy(stress, stress + G::kStress, outcome.stress.begin());
-  if (material->Traits().history) outcome.plastic_strain = history[0];
+  if (law == "j2") outcome.plastic_strain = history[0];
   return outcome;
 }
 

@@ -46,7 +46,7 @@ template <class Law> void ReturnsToFlow(const std::string &name)
       q[p] = law.At(strain[p], 0, temperature[p]).stress * (1 + excess);
     }
     PlasticStep step;
-    FlowOf(law, three_mu, {kBlock - block % 3, q, strain, Law::kThermal ? temperature : nullptr, rate}, step);
+    FlowOf(law, three_mu, {kBlock - block % 3, q, strain, Law::kThermal ? temperature : nullptr, nullptr, rate}, step);
     for (int p = 0; p < kBlock - block % 3; ++p) {
       const double d = step.strain[p];
       const double flow = law.At(strain[p] + d, rate * d, temperature[p]).stress;
@@ -89,7 +89,7 @@ TEST(Metals, FirstYieldAtHighRates)
       q[p] = block ? law.At(strain[p], 0, 293).stress + three_mu * std::pow(10, Random(-4.5, -2)) : 272871338.41610235;
     }
     PlasticStep step;
-    FlowOf(law, three_mu, {kBlock, q, strain, temperature, rate}, step);
+    FlowOf(law, three_mu, {kBlock, q, strain, temperature, nullptr, rate}, step);
     for (int p = 0; p < kBlock; ++p) {
       const double d = step.strain[p], flow = law.At(strain[p] + d, rate * d, temperature[p]).stress;
       off = Largest({off, std::abs(q[p] - three_mu * d - flow) / q[p]});
@@ -121,7 +121,7 @@ TEST(Metals, LawsOfTheRateAreReturnedToInFewSteps)
       const double flow = law.JohnsonCookHardening::At(strain, rate, temperature).stress;
       const double trial = flow + three_mu * kStrain * Random(0.1, 2);
       PlasticStep step;
-      FlowOf(law, three_mu, {1, &trial, &strain, &temperature, rate / kStrain}, step);
+      FlowOf(law, three_mu, {1, &trial, &strain, &temperature, nullptr, rate / kStrain}, step);
     }
     EXPECT_LE(law.evaluations, 8 * kPoints) << rate << " 1/s: evaluations of the law in " << kPoints << " steps";
   }
@@ -205,7 +205,7 @@ std::array<double, 4> Shear(const Material &metal, double strain, int steps, dou
   L[1][0] = strain / steps;
   for (int k = 0; k < steps; ++k) {
     AdvanceDeformation<PlaneStrain>(1, 1, L, F);
-    metal.UpdateStress({1, 1, L, F, nullptr, nullptr, stress, history, 2}, &dissipated);
+    metal.UpdateStress({1, 1, 1, L, F, nullptr, nullptr, stress, history, 2}, &dissipated);
   }
   *plastic_strain = history[metal.PlaceOf(kPlasticStrain)];
   return {stress[0], stress[1], stress[2], stress[3]};

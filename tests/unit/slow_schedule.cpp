@@ -1,5 +1,6 @@
 // The schedule of a slow test: it passes through its turns without a jump, in the times it promises.
 #include "program/case/slow_schedule.hpp"
+#include "program/case/test_legs.hpp"
 #include "unit/largest.hpp"
 
 #include <gtest/gtest.h>
@@ -119,4 +120,28 @@ TEST(PiecewiseLinearTurns, AreWhereItTurns)
   ASSERT_EQ(turns.size(), 3u);
   EXPECT_NEAR(turns[1], 0.5, 1e-15);
   EXPECT_NEAR(turns[2], -1, 1e-15);
+}
+
+/// A test up through a middle value, a hold, and down: its legs, their places in the schedule, and the time at each value.
+TEST(SlowSchedule, HasTheLegsOfATest)
+{
+  std::vector<TestLeg> legs = LegsOf({1, 3, 3, 0}, {2, 4, 100, 110});
+  ASSERT_EQ(legs.size(), 3U);
+  EXPECT_EQ(EndsOf(legs), (std::vector<double>{0, 3, 3, 0})) << "from nothing at time 0 on";
+  EXPECT_FALSE(legs[0].Holds());
+  EXPECT_TRUE(legs[1].Holds());
+  EXPECT_EQ(legs[0].TimeOf(-1), 0) << "before the surface";
+  EXPECT_EQ(legs[0].TimeOf(0.5), 1);
+  EXPECT_EQ(legs[0].TimeOf(2), 3);
+  EXPECT_EQ(legs[0].TimeOf(9), 4);
+  EXPECT_EQ(legs[2].TimeOf(1.5), 105);
+  EXPECT_EQ(legs[2].TimeOf(-1), 110);
+  const SlowSchedule schedule(kPace, EndsOf(legs));
+  ASSERT_EQ(schedule.Legs().size(), 3U);
+  EXPECT_TRUE(schedule.Holds().empty()) << "the hold of the test comes before the way back";
+  const auto [begin, end] = schedule.Legs()[1];
+  EXPECT_NEAR(end - begin, 80, 1e-12);
+  EXPECT_NEAR(schedule.Speed().Integral(begin), 3, 1e-12);
+  EXPECT_NEAR(schedule.Speed().Integral(end), 3, 1e-12);
+  EXPECT_EQ(schedule.Legs()[2].first, end);
 }

@@ -35,7 +35,7 @@ struct PointFailure {
 
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
-  double dt;
+  double dt, scale; ///< s; simulated time over that of the test
   bool strain;      ///< advance F and stress here, with the new nodal velocity (USL without rates)
   bool strain_rate; ///< keep the strain rate of the points for the short-wave viscosity
   bool scatter;     ///< add momentum, and strain rate where kept, to `rates`, growths of volume to the cells
@@ -46,7 +46,7 @@ struct GridToPointsPlan {
 
 /// Settings of the sweep that reads `rates`.
 struct RatesPlan {
-  double dt;
+  double dt, scale;              ///< as above
   bool strain;                   ///< advance F and stress with the velocities in `rates`
   ShortWaveViscosity short_wave; ///< turn the strain rate kept into the short-wave stress
   double xpic_fraction;          ///< share of the projected velocity in `rates`

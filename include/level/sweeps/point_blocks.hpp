@@ -102,7 +102,7 @@ template <int dim> struct Motion {
 
 /// Advances F, stress and internal variables of a block. In axisymmetry its motion gives F_zz = r/R at the end of the step.
 template <class Geometry>
-void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, const Motion<Geometry::kDim> &motion,
+void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, double scale, const Motion<Geometry::kDim> &motion,
                    Budgets &budgets, PointFailure &failure)
 {
   constexpr int dim = Geometry::kDim;
@@ -126,6 +126,7 @@ void AdvanceStress(const Block &b, Extents<Geometry::kDim> &points, double dt, c
   StoreRows<dim * dim>(F, b.count, b.F);
   const MaterialBatch batch = {b.count,
                                dt,
+                               scale,
                                motion.L,
                                F,
                                Geometry::kHoop ? hoop : nullptr,

@@ -3,6 +3,7 @@
 
 #include "hierarchy/hierarchy.hpp"
 #include "program/case/slow_schedule.hpp"
+#include "program/case/test_legs.hpp"
 #include "program/options/options.hpp"
 
 #include <algorithm>
@@ -30,8 +31,9 @@ struct TimeSettings {
   double time_step = 0;            ///< s; 0 = from cfl
   double cfl = 0.4;                ///< fraction of h/(c + |v|)
   double max_wall_time = HUGE_VAL; ///< by the clock, s
+  double rate_scale = 1;           ///< simulated time over that of the test, where no clock of the test runs
 
-  /// Whether the run ends with a step that leads to a time.
+  /// Whether the run ends with a step that leads to a time; of a test with a clock, that of its schedule.
   bool IsEnd(long step, double time) const { return (max_steps > 0 && step >= max_steps) || time >= end_time * (1 - 1e-12); }
   /// Share of the run that is done then.
   double Done(long step, double time) const
@@ -41,10 +43,24 @@ struct TimeSettings {
   }
 };
 
+/// The test that a slow one stands for, where the user gives its times.
+struct TestPlan {
+  std::vector<double> times, loads; ///< given, s; N, where it is by loads
+  double creep = 0.025;             ///< way of a tip that creeps in a transit of waves, of its depth
+  std::vector<TestLeg> legs;        ///< none without times
+  bool On() const { return !legs.empty(); }
+  /// Begin and end of each leg in the schedule, s.
+  void Place(const std::vector<std::pair<double, double>> &in_schedule)
+  {
+    for (std::size_t k = 0; k < legs.size(); ++k) legs[k].begin = in_schedule[k].first, legs[k].end = in_schedule[k].second;
+  }
+};
+
 /// A slow test: what -quasi_static has chosen.
 struct QuasiStaticPlan {
   bool on = false;
   double tolerance = 0.01;                      ///< share of the load that inertia and damping may add
+  TestPlan test;                                ///< its own time
   std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
   bool own_damping = true;                      ///< none was given
   bool own_xpic = true;                         ///< no fraction of XPIC was given

@@ -28,6 +28,7 @@ PiecewiseLinear SmoothRise(double value, double duration);
 /// The history of a quantity x (a depth, or a root of a load) that begins with 0 and passes through given turns. A leg into the
 /// body from x0 to x1 > x0 has the speed of a loading from nothing to x1 in the given transits, x1/((1 - r) N T), with S-shaped
 /// ramps of r N T, r = kRamp. A hold follows. A leg back has first the speed of spring_back x in N T, then that of a loading.
+/// Two equal turns are a rest of N T, which stands for a hold of a test; then no other hold comes before it.
 class SlowSchedule
 {
 public:
@@ -42,15 +43,18 @@ public:
   double LargestSpeed() const;
   /// Begin and end of each rest, s.
   const std::vector<std::pair<double, double>> &Holds() const { return holds_; }
+  /// Begin and end of the way to each turn after the first, without the hold that may follow, s.
+  const std::vector<std::pair<double, double>> &Legs() const { return legs_; }
 
 private:
+  void Rest(double duration);
   void Ramp(double to, double duration);
   void Cruise(double distance);
   void Leg(double distance, double speed, double ramp);
   void Unload(double distance, double first, double slow, double fast, double ramp);
 
   std::vector<double> times_{0}, speeds_{0};
-  std::vector<std::pair<double, double>> holds_;
+  std::vector<std::pair<double, double>> holds_, legs_;
 };
 
 } // namespace mlgimp

@@ -23,8 +23,8 @@ public:
 
   /// Starts the file, or goes on with it. Returns as History::Open.
   std::string Open(bool goes_on);
-  /// Whether a row is written after a step that ends at a time.
-  bool IsDue(long step, double time) const;
+  /// Whether a row is written after a step that ends at a time of the indenter's schedule.
+  bool IsDue(long step, double schedule) const;
   /// Keeps this rank's part of a row, so that rows need no messages in their steps.
   void Keep();
   /// Writes the rows that wait, up to the first step in which something has failed. Returns as History::Write. Collective.
@@ -44,7 +44,7 @@ private:
   /// What all ranks know of a row that waits.
   struct Row {
     long step;
-    double time;
+    double time, schedule, test_time;
     Vec3 tip;
   };
   void Complete(const Row &row, Budgets &budgets);

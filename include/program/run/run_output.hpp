@@ -32,7 +32,7 @@ public:
   /// What the last step asks for.
   bool IsFrameDue() const { return FrameNow() > state_.frames; }
   bool IsCheckpointDue() const;
-  bool IsRowDue(long step, double time) const { return rows_.IsDue(step, time); }
+  bool IsRowDue(long step, double schedule) const { return rows_.IsDue(step, schedule); }
   void KeepRow() { rows_.Keep(); }
   std::string WriteRows();
   std::string WriteFrame();
@@ -51,7 +51,7 @@ public:
 private:
   int FramesDue() const;
   int FrameNow() const { return frames_before_ + FramesDue(); }
-  double Done() const { return case_.time.Done(state_.step, state_.time); }
+  double Done() const { return case_.time.Done(state_.step, state_.Schedule()); }
   std::string FindKept() const;
 
   const Case &case_;

@@ -6,6 +6,7 @@
 #include "program/checkpoint/checkpoint.hpp"
 #include "program/run/limits.hpp"
 #include "program/run/run_output.hpp"
+#include "program/slow_test/clock.hpp"
 #include "program/system/wall_time.hpp"
 
 #include <string>
@@ -18,7 +19,8 @@ class Simulation
 public:
   /// The case is kept by reference and must outlive the simulation.
   explicit Simulation(const Case &settings)
-      : case_(settings), output_(settings, hierarchy_, state_, cost_), wall_(settings.time.max_wall_time)
+      : case_(settings), clock_(settings, state_), output_(settings, hierarchy_, state_, cost_),
+        wall_(settings.time.max_wall_time)
   {
   }
 
@@ -36,12 +38,13 @@ private:
   void WriteFrameDue();
   void FollowBoxes();
   void ControlStep();
+  void Control();
   void WriteDue(); ///< rows of the history, checkpoint
   void WriteState();
   void ObeyOrders();
   void ReportStop() const;
 
-  bool AtEnd() const { return case_.time.IsEnd(state_.step, state_.time); }
+  bool AtEnd() const { return case_.time.IsEnd(state_.step, state_.Schedule()); }
   bool IsCheckDue() const { return state_.step % kControlInterval == 0 && !AtEnd(); }
   /// When boxes may move again.
   double NextCheck() const { return state_.time + case_.hierarchy.follow.interval * state_.time_step; }
@@ -61,6 +64,7 @@ private:
   Hierarchy hierarchy_;
   RunState state_;
   RunCost cost_;
+  TestClock clock_;
   RunOutput output_;
   WallTime wall_;
   std::vector<std::string> at_start_; ///< warnings

@@ -56,7 +56,7 @@ public:
       if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
       if (plan.scatter) (plan.project ? ScatterRates<true> : ScatterRates<false>)(view.grid, w, b, motion.u);
       if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
-      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
+      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
       if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });
   }
@@ -123,7 +123,7 @@ public:
       SetWeights<false>(view, b, points, w);
       GatherRates(view.grid, w, b, plan, motion, projected, smooth);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
-      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, motion, budgets, failure);
+      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
       if (plan.short_wave.On()) ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, plan.dt, motion.u, smooth);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);
       if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);

@@ -80,7 +80,7 @@ std::string MirrorWarning(const Case &c, const Budgets &budgets, const Watched &
 {
   if (!c.model.indenter || budgets.contact_half_width == 0) return "";
   const Indenter &indenter = *c.model.indenter;
-  const Vec3 tip = indenter.Tip(budgets.time);
+  const Vec3 tip = indenter.Tip(budgets.schedule);
   const double reach = budgets.contact_half_width + 0.5 * c.CellSize(c.LevelAtTip()), flat = indenter.surface->Width(0);
   for (int s = c.model.geometry.HasHoop() ? 2 * indenter.up : 0; s < 2 * indenter.up; ++s) {
     const Side side = static_cast<Side>(s);
@@ -120,7 +120,7 @@ std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &wa
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step
   if (!c.model.indenter || !c.model.indenter->by_load) return "";
-  const double asked = c.model.indenter->by_load->force.Value(budgets.time);
+  const double asked = c.model.indenter->by_load->force.Value(budgets.schedule);
   const bool missed = watched.carried < kMet * watched.asked;
   if (budgets.load >= kMet * asked && !missed) return "";
   return Format("-indenter_loads: {} N are asked for{}{} N, because its speed is limited to a tenth of that of waves; try longer "

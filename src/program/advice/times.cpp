@@ -125,13 +125,23 @@ void CheckSteps(OptionReader &reader, const Case &c)
                                        : "are times in s? With -quasi_static the program chooses those of a slow test");
 }
 
+/// Warns of a body that creeps or relaxes within the nanoseconds of a simulation.
+void CheckClock(OptionReader &reader, const Case &c)
+{
+  if (c.model.Creeps() && c.time.rate_scale == 1)
+    reader.WarnLater(
+        "-rate_scale 1: a material creeps or relaxes, and the time of the test is that of the simulation (theta = t); "
+        "-test_times give that of a slow test (-quasi_static), or the scale is the simulation's time over it");
+}
+
 } // namespace
 
 void CheckTimes(OptionReader &reader, const Case &c)
 {
   CheckLoadUnits(reader, c);     // -LOAD_times, _pressures: after the end of the run, or too small to strain anything
   CheckPressureRates(reader, c); // -LOAD_pressures: change so fast that a metal yields by the wave
-  CheckSteps(reader, c);         // -end_time: too many steps away
+  if (!c.quasi_static.on) CheckClock(reader, c); // a law in time without a time of the test
+  CheckSteps(reader, c);                         // -end_time: too many steps away
   if (!c.model.indenter || c.model.contact.method == "none") return;
   CheckSpeed(reader, c); // -indenter: fast beside waves
   if (c.quasi_static.on) return;

@@ -18,6 +18,12 @@ PiecewiseLinear SmoothRise(double value, double duration)
   return {times, values};
 }
 
+void SlowSchedule::Rest(double duration)
+{
+  times_.push_back(times_.back() + duration);
+  speeds_.push_back(0);
+}
+
 /// Changes the speed. The straight pieces have the curve's integral, which is symmetric about its middle.
 void SlowSchedule::Ramp(double to, double duration)
 {
@@ -69,15 +75,20 @@ SlowSchedule::SlowSchedule(const SlowPace &pace, const std::vector<double> &turn
   const double duration = pace.transits * pace.transit, ramp = SlowPace::kRamp * duration;
   const auto speed = [&](double x) { return std::min(pace.max_speed, x / (duration - ramp)); };
   for (std::size_t k = 1; k < turns.size(); ++k) {
-    const double from = turns[k - 1], to = turns[k], distance = to - from;
+    const double from = turns[k - 1], to = turns[k], distance = to - from, begin = times_.back();
+    const bool then_rests = k + 1 < turns.size() && turns[k + 1] == to;
     if (distance > 0) {
       Leg(distance, speed(to > surface ? to - surface : distance), ramp);
-      holds_.emplace_back(times_.back(), times_.back() + SlowPace::kHold * pace.transit);
-      times_.push_back(holds_.back().second);
-      speeds_.push_back(0);
-    } else {
+    } else if (distance < 0) {
       const double reached = from > surface ? from - surface : -distance, first = pace.spring_back * reached;
       Unload(-distance, first, speed(first), speed(reached), ramp);
+    } else {
+      Rest(duration);
+    }
+    legs_.emplace_back(begin, times_.back());
+    if (distance > 0 && !then_rests) {
+      holds_.emplace_back(times_.back(), times_.back() + SlowPace::kHold * pace.transit);
+      Rest(SlowPace::kHold * pace.transit);
     }
   }
 }

@@ -101,6 +101,7 @@ std::string WrongState(const std::vector<double> &n, const Case &settings)
   if (!(n[8] > 0) || !IsWhole(n[9], 1, kLargestWhole) || !IsWhole(n[10], 0, kLargestWhole))
     return "its initial mass and points are inconsistent";
   if (!(n[12] >= 0 && n[12] <= (1 + kRounding) * time)) return "its last row is inconsistent";
+  if (!(n[16] >= 0)) return "its time of the test is inconsistent";
   return "";
 }
 

@@ -2,6 +2,7 @@
 #include "program/advice/warnings.hpp"
 #include "program/checkpoint/checks.hpp"
 #include "program/checkpoint/format.hpp"
+#include "program/slow_test/clock.hpp"
 #include "program/slow_test/watch.hpp"
 #include "program/system/agree.hpp"
 
@@ -123,7 +124,7 @@ void CheckpointReader::Open()
 
 void CheckpointReader::ReadHead(RunState *state)
 {
-  std::vector<double> numbers = ToNumbers(RunState()), copies(4), tip, watch, watched, drift(1);
+  std::vector<double> numbers = ToNumbers(RunState()), copies(4), tip, watch, clock, watched, drift(1);
   std::string then, lines, difference;
   std::vector<std::string> warnings;
   const bool with_copies = case_.levels > 1 && case_.hierarchy.coupling == LevelCoupling::kPoints;
@@ -138,12 +139,15 @@ void CheckpointReader::ReadHead(RunState *state)
   if (FoundList("/tip", &tip)) Record(WrongTip(tip, hierarchy_.Tip().State().size(), numbers[0]));
   if (case_.quasi_static.on) FoundList("/quasi_static", &watch);
   Found(QuasiStaticWatch(case_.quasi_static).IsState(watch), "quasi_static");
+  if (case_.quasi_static.test.On()) FoundList("/test_clock", &clock);
+  Found(TestClock::IsState(clock, case_.quasi_static.test.legs.size()), "test_clock");
   if (Found(file_.Text("/warnings", &lines), "warnings") && !lines.empty()) warnings = Split(lines, '\n');
   FoundList("/watched", &watched);
   Found(Warnings::IsState(watched, warnings), "watched");
   AgreeOnError("checkpoint_state");
   *state = FromNumbers<RunState>(numbers.data());
   state->quasi_static = watch;
+  state->test_clock = clock;
   state->watched = watched;
   state->warnings = warnings;
   hierarchy_.Tip().SetState(tip);

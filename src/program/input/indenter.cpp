@@ -157,11 +157,19 @@ void ReadControl(OptionReader &reader, Case *c)
   const std::vector<std::string> controls = {"displacement", "load"};
   const Option loads = {"-indenter_loads", "load at the times, of the part that is simulated, with -indenter_control load", "N",
                         kNotNegative};
-  std::string control = controls[0];
+  const bool by_test = !c->quasi_static.test.times.empty() && !reader.Help();
+  std::string control = controls[by_test ? 1 : 0];
   PiecewiseLinear force;
   std::vector<double> none;
   reader.Choice({"-indenter_control", "what is given of the indenter, its speed or its load"}, controls, &control);
-  if (control == "displacement") {
+  if (by_test && control == "displacement")
+    reader.Refuse("-indenter_control", control, "load with -test_times, or -indenter_depths given");
+  if (by_test) {
+    std::string times;
+    reader.Read({"-indenter_times", "not used with -test_times"}, &times);
+    reader.Read(loads, &c->quasi_static.test.loads, kRequired);
+    FinishLoadControl(reader, PiecewiseLinear({0}, {0}), c);
+  } else if (control == "displacement") {
     if (!reader.Help()) RefuseGiven(reader, loads.name, control);
     ReadHistory(reader, "-indenter_times", {"-indenter_velocities", "downward speed at the times, negative retracts", "m/s"},
                 &c->model.indenter->motion.speed);
@@ -170,7 +178,11 @@ void ReadControl(OptionReader &reader, Case *c)
     ReadHistory(reader, "-indenter_times", loads, &force);
     if (!reader.Help()) FinishLoadControl(reader, force, c);
   }
-  ReadSideways(reader, control == "load" ? force.Times() : c->model.indenter->motion.speed.Times(), c);
+  ReadSideways(reader,
+               by_test             ? std::vector<double>()
+               : control == "load" ? force.Times()
+                                   : c->model.indenter->motion.speed.Times(),
+               c);
 }
 
 /// The turn at the largest depth, and the end of the run that follows from the motion.

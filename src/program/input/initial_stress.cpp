@@ -43,7 +43,7 @@ template <class G> Answer Ask(const Material &material, const Vec3 &log_stretch,
   StoreStress<G>(before, stress);
   LoadRows<n * n>(F, 1, F_rows), LoadRows<n * n>(L, 1, L_rows);
   material.InitialHistory(answer.history.data());
-  material.UpdateStress({1, kAtOnce, L_rows, F_rows, G::kHoop ? &hoop : nullptr, G::kHoop ? &hoop_ratio : nullptr, stress,
+  material.UpdateStress({1, kAtOnce, 1, L_rows, F_rows, G::kHoop ? &hoop : nullptr, G::kHoop ? &hoop_ratio : nullptr, stress,
                          answer.history.data(), material.Traits().history},
                         &plastic_work);
   answer.stress = LoadStress<G>(stress);

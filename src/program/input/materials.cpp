@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mlgimp
 {
@@ -96,16 +97,16 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
     reader.WarnLater("{}heat_capacity {}: is that of no metal; is it in J/(kg K)?", prefix, FormatNumber(c.heat_capacity));
 }
 
-/// Refuses constants that the user gave and that the material's law does not read.
-void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common)
+/// Warns of constants of all materials that no law reads.
+void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common, double rate_scale)
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
-  if (common.rate_scale > 1 && !none([](const auto &material) { return material->Traits().has_rate; }))
+  if (rate_scale > 1 && !none([](const auto &material) { return material->Traits().has_rate; }))
     reader.WarnLater("-rate_scale {}: the simulation is slower than the test; is it its time over that of the test? 1e-8 where "
                      "100 ns stand for 10 s",
-                     FormatNumber(common.rate_scale));
-  if (common.rate_scale != Constants().rate_scale && none([](const auto &material) { return material->Traits().has_rate; }))
-    reader.WarnLater("-rate_scale {}: changes nothing, as no material knows a rate", FormatNumber(common.rate_scale));
+                     FormatNumber(rate_scale));
+  if (rate_scale != TimeSettings().rate_scale && none([](const auto &material) { return material->Traits().has_rate; }))
+    reader.WarnLater("-rate_scale {}: changes nothing, as no material knows a rate", FormatNumber(rate_scale));
   if (common.initial_temperature != Constants().initial_temperature &&
       none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
     reader.WarnLater("-initial_temperature {}: changes nothing, as no material knows a temperature",
@@ -134,24 +135,81 @@ void WarnOfLocking(OptionReader &reader, const std::string &prefix, double poiss
                      prefix, FormatNumber(poissons_ratio), prefix);
 }
 
-void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)
+/// Reads the constants of the law that the user has named; with -help those of all laws, each once.
+void ReadConstants(OptionReader &reader, const std::string &prefix, const std::vector<HardeningLaw> &laws,
+                   const std::string &name, Constants *c)
 {
-  std::vector<std::string> names, known;
-  for (const HardeningLaw &law : HardeningLaws()) names.emplace_back(law.name);
-  reader.Choice({prefix + "hardening", "flow stress over plastic strain (j2)"}, names, &c->hardening);
-  for (const HardeningLaw &law : HardeningLaws())
+  std::vector<std::string> known;
+  for (const HardeningLaw &law : laws)
     for (const HardeningConstant &constant : law.constants) {
       const bool is_new = std::find(known.begin(), known.end(), constant.name) == known.end();
-      if (!(reader.Help() ? is_new : law.name == c->hardening)) continue;
+      if (!(reader.Help() ? is_new : law.name == name)) continue;
       ReadConstant(reader, prefix, constant, c);
       known.emplace_back(constant.name);
     }
+}
+
+std::vector<std::string> NamesOf(const std::vector<HardeningLaw> &laws)
+{
+  std::vector<std::string> names;
+  for (const HardeningLaw &law : laws) names.emplace_back(law.name);
+  return names;
+}
+
+void ReadHardening(OptionReader &reader, const std::string &prefix, Constants *c)
+{
+  reader.Choice({prefix + "hardening", "flow stress over plastic strain (j2)"}, NamesOf(HardeningLaws()), &c->hardening);
+  ReadConstants(reader, prefix, HardeningLaws(), c->hardening, c);
   if (c->hardening == "table" || reader.Help()) ReadTable(reader, prefix, c);
   if (c->hardening == "johnson_cook" || reader.Help())
     reader.Read({prefix + "adiabatic", "plastic work heats the points (johnson_cook)"}, &c->adiabatic);
   if (reader.Help()) return;
   CheckHardening(reader, prefix, *c);
   WarnOfUnits(reader, prefix, *c);
+}
+
+/// How a metal flows: at a stress that hardening gives, at a rate that the stress gives, or both.
+void ReadFlow(OptionReader &reader, const std::string &prefix, Constants *c)
+{
+  reader.Choice({prefix + "rate_law", "how flow depends on its rate (j2)"}, NamesOf(RateLaws()), &c->rate_law);
+  ReadConstants(reader, prefix, RateLaws(), c->rate_law, c);
+  if (c->rate_law == "eyring") c->creep_exponent = 1;
+  if (c->rate_law == "none" || c->rate_law == "perzyna" || reader.Help()) ReadHardening(reader, prefix, c);
+  if (reader.Help()) return;
+  if (c->rate_law == "perzyna" && c->hardening == "johnson_cook")
+    reader.Refuse(prefix + "rate_law", c->rate_law, "left out with johnson_cook, which has a rate of its own");
+  if (c->creep_stress >= c->youngs_modulus)
+    reader.WarnLater("{}creep_stress {}: is no less than Young's modulus; is it in Pa?", prefix, FormatNumber(c->creep_stress));
+}
+
+/// Shares of a modulus that terms forget: one for each relaxation time, and less than all together.
+void ReadShares(OptionReader &reader, const Option &option, const Constants &c, std::vector<double> *shares, bool required)
+{
+  if (!reader.Read(option, shares, required) || reader.Help()) return;
+  if (shares->size() != c.relaxation_times.size())
+    reader.Refuse(option.name, Format("{} values", shares->size()), "as many as there are relaxation times: {}",
+                  c.relaxation_times.size());
+  const double sum = std::accumulate(shares->begin(), shares->end(), 0.0);
+  if (!(sum < 1)) reader.Refuse(option.name, sum, "less than 1 in sum: a solid keeps some of its stress");
+}
+
+/// The terms of a generalized Maxwell solid.
+void ReadRelaxation(OptionReader &reader, const std::string &prefix, Constants *c)
+{
+  const std::string times = prefix + "relaxation_times";
+  reader.Read({times, "times in which terms relax, rising (viscoelastic)", "s", kPositive}, &c->relaxation_times, kRequired);
+  for (std::size_t k = 1; k < c->relaxation_times.size() && !reader.Help(); ++k)
+    if (!(c->relaxation_times[k] > c->relaxation_times[k - 1])) reader.Refuse(times, c->relaxation_times[k], "rising");
+  ReadShares(reader,
+             {prefix + "relaxation_shares", "shares of the shear modulus that relax in them (viscoelastic)", "", kNotNegative},
+             *c, &c->relaxation_shares, kRequired);
+  c->relaxation_bulk_shares = c->relaxation_shares;
+  ReadShares(
+      reader,
+      {prefix + "relaxation_bulk_shares",
+       "shares of the bulk modulus; where left out those of the shear modulus, so that Poisson's ratio stays (viscoelastic)", "",
+       kNotNegative},
+      *c, &c->relaxation_bulk_shares, false);
 }
 
 /// Share of its own growth of volume that a point keeps: enough to resist what the mean of its cell does not see, too little to
@@ -168,7 +226,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
 {
   Constants common;
   reader.Read({"-materials", "names of the materials"}, names, kRequired);
-  reader.Read({"-rate_scale", "simulated time over real time, for laws that know a rate", "", kPositive}, &common.rate_scale);
+  reader.Read({"-rate_scale", "simulated time over real time, for laws that know a rate", "", kPositive}, &c->time.rate_scale);
   reader.Read(
       {"-initial_temperature", "temperature at the start, and T0 of johnson_cook where a material gives none", "K", kPositive},
       &common.initial_temperature);
@@ -183,7 +241,8 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     }
     reader.Read({prefix + "density", "initial density", "kg/m3", kPositive}, &k.density, kRequired);
     if (model == "anisotropic" || reader.Help()) ReadCrystal(reader, prefix, c->model.geometry.kind, &k);
-    if (model == "j2" || reader.Help()) ReadHardening(reader, prefix, &k);
+    if (model == "j2" || reader.Help()) ReadFlow(reader, prefix, &k);
+    if (model == "viscoelastic" || reader.Help()) ReadRelaxation(reader, prefix, &k);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
     Material &material = *c->model.materials.back();
     bool average = material.Traits().averages_volume, split = material.Traits().splits;
@@ -194,7 +253,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, material);
     if (average) material.AverageVolume(KeptVolumeShare(k));
   }
-  if (!reader.Help()) WarnOfUnused(reader, c->model, common);
+  if (!reader.Help()) WarnOfUnused(reader, c->model, common, c->time.rate_scale);
 }
 
 } // namespace mlgimp

@@ -19,7 +19,7 @@ namespace
 {
 
 /// In the order of the file: that of the table, but new columns go to the end.
-std::vector<HistoryColumn> Columns(const Geometry &geometry, bool slow)
+std::vector<HistoryColumn> Columns(const Geometry &geometry, const QuasiStaticPlan &plan)
 {
   const Budgets table;
   std::vector<HistoryColumn> columns;
@@ -33,7 +33,8 @@ std::vector<HistoryColumn> Columns(const Geometry &geometry, bool slow)
   if (geometry.HasHoop()) add(Shown::kHoopColumn, 0, 1);
   add(Shown::kColumn, 2, geometry.Dim());
   add(Shown::kLaterColumn, 0, geometry.Dim());
-  if (slow) add(Shown::kSlowColumn, 0, 1);
+  if (plan.on) add(Shown::kSlowColumn, 0, 1);
+  if (plan.test.On()) add(Shown::kTestColumn, 0, 1);
   return columns;
 }
 
@@ -61,11 +62,12 @@ std::string Header(const std::vector<HistoryColumn> &columns)
 
 } // namespace
 
-std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, bool slow, long resume_step)
+std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, const QuasiStaticPlan &plan,
+                          long resume_step)
 {
   comm_ = comm;
   path_ = directory + "/history.csv";
-  columns_ = Columns(geometry, slow);
+  columns_ = Columns(geometry, plan);
   std::string problem = OnFirstRank(comm, "history_open", [&] {
     const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
     const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);

@@ -70,7 +70,7 @@ static std::string DescribeTip(const Case &c, const TipTrack &tip, double time)
   if (!c.model.indenter || !c.model.indenter->by_load) return "";
   const Indenter &indenter = *c.model.indenter;
   const double height = tip.At(time)[indenter.up], lowest = c.LowestTip(c.hierarchy.tip_level);
-  const std::string load = Format("time {}: -indenter_loads, {} N by now, ", time, indenter.by_load->force.Value(time));
+  const std::string load = Format("time {}: -indenter_loads, {} N by now, ", time, tip.LoadAt(time));
   if (tip.Overrun() > kMaxOverrun * (indenter.initial_surface - c.domain.lower[indenter.up]))
     return Format(
         "{}are not met although the tip comes down at {} m/s, a tenth of the speed of waves; try smaller or slower ones", load,

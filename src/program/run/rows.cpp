@@ -8,19 +8,19 @@ namespace mlgimp
 
 std::string RowWriter::Open(bool goes_on)
 {
-  return history_.Open(hierarchy_.Comm(), case_.output.directory, case_.model.geometry, case_.quasi_static.on,
+  return history_.Open(hierarchy_.Comm(), case_.output.directory, case_.model.geometry, case_.quasi_static,
                        goes_on ? state_.step : -1);
 }
 
-bool RowWriter::IsDue(long step, double time) const
+bool RowWriter::IsDue(long step, double schedule) const
 {
-  return step % case_.output.history_interval == 0 || case_.time.IsEnd(step, time);
+  return step % case_.output.history_interval == 0 || case_.time.IsEnd(step, schedule);
 }
 
 void RowWriter::Keep()
 {
   sums_.push_back(hierarchy_.SumBudgets());
-  rows_.push_back({state_.step, state_.time, hierarchy_.Tip().At(state_.time)});
+  rows_.push_back({state_.step, state_.time, state_.Schedule(), state_.test_time, hierarchy_.Tip().At(state_.time)});
 }
 
 /// The mean force of tractions from the last row to one at a time: on the body along the indenter's sideways motion, along x
@@ -47,11 +47,13 @@ void RowWriter::Complete(const Row &row, Budgets &budgets)
   state_.impulse_at_row = impulse;
   state_.time_at_row = row.time;
   budgets.time = row.time;
+  budgets.schedule = row.schedule;
+  budgets.test_time = row.test_time;
   budgets.depth = case_.model.indenter ? case_.model.indenter->Depth(row.tip) : 0;
   budgets.load = load_;
   for (int axis = 0; axis < case_.Dim(); ++axis) budgets.tip[axis] = row.tip[axis];
   watch_.Record(budgets);
-  warnings_.Check(hierarchy_.Comm(), case_, budgets, watch_, case_.time.IsEnd(row.step, row.time));
+  warnings_.Check(hierarchy_.Comm(), case_, budgets, watch_, case_.time.IsEnd(row.step, row.schedule));
 }
 
 std::string RowWriter::Write()

@@ -40,7 +40,7 @@ std::string RunOutput::Begin(const std::vector<std::string> &warnings)
 int RunOutput::FramesDue() const
 {
   const int all = case_.output.frames;
-  return case_.time.IsEnd(state_.step, state_.time) ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
+  return case_.time.IsEnd(state_.step, state_.Schedule()) ? all : static_cast<int>(std::floor(Done() * all * (1 + 1e-9)));
 }
 
 bool RunOutput::IsCheckpointDue() const

@@ -19,7 +19,7 @@ int Simulation::Run()
     Step();
     WriteFrameDue(); // with the levels, and the pressures of contact on them, that the step had
     if (!AtEnd()) FollowBoxes();
-    if (IsCheckDue()) ControlStep();
+    if (IsCheckDue()) Control();
     WriteDue();
     output_.ShowProgress(false);
     if (IsCheckDue()) ObeyOrders();
@@ -61,6 +61,7 @@ void Simulation::SetUp(MPI_Comm comm)
     state_.initial_points = budgets.points;
     state_.initial_created = Case::PointsCreated(budgets);
   }
+  clock_.TakeState(hierarchy_);
   RefuseIf(output_.CheckFolder());
   // A run that goes on as it was keeps the step and the clock of its levels until its next check.
   if (!same_ranks || state_.step_settings != StepSettings()) ControlStep();
@@ -83,14 +84,15 @@ void Simulation::Begin()
 void Simulation::Step()
 {
   const double begin = MPI_Wtime();
-  hierarchy_.MeasureNoise(output_.IsRowDue(state_.step + 1, state_.time + state_.time_step));
-  ExitOnError(hierarchy_.Advance({state_.time, state_.time_step}));
+  hierarchy_.MeasureNoise(output_.IsRowDue(state_.step + 1, state_.Schedule() + state_.time_step));
+  ExitOnError(hierarchy_.Advance(clock_.Step(state_.time, state_.time_step)));
   cost_.level_seconds += MPI_Wtime() - begin;
   for (int l = 0; l < hierarchy_.Levels(); ++l)
     cost_.point_steps += hierarchy_.At(l).PointStore().Count() * std::pow(case_.hierarchy.ratio, l);
   state_.time += state_.time_step;
   ++state_.step;
-  if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0) state_.time = case_.time.end_time;
+  if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0)
+    state_.time = case_.time.end_time + state_.delay;
 }
 
 void Simulation::WriteFrameDue()
@@ -134,19 +136,26 @@ void Simulation::ControlStep()
   const bool begun = state_.step > start_step_;
   ExitOnError(hierarchy_.CheckSpeeds(&speeds));
   if (speeds.failed) return;
-  const double speed = FastestSignal(case_, state_.time, speeds);
-  FailOrRefuseIf(WrongStep(case_, state_.time, speed, begun));
-  // A restart goes on with the speed of its run's last check, so that its steps are the same.
+  const double now = state_.Schedule(), speed = FastestSignal(case_, now, speeds);
+  FailOrRefuseIf(WrongStep(case_, now, speed, begun));
+  // A restart goes on with the speed and the step of its run's last check, so that its steps are the same.
   if (state_.wave_speed == 0 || begun) state_.wave_speed = speed;
-  state_.time_step = StepLength(case_, state_.time, state_.wave_speed);
+  if (begun || state_.step_settings != StepSettings()) state_.time_step = StepLength(case_, now, state_.wave_speed);
   ExitOnError(hierarchy_.Adapt(speeds, state_.time, state_.time_step, 2 * kControlInterval));
   CheckFailure(); // points that have failed may be anywhere
   FailOrRefuseIf(WrongPace(case_, hierarchy_, state_.time, NextCheck()));
 }
 
+/// All that is looked at and set every kControlInterval steps.
+void Simulation::Control()
+{
+  ControlStep();
+  clock_.Check(hierarchy_, state_.time, state_.time_step);
+}
+
 void Simulation::WriteDue()
 {
-  if (output_.IsRowDue(state_.step, state_.time)) output_.KeepRow();
+  if (output_.IsRowDue(state_.step, state_.Schedule())) output_.KeepRow();
   if (state_.step % kControlInterval == 0 || AtEnd() || output_.IsCheckpointDue()) {
     FailIf(output_.WriteRows());
     CheckFailure();

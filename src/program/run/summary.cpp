@@ -2,6 +2,7 @@
 #include "program/run/summary.hpp"
 
 #include "base/index.hpp"
+#include "program/slow_test/clock.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
 #include "program/system/versions.hpp"
@@ -118,6 +119,20 @@ Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
           {"hold_drift", Number(watch.SoFar().hold_drift)}};
 }
 
+/// The legs of a test that has a clock, and how many transits of a wave each has taken.
+Json TestJson(const TestPlan &test, const RunState &state)
+{
+  Json legs = Json::array();
+  for (std::size_t k = 0; k < test.legs.size(); ++k) {
+    const TestLeg &leg = test.legs[k];
+    legs.push_back({{"hold", leg.Holds()},
+                    {"from", Number(leg.times.front())},
+                    {"to", Number(leg.times.back())},
+                    {"transits", Number(TestClock::TransitsOf(state.test_clock, k))}});
+  }
+  return {{"time", Number(state.test_time)}, {"creep", Number(test.creep)}, {"legs", legs}};
+}
+
 Json MovesJson(const std::vector<LevelMove> &moves, int dim)
 {
   Json list = Json::array();
@@ -185,6 +200,7 @@ std::string WriteSummary(const Case &c, Hierarchy &hierarchy, const RunState &st
   json["contact_excess"] = Number(budgets.GivenByContact() + budgets.friction_work - budgets.indenter_work);
   json["noise_energy"] = Number(budgets.noise_energy);
   if (c.quasi_static.on) json["quasi_static"] = QuasiStaticJson(c, rows.Watch());
+  if (c.quasi_static.test.On()) json["test"] = TestJson(c.quasi_static.test, state);
   if (c.hierarchy.follow.kind != FollowKind::kNone) json["regrids"] = MovesJson(state.moves, c.Dim());
   json["warnings"] = rows.Advice().Lines();
   json["options"] = OptionsJson(c.identity);

@@ -134,7 +134,10 @@ void PlanRise(Case *c)
 std::vector<double> TravelTurns(OptionReader &reader, const Case &c, double gap)
 {
   std::vector<double> turns = {0};
-  for (double depth : c.quasi_static.turns) turns.push_back(gap + depth);
+  const TestPlan &test = c.quasi_static.test;
+  const std::vector<double> ends = test.On() ? EndsOf(test.legs) : std::vector<double>();
+  for (std::size_t k = 1; k < ends.size(); ++k) turns.push_back(gap + ends[k]);
+  for (std::size_t k = 0; k < c.quasi_static.turns.size() && !test.On(); ++k) turns.push_back(gap + c.quasi_static.turns[k]);
   if (turns.size() > 1) return turns;
   const IndenterMotion &motion = c.model.indenter->motion;
   const bool comes_back = std::isfinite(motion.turning_time);
@@ -145,11 +148,24 @@ std::vector<double> TravelTurns(OptionReader &reader, const Case &c, double gap)
   return turns;
 }
 
+/// The legs of a test through values at its times, and what its clock has to know of the body.
+void PlanTest(OptionReader &reader, const std::vector<double> &values, const char *option, Case *c)
+{
+  TestPlan &test = c->quasi_static.test;
+  if (test.times.empty()) return;
+  if (values.size() != test.times.size())
+    reader.Refuse("-test_times", Format("{} values", test.times.size()), "as many as {} has: {}", option, values.size());
+  if (values.size() < 2 && values.front() == 0) reader.Refuse(option, 0.0, "more than nothing at some time");
+  test.legs = LegsOf(values, test.times);
+  if (test.legs.front().Holds()) reader.Refuse(option, 0.0, "above 0 at the second of -test_times: nothing happens before");
+}
+
 void PlanDepths(OptionReader &reader, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
   Indenter &indenter = *c->model.indenter;
   const double gap = indenter.tip[indenter.up] - indenter.initial_surface;
+  PlanTest(reader, plan.turns, "-indenter_depths", c);
   const std::vector<double> turns = TravelTurns(reader, *c, gap);
   plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
   if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
@@ -158,6 +174,7 @@ void PlanDepths(OptionReader &reader, Case *c)
   plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
   const SlowSchedule schedule(plan.pace, turns, gap);
   indenter.motion = {schedule.Speed()};
+  plan.test.Place(schedule.Legs());
   plan.largest_speed = schedule.LargestSpeed();
   plan.end_time = schedule.EndTime();
   plan.holds = schedule.Holds();
@@ -168,7 +185,8 @@ void PlanLoads(OptionReader &reader, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
   PiecewiseLinear &force = c->model.indenter->by_load->force;
-  std::vector<double> turns = force.Turns();
+  PlanTest(reader, plan.test.loads, "-indenter_loads", c);
+  std::vector<double> turns = plan.test.On() ? EndsOf(plan.test.legs) : force.Turns();
   plan.load = *std::max_element(turns.begin(), turns.end());
   if (!(plan.load > 0)) reader.Refuse("-quasi_static", "true", "with a load above 0");
   plan.exponent = LoadExponent(*c, c->CellSize(c->LevelAtTip()));
@@ -178,6 +196,7 @@ void PlanLoads(OptionReader &reader, Case *c)
   if (turns.front() > 0) turns.insert(turns.begin(), 0.0);
   const SlowSchedule schedule(plan.pace, turns);
   force = schedule.Power(plan.exponent);
+  plan.test.Place(schedule.Legs());
   plan.end_time = schedule.EndTime();
   plan.holds = schedule.Holds();
 }
@@ -185,9 +204,9 @@ void PlanLoads(OptionReader &reader, Case *c)
 /// The time of the test that the schedule stands for, where a material knows its rates.
 std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 {
-  double scale = 0;
-  for (const auto &material : c.model.materials) scale = std::max(scale, material->RateScale());
-  return scale > 0 ? Format(", by -rate_scale that of a test of {} s", plan.end_time / scale) : "";
+  if (plan.test.On())
+    return Format(", and holds as long as what creeps in them needs, that of a test of {} s", plan.test.legs.back().times.back());
+  return c.model.HasRate() ? Format(", by -rate_scale that of a test of {} s", plan.end_time / c.time.rate_scale) : "";
 }
 
 /// What was chosen, in one line, and what the user should know of it, each in one.
@@ -224,6 +243,25 @@ void LeaveHistoryAside(OptionReader &reader)
     reader.Refuse("-indenter_control", text, "displacement or left out where -indenter_depths are given");
 }
 
+/// The times of the test that a slow one stands for.
+void ReadTest(OptionReader &reader, TestPlan *test)
+{
+  reader.Read({"-test_times",
+               "times of the test at its turns, with -indenter_depths, or -indenter_loads; two equal ones of these are a hold",
+               "s", kNotNegative},
+              &test->times);
+  for (std::size_t k = 1; k < test->times.size() && !reader.Help(); ++k)
+    if (!(test->times[k] > test->times[k - 1])) reader.Refuse("-test_times", test->times[k], "above the time before it");
+  reader.Read({"-test_creep",
+               "way that a tip may creep in a transit of waves, of its depth, in a hold of the depth that of the load",
+               "",
+               {0, 0.5, true, false}},
+              &test->creep);
+  std::string scale;
+  if (!test->times.empty() && !reader.Help() && FindValue("-rate_scale", &scale))
+    reader.Refuse("-rate_scale", scale, "left out with -test_times, which give the scale of each part of the test");
+}
+
 } // namespace
 
 void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *plan)
@@ -232,11 +270,15 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
       {"-quasi_static", "slow test through the turns of the indenter's history: speeds, ramps, holds and damping are chosen"},
       &plan->on);
   if (plan->on && !has_indenter && !reader.Help()) reader.Refuse("-quasi_static", "true", "left out without -indenter");
+  std::string times;
+  if (!plan->on && !reader.Help() && FindValue("-test_times", &times))
+    reader.Refuse("-test_times", times, "given with -quasi_static, whose schedule they stand for");
   if (!plan->on && !reader.Help()) return;
   reader.Read({"-indenter_depths", "depths at the turns of a slow test, in place of its history", "m", kNotNegative},
               &plan->turns);
   if (reader.Help()) plan->turns.clear();
   if (!plan->turns.empty()) LeaveHistoryAside(reader);
+  ReadTest(reader, &plan->test);
   reader.Read({"-quasi_static_tolerance", "share of the load that inertia and damping may add", "", {0, 0.1, true, false}},
               &plan->tolerance);
 }
@@ -258,6 +300,8 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.wave_speed = plan.distance / plan.pace.transit;
   plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));
   if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
+  if (!plan.test.times.empty() && std::isfinite(end_time))
+    reader.Refuse("-end_time", end_time, "left out with -test_times: the test ends at the last of them");
   PlanRise(c);
   c->model.indenter->by_load ? PlanLoads(reader, c) : PlanDepths(reader, c);
   double &damping = c->model.nodal.damping;
@@ -270,10 +314,9 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
   Describe(*c, end_time, &plan);
-  const auto &materials = c->model.materials;
-  if (std::any_of(materials.begin(), materials.end(), [](const auto &material) { return material->RateScale() == 1; }))
-    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; the scale is its time "
-                     "over that of the test");
+  if (c->model.HasRate() && c->time.rate_scale == 1 && !plan.test.On())
+    reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; -test_times give the "
+                     "times of the test, or the scale is the simulation's time over the test's");
 }
 
 } // namespace mlgimp

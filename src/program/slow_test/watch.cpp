@@ -55,7 +55,7 @@ void QuasiStaticWatch::Record(Budgets &row)
   const double kinetic = row.kinetic_energy - row.noise_energy;
   row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
   largest_.load = std::max<double>(largest_.load, row.load_quasi_static);
-  CheckHold(row.time, plan_.depth > 0 ? row.load : row.depth);
+  CheckHold(row.schedule, plan_.depth > 0 ? row.load : row.depth);
   if (!IsLoaded(row)) return;
   const auto raise = [](double *largest, double now) { *largest = std::max(*largest, now); };
   raise(&largest_.speed, speed_);

@@ -25,16 +25,19 @@ struct MaterialConstants {
   double hardening_modulus = NAN;   ///< Pa
   std::string hardening = "linear"; ///< name of the law
   double hardening_exponent = NAN, hardening_strain = NAN;
-  double saturation_stress = NAN, saturation_strain = NAN;      ///< Pa, -
-  std::vector<double> plastic_strains = {}, flow_stresses = {}; ///< of a table, -, Pa
-  double rate_sensitivity = NAN, reference_rate = NAN;          ///< -, 1/s
-  double thermal_exponent = NAN, melting_temperature = NAN;     ///< -, K
-  double heat_capacity = NAN;                                   ///< per mass, J/(kg K)
-  double rate_scale = 1;                                        ///< simulated time over real time
-  double initial_temperature = 293;                             ///< K
-  double reference_temperature = NAN;                           ///< of the constants, where not the initial one, K
-  bool adiabatic = false;                                       ///< plastic work heats the point
-  Crystal crystal = {};                                         ///< of the law anisotropic
+  double saturation_stress = NAN, saturation_strain = NAN;           ///< Pa, -
+  std::vector<double> plastic_strains = {}, flow_stresses = {};      ///< of a table, -, Pa
+  double rate_sensitivity = NAN, reference_rate = NAN;               ///< -, 1/s
+  double thermal_exponent = NAN, melting_temperature = NAN;          ///< -, K
+  double heat_capacity = NAN;                                        ///< per mass, J/(kg K)
+  double initial_temperature = 293;                                  ///< K
+  double reference_temperature = NAN;                                ///< of the constants, where not the initial one, K
+  bool adiabatic = false;                                            ///< plastic work heats the point
+  std::string rate_law = "none";                                     ///< how flow depends on its rate
+  double creep_stress = NAN, creep_rate = NAN, creep_exponent = NAN; ///< Pa, 1/s, -
+  std::vector<double> relaxation_times = {}, relaxation_shares = {}, relaxation_bulk_shares = {}; ///< of terms, s, -, -
+  double activation_energy = 0;                                                                   ///< J/mol
+  Crystal crystal = {};                                                                           ///< of the law anisotropic
 };
 
 /// Flow stress, and its derivatives by plastic strain and by its rate, Pa, Pa, Pa s.
@@ -44,7 +47,7 @@ struct FlowPoint {
 
 /// sy + H a.
 struct LinearHardening {
-  static constexpr bool kThermal = false, kOfRate = false;
+  static constexpr bool kThermal = false, kOfRate = false, kCreeps = false;
   explicit LinearHardening(const MaterialConstants &c) : yield(c.yield_stress), modulus(c.hardening_modulus) {}
   [[gnu::always_inline]] FlowPoint At(double a, double, double) const { return {yield + modulus * a, modulus, 0}; }
   double yield, modulus;
@@ -52,7 +55,7 @@ struct LinearHardening {
 
 /// Swift: sy (1 + a/e0)^n; the power law of the indentation literature is that with e0 = sy/E.
 struct SwiftHardening {
-  static constexpr bool kThermal = false, kOfRate = false;
+  static constexpr bool kThermal = false, kOfRate = false, kCreeps = false;
   explicit SwiftHardening(const MaterialConstants &c)
       : yield(c.yield_stress), exponent(c.hardening_exponent),
         inverse_strain(std::isnan(c.hardening_strain) ? c.youngs_modulus / c.yield_stress : 1 / c.hardening_strain)
@@ -68,7 +71,7 @@ struct SwiftHardening {
 
 /// Voce: ss - (ss - sy) exp(-a/ec).
 struct VoceHardening {
-  static constexpr bool kThermal = false, kOfRate = false;
+  static constexpr bool kThermal = false, kOfRate = false, kCreeps = false;
   explicit VoceHardening(const MaterialConstants &c)
       : saturation(c.saturation_stress), range(c.saturation_stress - c.yield_stress), strain(c.saturation_strain)
   {
@@ -83,7 +86,7 @@ struct VoceHardening {
 
 /// Ludwik: sy + B a^n.
 struct LudwikHardening {
-  static constexpr bool kThermal = false, kOfRate = false;
+  static constexpr bool kThermal = false, kOfRate = false, kCreeps = false;
   explicit LudwikHardening(const MaterialConstants &c)
       : yield(c.yield_stress), modulus(c.hardening_modulus), exponent(c.hardening_exponent)
   {
@@ -98,7 +101,7 @@ struct LudwikHardening {
 
 /// Straight lines between given points, level after the last.
 struct TableHardening {
-  static constexpr bool kThermal = false, kOfRate = false;
+  static constexpr bool kThermal = false, kOfRate = false, kCreeps = false;
   explicit TableHardening(const MaterialConstants &c) : strains(c.plastic_strains), stresses(c.flow_stresses) {}
   [[gnu::always_inline]] FlowPoint At(double a, double, double) const
   {
@@ -113,7 +116,7 @@ struct TableHardening {
 
 /// Johnson & Cook (1983): (sy + B a^n) (1 + C ln max(1, r/r0)) (1 - T*^m), T* = (T - T0)/(Tm - T0).
 struct JohnsonCookHardening {
-  static constexpr bool kThermal = true, kOfRate = true;
+  static constexpr bool kThermal = true, kOfRate = true, kCreeps = false;
   explicit JohnsonCookHardening(const MaterialConstants &c)
       : ludwik(c), sensitivity(c.rate_sensitivity), reference_rate(c.reference_rate), exponent(c.thermal_exponent),
         reference(std::isnan(c.reference_temperature) ? c.initial_temperature : c.reference_temperature),
@@ -138,6 +141,7 @@ struct FlowStates {
   const double *trial;          ///< von Mises' stress q of the step without flow, Pa
   const double *plastic_strain; ///< at its start
   const double *temperature;    ///< at its start, K; null where the law is not kThermal
+  const double *before;         ///< von Mises' stress at its start, Pa; null where the law is not kCreeps
   double rate_per_strain;       ///< real rate for a plastic strain of one in the step, 1/s
 };
 
@@ -188,28 +192,36 @@ template <class Law>
   return still_open;
 }
 
-/// The plastic strain d of each point in a step, with q - 3 mu d = flow(a + d); none within the yield surface. Newton's method
-/// from the right, where flow rises less and less: in d, and in ln d where flow rises with the rate, as that is a straight line
-/// in ln d: no farther than where that alone takes up q. Halving where it leaves the interval, and in every third step of many:
-/// where a metal first yields, fast, d and ln d can send it to and fro for ever.
+/// The plastic strain d of each point in a step and the flow stress at its start, without a rate, [count], with q - 3 mu d =
+/// flow(a + d); none within the yield surface. Newton's method from the right, where flow rises less and less: in d, and in ln d
+/// where flow rises with the rate, as that is a straight line in ln d: no farther than where that alone takes up q. Halving where
+/// it leaves the interval, and in every third step of many: where a metal first yields, fast, d and ln d can send it to and fro
+/// for ever.
 template <class Law>
-[[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
+[[gnu::always_inline]] inline void FindFlow(const Law &law, double three_mu, FlowStates states, double *strain, double *start)
 {
   constexpr int kMaxSteps = 200, kFewSteps = 8; // rounding
   FlowSearch search;
-  alignas(64) double start[kBlock];
   double open = 0;
 #pragma omp simd reduction(+ : open)
   for (int p = 0; p < states.count; ++p) {
     start[p] = law.At(states.plastic_strain[p], 0, TemperatureOf(law, states, p)).stress;
-    step.strain[p] = search.upper[p] = std::max(states.trial[p] - start[p], 0.0) / three_mu;
+    strain[p] = search.upper[p] = std::max(states.trial[p] - start[p], 0.0) / three_mu;
     search.lower[p] = 0, search.open[p] = states.trial[p] > start[p] ? 1 : 0;
     open += search.open[p];
   }
   for (int k = 0; k < kMaxSteps && open > 0; ++k) {
     const bool halves = k > kFewSteps && k % 3 == 0;
-    open = Approach(law, three_mu, states, halves, search, step.strain);
+    open = Approach(law, three_mu, states, halves, search, strain);
   }
+}
+
+/// Plastic strains, and the work by the flow stress at both ends of the step at its rate.
+template <class Law>
+[[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
+{
+  alignas(64) double start[kBlock];
+  FindFlow(law, three_mu, states, step.strain, start);
   const double rate = Law::kOfRate ? states.rate_per_strain : 0;
 #pragma omp simd
   for (int p = 0; p < states.count; ++p) {

@@ -1,6 +1,6 @@
 """Exact solutions to compare with, independent of the program. All values are SI, all functions vectorised.
 
-Plane strain throughout; tension is positive; positions are those of the reference configuration.
+Plane strain but for crystals; tension is positive; positions are those of the reference configuration.
 """
 
 import sys
@@ -229,3 +229,52 @@ def flat_punch_contact(half_width, load):
     """Returns the contact of a flat punch: p = P/(pi sqrt(a^2 - x^2)), for half_width a (m), load P (N/m)."""
     return HalfPlaneContact(half_width, load,
                             lambda x: load / (np.pi * np.sqrt(half_width**2 - x**2)))
+
+
+VOIGT = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+
+
+def stiffness_tensor(constants):
+    """Returns C_ijkl, array [3][3][3][3], of the constants of a crystal in the order of -NAME_elastic_constants (3, 5, 6 or 9)."""
+    c, C = list(constants), np.zeros((6, 6))
+    if len(c) == 9:
+        normal, shear = [[c[0], c[3], c[4]], [c[3], c[1], c[5]], [c[4], c[5], c[2]]], c[6:]
+    else:
+        c11, c12, c13, c33, c44 = c[:5] if len(c) > 3 else [c[0], c[1], c[1], c[0], c[2]]
+        normal = [[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]]
+        shear = [c44, c44, c44 if len(c) == 3 else (c11 - c12) / 2]
+    C[:3, :3], C[range(3, 6), range(3, 6)] = normal, shear
+    if len(c) == 6:
+        C[0, 3] = C[3, 0] = C[4, 5] = C[5, 4] = c[5]
+        C[1, 3] = C[3, 1] = -c[5]
+    place = {pair: k for k, (i, j) in enumerate(VOIGT) for pair in ((i, j), (j, i))}
+    return np.array([[[[C[place[i, j], place[k, l]] for l in range(3)] for k in range(3)] for j in range(3)] for i in range(3)])
+
+
+def indentation_modulus(C, normal, directions=180):
+    """Returns the modulus M by which an anisotropic half space yields to a round rigid tip: P = 2 M a h under a flat punch.
+
+    C_ijkl [3][3][3][3]; normal [3] of the surface. A force on the surface moves it at a distance r in the direction t by
+    n L(t)^-1 n/(2 pi r), with L(t) = int_0^2pi [(mm) - (mp)(pp)^-1(pm)] dphi/(2 pi), m and p at right angles to t and to each
+    other, (ab)_jk = a_i C_ijkl b_l; M = 2/mean(n L^-1 n) over t, E/(1 - nu^2) of isotropic bodies. Exact where the contact is
+    round. Source: Barnett & Lothe, Phys. Norv. 8 (1975) 13; Vlassak & Nix, J. Mech. Phys. Solids 42 (1994) 1223.
+    """
+    n = np.array(normal, float) / np.linalg.norm(normal)
+    e1 = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
+    e1 /= np.linalg.norm(e1)
+    e2 = np.cross(n, e1)
+    angle = np.pi * np.arange(directions) / directions
+    across = np.cos(angle)[:, None] * e1 + np.sin(angle)[:, None] * e2  # at right angles to t
+    c, s = np.cos(angle)[None, :, None], np.sin(angle)[None, :, None]
+    m, p = c * across[:, None] + s * n, c * n - s * across[:, None]
+
+    def product(a, b):
+        return np.einsum("xyi,ijkl,xyl->xyjk", a, C, b, optimize=True)
+
+    L = np.mean(product(m, m) - product(m, p) @ np.linalg.inv(product(p, p)) @ product(p, m), axis=1)
+    return 2 / np.mean(np.einsum("i,xij,j->x", n, np.linalg.inv(L), n))
+
+
+def hexagonal_indentation_modulus(C11, C12, C13, C33, C44):
+    """Returns M on the basal plane of a hexagonal crystal. Source: Delafargue & Ulm, Int. J. Solids Struct. 41 (2004) 7351."""
+    return 2 * np.sqrt((C11 * C33 - C13**2) / C11 / (1 / C44 + 2 / (np.sqrt(C11 * C33) + C13)))

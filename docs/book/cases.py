@@ -52,6 +52,18 @@ CASES = [
          "The plastic zone spreads along the interface, because the substrate does not yield. Each unloading is steep: most of the "
          "depth stays.",
          (("equivalent_plastic_strain", (-4.5e-6, 4.5e-6, 13.5e-6, 16.6e-6)), ("load_depth", None))),
+    Case("film_stress", "A film under compression",
+         "A metal film of 1.2 µm on silicon has a compressive stress of 200 MPa, half its yield stress, before a cone is pressed 400 nm "
+         "into it: `-film_initial_stress -200e6,0`. The side of the block bears it.",
+         "Far from the tip the film keeps its stress, and below the tip it is far larger. More metal piles up than without a stress, so "
+         "that the contact is larger and so is the load; load over contact area is the same.",
+         (("stress_xx", (-4.5e-6, 4.5e-6, 13.5e-6, 16.7e-6)), ("load_depth", None))),
+    Case("silicon_001", "A ball on a crystal",
+         "A ball with a radius of 10 µm is pressed 100 nm into silicon on its (001) plane; a quarter is simulated, on three levels. Silicon "
+         "is stiffer along [111] than along [100]: its indentation modulus is 164.8 GPa on (001) and 175.3 GPa on (111).",
+         "At its largest depth the ball carries four times 5.7 mN. With 4/3 M √R h³ᐟ² a half space would carry four times 5.5 mN; the "
+         "block has only 12 times the contact's radius.",
+         (("stress_zz", (0, 3.2e-6, 9.6e-6, 13.2e-6)),)),
     Case("rod_impact", "The heat of an impact",
          "A copper rod meets a rigid wall at 150 m/s. Its flow stress follows Johnson and Cook: it rises with strain and with the "
          "rate of strain and falls with temperature, and plastic work heats each point.",

@@ -24,9 +24,12 @@ enum class StressUpdate { kUsl, kUsf, kMusl };
 struct Body {
   std::string name;
   std::unique_ptr<Region> region;
-  int material;        ///< place in Model::materials
-  Vec3 velocity;       ///< initial, m/s
-  int points_per_cell; ///< per direction
+  int material;                     ///< place in Model::materials
+  Vec3 velocity;                    ///< initial, m/s
+  int points_per_cell;              ///< per direction
+  Sym3 stress = {};                 ///< initial, Pa
+  Vec3 stretch = {1, 1, 1};         ///< initial, along the axes: shape and place are those of the stretched body
+  std::vector<double> history = {}; ///< of the material with this stress; empty where there is none
 };
 
 struct Model {

@@ -7,6 +7,7 @@
 
 #include "base/log.hpp"
 #include "base/tensor.hpp"
+#include "physics/crystal/stiffness.hpp"
 #include "physics/flow/hardening.hpp"
 
 #include <algorithm>
@@ -23,15 +24,18 @@ struct LawTraits {
   bool has_rate = false;        ///< the stress depends on how fast points are strained
   bool creeps = false;          ///< and it strains under a stress that stays, or loses it under a strain that does
   int history = 0;              ///< internal variables of a point
+  int skew_axes = 0;            ///< bits: axes across which the material is not its own mirror image
 };
 
 /// Hooke's constants, which all laws have at small strain.
 struct Elasticity {
   explicit Elasticity(const MaterialConstants &c)
       : density(c.density), lambda(c.youngs_modulus * c.poissons_ratio / ((1 + c.poissons_ratio) * (1 - 2 * c.poissons_ratio))),
-        mu(c.youngs_modulus / (2 * (1 + c.poissons_ratio)))
+        mu(c.youngs_modulus / (2 * (1 + c.poissons_ratio))), fastest(lambda + 2 * mu),
+        plane_modulus(4 * mu * (lambda + mu) / (lambda + 2 * mu))
   {
   }
+  LawTraits Traits() const { return {}; }
   Sym3 Hooke(const Sym3 &strain) const { return Sphere(lambda * Trace(strain)) + (2 * mu) * strain; }
   double HookeEnergy(const Sym3 &strain) const
   {
@@ -40,7 +44,7 @@ struct Elasticity {
 
   double Bulk() const { return lambda + 2 * mu / 3; } ///< K, Pa
   /// E/(1 - nu^2), by which a half space yields to pressure, Pa.
-  double PlaneModulus() const { return 4 * mu * (lambda + mu) / (lambda + 2 * mu); }
+  double PlaneModulus() const { return plane_modulus; }
   /// Energy, J/m3, and |e|^2 of the strain e that has this stress by Hooke's law.
   double EnergyOf(const Sym3 &stress) const
   {
@@ -53,7 +57,8 @@ struct Elasticity {
     return of_mean * mean * mean + of_shear * DeviatorSquared(stress, mean);
   }
 
-  double density, lambda, mu; ///< initial density, kg/m3; Lame's constants, Pa
+  double density, lambda, mu;    ///< initial density, kg/m3; Lame's constants, Pa
+  double fastest, plane_modulus; ///< rho c^2 of the fastest wave at small strain; see PlaneModulus; Pa
 
 private:
   static double DeviatorSquared(const Sym3 &stress, double mean)
@@ -105,6 +110,41 @@ struct StVenantKirchhoff : Elasticity {
   {
     return (lambda + 2 * mu) / density * std::max(1.0, 0.5 * stretch2 * (3 * stretch2 - 1));
   }
+};
+
+/// S = C:E with constants that need not be isotropic. lambda and mu are those of the mean over all orientations.
+struct Anisotropic : Elasticity {
+  /// With the constants of an isotropic body where there are none of a crystal.
+  explicit Anisotropic(const MaterialConstants &c)
+      : Elasticity(c), stiffness(c.crystal.stiffness.Given() ? c.crystal.stiffness : IsotropicStiffness(lambda, mu))
+  {
+    mu = MeanShear(stiffness);
+    lambda = MeanBulk(stiffness) - 2 * mu / 3;
+    fastest = FastestModulus(stiffness);
+    plane_modulus = IndentationModulus({stiffness, c.crystal.up});
+  }
+  LawTraits Traits() const
+  {
+    LawTraits traits;
+    for (int axis = 0; axis < 3; ++axis) traits.skew_axes |= IsSkew(stiffness, axis) ? 1 << axis : 0;
+    return traits;
+  }
+  Sym3 Stress(LawPoint &p) const { return (1 / Determinant(p.F)) * Push(p.F, stiffness * StVenantKirchhoff::GreenStrain(p.F)); }
+  double Energy(const LawPoint &p) const
+  {
+    const Sym3 strain = StVenantKirchhoff::GreenStrain(p.F);
+    return 0.5 * Contract(stiffness * strain, strain);
+  }
+  /// rho c^2 = u F C:(NN) F^T u + N S N for N = F^T n: stretch2^2 times that at no strain, and rows of the Kirchhoff stress.
+  double WaveSpeedSquared(const Mat3 &F, double stretch2) const
+  {
+    const Sym3 tau = Push(F, stiffness * StVenantKirchhoff::GreenStrain(F));
+    const double xy = std::abs(tau.xy), yz = std::abs(tau.yz), xz = std::abs(tau.xz);
+    const double tension = std::max(std::max(tau.xx + xy + xz, tau.yy + xy + yz), std::max(tau.zz + yz + xz, 0.0));
+    return (stretch2 * stretch2 * fastest + tension) / density;
+  }
+
+  Stiffness stiffness;
 };
 
 /// Small strain: sigma = lambda tr(e) I + 2 mu e, e = sym(F) - I. For verification at small deformation.

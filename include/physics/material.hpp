@@ -43,7 +43,7 @@ public:
   const Elasticity &Elastic() const { return elasticity_; }
   const LawTraits &Traits() const { return traits_; }
   double Density() const { return elasticity_.density; } ///< initial density, kg/m3
-  double SpeedOfSound() const;                           ///< sqrt((lambda + 2 mu)/rho0), m/s
+  double SpeedOfSound() const;                           ///< of the fastest wave at small strain, m/s
 
   /// Against locking, the growth of volume of points is the mean over those of a cell, but for the share of their own.
   bool AveragesVolume() const { return own_growth_ < 1; }

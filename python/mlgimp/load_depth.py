@@ -115,7 +115,9 @@ def tip_of_run(options):
 
 
 def poisson_of_run(options):
-    """Returns the Poisson's ratio of a run's materials; None where they differ or are not known."""
+    """Returns the Poisson's ratio of a run's materials; None where they differ, are crystals or are not known."""
+    if any(name.endswith("_elastic_constants") for name in options):
+        return None
     ratios = {float(value) for name, value in options.items() if name.endswith("_poissons_ratio")}
     return ratios.pop() if len(ratios) == 1 else None
 

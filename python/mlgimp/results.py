@@ -192,12 +192,13 @@ def has_indenter(history):
 def energy_residual(history):
     """Returns the energy that the run cannot account for, an array [rows] in J.
 
-    Energy now (kinetic, strain, dissipated) less the work put in (external, indenter) and the kinetic
-    energy at the start: 0 for a perfect balance, positive where energy has appeared.
+    Energy now (kinetic, strain, dissipated) less the work put in (external, indenter), the kinetic energy at the start and, of
+    bodies with an initial stress, the strain energy at time 0: 0 for a perfect balance, positive where energy has appeared.
     """
     present = history["kinetic_energy"] + history["strain_energy"] + history["dissipated_energy"]
     supplied = history["external_work"] + history["indenter_work"]
-    return present - supplied - history["kinetic_energy"][:1]
+    stored = history["strain_energy"][:1] * (history["time"][:1] == 0)
+    return present - supplied - history["kinetic_energy"][:1] - stored
 
 
 def number_in(name):

@@ -298,6 +298,8 @@ static double ShareOf(const Load &load, const Tile &tile, const Tile &point, con
   return share;
 }
 
+/// A body with an initial stress has the shape that its stretches have brought about: a point's box is its tile, and the mass is
+/// that of the undeformed box.
 void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
 {
   const Body &body = model_.bodies[seed.body];
@@ -313,13 +315,16 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
     const std::ptrdiff_t at = PointArrays::At(p, dim) + d;
     a.position[at] = a.initial_position[at] = x[d];
     a.velocity[at] = body.velocity[d];
-    a.half_size[at] = half_size[d];
-    volume *= 2 * half_size[d];
+    a.half_size[at] = half_size[d] / body.stretch[d];
+    volume *= 2 * a.half_size[at];
   }
-  a.mass[p] = volume * model_.geometry.OutOfPlane(x[0]) * material.Density();
-  if (a.initial_radius) a.initial_radius[p] = x[0];
-  for (int c = 0; c < dim * dim; ++c) a.F[PointArrays::At(p, dim * dim) + c] = c % (dim + 1) == 0 ? 1 : 0;
-  std::fill_n(a.stress + PointArrays::At(p, a.stress_components), a.stress_components, 0.0);
+  const double radius = x[0] / body.stretch[2]; // undeformed, in axisymmetry
+  a.mass[p] = volume * model_.geometry.OutOfPlane(radius) * material.Density();
+  if (a.initial_radius) a.initial_radius[p] = radius;
+  for (int c = 0; c < dim * dim; ++c) a.F[PointArrays::At(p, dim * dim) + c] = c % (dim + 1) == 0 ? body.stretch[c / dim] : 0;
+  WithGeometry(model_.geometry.kind, [&](auto policy) {
+    StoreStress<decltype(policy)>(body.stress, a.stress + PointArrays::At(p, a.stress_components));
+  });
   std::fill_n(a.short_wave_stress + PointArrays::At(p, a.rate_components), a.rate_components, 0.0);
   for (int k = 0; k < a.loads; ++k) {
     const Load &load = model_.loads[k];
@@ -329,6 +334,7 @@ void Seeding::MakePoint(const Seed &seed, const PointArrays &a, int p) const
   if (!a.history) return;
   std::fill_n(a.history + PointArrays::At(p, a.history_components), a.history_components, 0.0);
   material.InitialHistory(a.history + PointArrays::At(p, a.history_components));
+  std::copy(body.history.begin(), body.history.end(), a.history + PointArrays::At(p, a.history_components));
 }
 
 /// The cells whose tiles may be this rank's.

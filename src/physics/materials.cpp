@@ -8,7 +8,7 @@
 namespace mlgimp
 {
 
-double Material::SpeedOfSound() const { return std::sqrt((elasticity_.lambda + 2 * elasticity_.mu) / elasticity_.density); }
+double Material::SpeedOfSound() const { return std::sqrt(elasticity_.fastest / elasticity_.density); }
 
 namespace
 {
@@ -19,7 +19,8 @@ template <class Law, class Geometry> class BatchMaterial : public Material
   static constexpr int kS = Geometry::kStress;
 
 public:
-  explicit BatchMaterial(const MaterialConstants &c) : Material(Law(c), LawTraits{}), law_(c) {}
+  explicit BatchMaterial(const MaterialConstants &c) : BatchMaterial(Law(c)) {}
+  explicit BatchMaterial(const Law &law) : Material(law, law.Traits()), law_(law) {}
 
   void UpdateStress(const MaterialBatch &batch, double *) const override
   {
@@ -90,6 +91,7 @@ constexpr Model kModels[] = {
     {"st_venant_kirchhoff", Create<StVenantKirchhoff>},
     {"linear", Create<LinearElastic>},
     {"viscoelastic", CreateViscoelastic},
+    {"anisotropic", Create<Anisotropic>},
 };
 
 } // namespace

@@ -251,6 +251,25 @@ class Contact(unittest.TestCase):
 
 # ---- results.py, plot.py, figures.py ----
 
+class Crystals(unittest.TestCase):
+    """Indentation moduli by the integral of Barnett and Lothe."""
+
+    def test_isotropic_half_space(self):
+        lam, mu = analytic.lame_constants(110, 0.25)
+        found = analytic.indentation_modulus(analytic.stiffness_tensor([lam + 2 * mu, lam, mu]), (1, 2, 3))
+        self.assertLess(abs(found / analytic.plane_strain_modulus(110, 0.25) - 1), 1e-10)
+
+    def test_basal_plane(self):
+        zinc = (163.7, 36.4, 53, 63.5, 38.8)
+        found = analytic.indentation_modulus(analytic.stiffness_tensor(zinc), (0, 0, 1))
+        self.assertLess(abs(found / analytic.hexagonal_indentation_modulus(*zinc) - 1), 1e-10)
+
+    def test_fewer_directions_give_the_same(self):
+        quartz = analytic.stiffness_tensor((86.8, 7.0, 11.9, 105.8, 58.2, -18.0))
+        few, many = (analytic.indentation_modulus(quartz, (1, 2, 3), directions) for directions in (60, 180))
+        self.assertLess(abs(few / many - 1), 1e-10)
+
+
 class Scripts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -117,6 +117,44 @@ PetscErrorCode TestFlight(const Case &levels, const Scheme &scheme)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A strained and turned crystal that is too soft to move itself flies through a finer level: every point, split, merged and sent
+/// to others, keeps the stress of its law.
+PetscErrorCode TestStrainedFlight(bool merge)
+{
+  LevelsRun run;
+  MaterialConstants soft = kMaterial;
+  PetscFunctionBeginUser;
+  run.model.geometry.kind = GeometryKind::kSpatial;
+  soft.crystal.stiffness = StiffnessOf({86.8e-20, 7.0e-20, 11.9e-20, 105.8e-20, 58.2e-20, -18.0e-20}); // quartz
+  AddBody(run.model, CreateBoxRegion(kBlock), "anisotropic", soft, {3, 2, 1});
+  HierarchySettings settings = NestedLevels(run.model, kSpace, 1, 2, kSpaceBox);
+  settings.merge_siblings = merge;
+  PetscCall(run.Create(settings));
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  LawPoint turned{{1.05 * c, -0.95 * s, 0.02, 1.05 * s, 0.95 * c, 0.03, 0.01, 0, 1.02}, {}, {}};
+  const double F[9] = {turned.F.xx, turned.F.xy, turned.F.xz, turned.F.yx, turned.F.yy,
+                       turned.F.yz, turned.F.zx, turned.F.zy, turned.F.zz};
+  PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) { std::copy_n(F, 9, a.F + 9 * p); }));
+  const Sym3 exact = Anisotropic(soft).Stress(turned);
+  const double wanted[6] = {exact.xx, exact.yy, exact.zz, exact.xy, exact.yz, exact.xz};
+  double error = 0;
+  run.dt = 0.1;
+  for (int step = 0; step < 75; ++step) {
+    PetscCall(run.Advance());
+    PetscCall(run.ForEachPoint([&](const PointArrays &a, int p, int) {
+      for (int k = 0; k < 6; ++k)
+        error = Largest({error, std::abs(a.stress[6 * p + k] - wanted[k]) / soft.crystal.stiffness.At(2, 2)});
+    }));
+  }
+  Budgets budgets;
+  PetscCall(run.hierarchy.ReduceBudgets(&budgets));
+  const std::string name = merge ? "strained crystal in flight, merging: " : "strained crystal in flight: ";
+  ExpectAtMost(name + "stress, of C33", error, 1e-11); // 1e-12 seen, as that of velocities at nodes is rounded
+  ExpectTrue(name + "points are split" + (merge ? " and merged" : ""),
+             budgets.points_split > 0 && (!merge || budgets.points_merged > 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Children get the velocity of their own place: v = V + G (x - V t) in a body that moves into the finer level.
 PetscErrorCode TestSplitVelocity(int ratio)
 {
@@ -196,6 +234,11 @@ TEST(LevelsCrossing, Space)
 {
   EXPECT_EQ(TestFlight({"space", kSpaceBox, 2, false, 3}, kDefaultScheme), PETSC_SUCCESS);
   EXPECT_EQ(TestFlight({"space, merging", kSpaceBox, 2, true, 3}, kDefaultScheme), PETSC_SUCCESS);
+}
+
+TEST(LevelsCrossing, StrainedCrystal)
+{
+  for (bool merge : {false, true}) EXPECT_EQ(TestStrainedFlight(merge), PETSC_SUCCESS);
 }
 
 TEST(LevelsCrossing, VelocityOfChildren)

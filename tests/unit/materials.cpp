@@ -368,7 +368,7 @@ TEST(Materials, NoLimitHoldsForWhatIsNoNumber)
 
 TEST(Materials, StressIsDerivativeOfEnergy)
 {
-  for (const char *law : {"neo_hookean", "st_venant_kirchhoff", "linear", "j2"}) StressIsDerivativeOfEnergy(law);
+  for (const char *law : {"neo_hookean", "st_venant_kirchhoff", "linear", "j2", "anisotropic"}) StressIsDerivativeOfEnergy(law);
 }
 
 TEST(Materials, SmallStrains)
@@ -379,7 +379,7 @@ TEST(Materials, SmallStrains)
 
 TEST(Materials, Objectivity)
 {
-  for (const char *law : {"neo_hookean", "st_venant_kirchhoff", "j2"}) Objectivity(law);
+  for (const char *law : {"neo_hookean", "st_venant_kirchhoff", "j2", "anisotropic"}) Objectivity(law);
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "base/log.hpp"
+#include "physics/crystal/stiffness.hpp"
 #include "physics/rows.hpp"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ struct MaterialConstants {
   double creep_stress = NAN, creep_rate = NAN, creep_exponent = NAN; ///< Pa, 1/s, -
   std::vector<double> relaxation_times = {}, relaxation_shares = {}, relaxation_bulk_shares = {}; ///< of terms, s, -, -
   double activation_energy = 0;                                                                   ///< J/mol
+  Crystal crystal = {};                                                                           ///< of the law anisotropic
 };
 
 /// Flow stress, and its derivatives by plastic strain and by its rate, Pa, Pa, Pa s.

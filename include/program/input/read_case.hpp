@@ -22,7 +22,12 @@ void CheckPaths(OptionReader &reader, const Case &c);
 /// The grids of the levels, once all is known that they follow.
 void PlaceLevels(Case *c);
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names);
+/// The constants of a crystal in the axes of the run, and Young's modulus and Poisson's ratio of their mean over all
+/// orientations.
+void ReadCrystal(OptionReader &reader, const std::string &prefix, GeometryKind kind, MaterialConstants *c);
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
+/// The stress of a body at the start, and the stretches that go with it.
+void ReadInitialStress(OptionReader &reader, const Model &model, Body *body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
 /// What goes with a method of contact that has been chosen.

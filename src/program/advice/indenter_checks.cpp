@@ -151,6 +151,17 @@ void CheckBesideSide(OptionReader &reader, const Case &c, int axis)
   }
 }
 
+/// Warns where a body goes on beyond a side of symmetry as another crystal.
+void CheckCrystals(OptionReader &reader, const Case &c, Side side)
+{
+  for (const Body &body : c.model.bodies)
+    if (c.model.materials[body.material]->Traits().skew_axes >> AxisOf(side) & 1)
+      reader.WarnLater(
+          "-boundary_{}: a side of symmetry under the tip, which is no mirror of the crystal of body {}: what is beyond "
+          "would be another crystal; turn it, or take the whole of the body",
+          kSideNames[side], body.name);
+}
+
 /// On a side of symmetry the tip is one half of an indenter, so the indenter must be symmetric about the side; on another side
 /// the body ends at the tip, which is rarely meant.
 void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
@@ -169,6 +180,8 @@ void CheckMirror(OptionReader &reader, const Case &c, const std::string &kind)
                     "its own mirror image about {}, the side of symmetry that its tip is on; move the tip off that side, or turn "
                     "the indenter until it is symmetric",
                     kSideNames[*side]);
+    else
+      CheckCrystals(reader, c, *side);
   }
 }
 

@@ -28,6 +28,14 @@ double SideArea(Side side, Vec3 size, int dim)
 /// Circumference at a radius, m; 1 where there is no axis.
 double RoundAxis(const Geometry &geometry, double radius) { return geometry.HasHoop() ? geometry.OutOfPlane(radius) : 1; }
 
+/// Half the edges of a point's box, which is not sheared at the start, m.
+Vec3 HalfEdges(const PointArrays &a, int p)
+{
+  Vec3 half{};
+  for (int axis = 0; axis < a.dim; ++axis) half[axis] = CurrentHalfSize(a, p, axis);
+  return half;
+}
+
 /// Sums of all bodies, and the area of the faces that each load acts on. Collective.
 void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *bodies, std::vector<double> *loads)
 {
@@ -39,12 +47,12 @@ void SumBodies(Hierarchy &hierarchy, const Model &model, std::vector<BodySums> *
       BodySums &body = (*bodies)[a.body[p]];
       ++body.points;
       body.mass += a.mass[p];
-      const auto area = [&](Side side) { return SideArea(side, 2 * a.HalfSize(p), a.dim); };
+      const auto area = [&](Side side) { return SideArea(side, 2 * HalfEdges(a, p), a.dim); };
       for (const Side side : SidesOf{a.dim})
         if (a.faces[p] & OuterFaceBit(side)) body.faces[side] += area(side);
       for (int k = 0; k < a.loads; ++k) {
         const Side side = model.loads[k].side;
-        const double x = a.Position(p)[0] + (AxisOf(side) == 0 ? SignOf(side) * a.HalfSize(p)[0] : 0);
+        const double x = a.Position(p)[0] + (AxisOf(side) == 0 ? SignOf(side) * HalfEdges(a, p)[0] : 0);
         (*loads)[k] += a.load_share[PointArrays::At(p, a.loads) + k] * area(side) * RoundAxis(model.geometry, x);
       }
     }
@@ -94,7 +102,8 @@ void CheckBody(const Case &c, std::size_t b, const BodySums &sums)
            FormatNumber(c.cell_size), DescribeThin(c, bounds));
   double volume = c.model.geometry.OutOfPlane(0.5 * (bounds.lower[0] + bounds.upper[0]));
   for (int axis = 0; axis < c.Dim(); ++axis) volume *= size[axis];
-  const double mass = volume * c.model.materials[body.material]->Density();
+  const double growth = body.stretch[0] * body.stretch[1] * body.stretch[2];
+  const double mass = volume / growth * c.model.materials[body.material]->Density();
   if (body.region->IsBox() && Differ(sums.mass, mass))
     Refuse("{}the mass of its box, {} kg; its points have {} kg{}", start, FormatNumber(mass), FormatNumber(sums.mass),
            DescribeThin(c, bounds));
@@ -131,7 +140,7 @@ std::vector<double> ThinnestAlone(Hierarchy &hierarchy, const Model &model)
     for (const int p : hierarchy.At(l).PointStore().SurfacePoints())
       for (const Side side : SidesOf{a.dim}) {
         const int axis = AxisOf(side);
-        const double half = a.HalfSize(p)[axis],
+        const double half = HalfEdges(a, p)[axis],
                      inner = (a.Position(p)[axis] - SignOf(side) * half - grid.lower[axis]) / grid.spacing;
         if (a.faces[p] & OuterFaceBit(side) && std::abs(inner - std::round(inner)) < kRounding)
           thinnest[a.body[p]] = std::min(thinnest[a.body[p]], half / grid.spacing);
@@ -153,6 +162,24 @@ void CheckThinPoints(const Case &c, std::size_t b, double thinnest, std::vector<
   warnings->push_back(Format("-bodies {}: has points {} of a cell thin, alone beyond a line of cells: unstable with usl, in "
                              "metals and at borders of levels; move its sides, or take a -cfl below {}",
                              body.name, 2 * thinnest, std::sqrt(2 * thinnest)));
+}
+
+/// A side that nothing holds, and no load, gives way to the stress across it.
+void CheckInitialStress(const Case &c, std::size_t b, std::vector<std::string> *warnings)
+{
+  const Body &body = c.model.bodies[b];
+  const Vec3 across = {body.stress.xx, body.stress.yy, body.stress.zz};
+  const double largest = std::max({std::abs(across[0]), std::abs(across[1]), std::abs(across[2])});
+  for (const Side side : SidesOf{c.Dim()}) {
+    const auto acts = [&](const Load &load) { return load.body == static_cast<int>(b) && load.side == side; };
+    if (std::abs(across[AxisOf(side)]) <= kSame * largest || !IsFree(c, b, side) ||
+        std::any_of(c.model.loads.begin(), c.model.loads.end(), acts))
+      continue;
+    warnings->push_back(
+        Format("-{}_initial_stress: nothing holds the side {} of the body against the {} Pa across it, and it will "
+               "move; let it be 0, or let the body reach a side of the domain with -boundary_{} symmetry",
+               body.name, kSideNames[side], across[AxisOf(side)], kSideNames[side]));
+  }
 }
 
 /// area: of the faces that the load acts on, m2 (in plane strain by its thickness, m).
@@ -204,6 +231,7 @@ std::vector<std::string> CheckBodies(Hierarchy &hierarchy, const Case &c)
     CheckHole(c, b);                               // -bodies: a narrow hole along the axis
     CheckBody(c, b, bodies[b]);                    // -bodies: no points, or not the mass or the faces of a box
     CheckThinPoints(c, b, thinnest[b], &warnings); // -bodies: points too thin for the steps
+    CheckInitialStress(c, b, &warnings);           // -BODY_initial_stress: across sides that nothing holds
   }
   for (std::size_t k = 0; k < loads.size(); ++k)
     CheckLoad(c, k, loads[k], &warnings); // -loads, -LOAD_span: no face, or not all of the span
@@ -220,7 +248,7 @@ void CheckIndenter(Hierarchy &hierarchy, const Case &c)
     for (int p : surface)
       for (int corner = 0; corner < 1 << a.dim; ++corner) {
         Vec3 x = a.Position(p);
-        for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * a.HalfSize(p)[d];
+        for (int d = 0; d < a.dim; ++d) x[d] += (corner >> d & 1 ? 1 : -1) * HalfEdges(a, p)[d];
         const Region &region = *c.model.bodies[a.body[p]].region;
         if (!region.IsBox() && !region.Contains(x)) continue; // a corner of a step
         deepest = std::max(deepest, -c.model.indenter->Gap(x, c.model.indenter->tip).distance);

@@ -194,6 +194,7 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
     reader.Read({prefix + "velocity", "initial velocity", "m/s"}, &body.velocity);
     reader.Read({prefix + "points_per_cell", "material points per direction in a cell", "", Closed(1, 16)},
                 &body.points_per_cell);
+    ReadInitialStress(reader, c->model, &body);
     if (!reader.Help()) CheckPlace(reader, *c, body, shape, shapes);
     shapes.push_back(shape);
     c->model.bodies.push_back(std::move(body));

@@ -235,9 +235,12 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     std::string model = "neo_hookean";
     Constants k = common;
     reader.Choice({prefix + "model", "constitutive law"}, MaterialModels(), &model);
-    reader.Read({prefix + "youngs_modulus", "Young's modulus", "Pa", kPositive}, &k.youngs_modulus, kRequired);
-    reader.Read({prefix + "poissons_ratio", "Poisson's ratio", "", Open(-1, 0.5)}, &k.poissons_ratio, kRequired);
+    if (model != "anisotropic" || reader.Help()) {
+      reader.Read({prefix + "youngs_modulus", "Young's modulus", "Pa", kPositive}, &k.youngs_modulus, kRequired);
+      reader.Read({prefix + "poissons_ratio", "Poisson's ratio", "", Open(-1, 0.5)}, &k.poissons_ratio, kRequired);
+    }
     reader.Read({prefix + "density", "initial density", "kg/m3", kPositive}, &k.density, kRequired);
+    if (model == "anisotropic" || reader.Help()) ReadCrystal(reader, prefix, c->model.geometry.kind, &k);
     if (model == "j2" || reader.Help()) ReadFlow(reader, prefix, &k);
     if (model == "viscoelastic" || reader.Help()) ReadRelaxation(reader, prefix, &k);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));

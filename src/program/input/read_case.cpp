@@ -105,13 +105,15 @@ void ReadMethod(OptionReader &reader, Case *c)
   model.short_wave = {viscosity[0], viscosity[1]};
   for (const auto &material : model.materials) {
     constexpr double kIncompressible = 4; // lambda/mu at a Poisson's ratio of 0.4, from which borders of levels make waves
+    const Elasticity &elastic = material->Elastic();
+    const bool is_crystal = elastic.fastest > (1 + kRounding) * (elastic.lambda + 2 * elastic.mu);
     if (material->Traits().flows) model.nodal.xpic_fraction = std::max(model.nodal.xpic_fraction, kMetalXpic);
-    if (c->levels > 1 && material->Elastic().lambda >= kIncompressible * (1 - 1e-9) * material->Elastic().mu)
+    if (c->levels > 1 && (is_crystal || elastic.lambda >= kIncompressible * (1 - 1e-9) * elastic.mu))
       model.nodal.xpic_fraction = kIncompressibleXpic;
   }
   c->quasi_static.own_xpic = !reader.Read({"-xpic_fraction",
                                            "share of XPIC per step in the velocity update; 0 = pure FLIP (0.02 with j2 or "
-                                           "-quasi_static, 0.05 with levels and a Poisson's ratio of 0.4)",
+                                           "-quasi_static, 0.05 with levels and a Poisson's ratio of 0.4 or a crystal)",
                                            "", Closed(0, 1)},
                                           &model.nodal.xpic_fraction);
   reader.Read({"-xpic_order", "order of XPIC; 1 = PIC", "", Closed(1, 2)}, &model.nodal.xpic_order);

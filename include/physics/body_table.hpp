@@ -1,9 +1,9 @@
 // Which material the points of each body have.
 #pragma once
 
+#include "base/rows.hpp"
 #include "physics/material.hpp"
 #include "physics/point_fields.hpp"
-#include "physics/rows.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -8,7 +8,7 @@
 #include "base/log.hpp"
 #include "base/tensor.hpp"
 #include "physics/crystal/stiffness.hpp"
-#include "physics/flow/hardening.hpp"
+#include "physics/hardening.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // A point is served by the three nodes per direction around its nearest node.
 #pragma once
 
-#include "physics/rows.hpp"
+#include "base/rows.hpp"
 
 #include <algorithm>
 #include <array>

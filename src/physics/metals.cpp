@@ -1,6 +1,6 @@
 // The law j2: multiplicative von Mises plasticity with logarithmic elastic strain and radial return of the Kirchhoff stress
 // (Simo 1992), with the hardening laws of hardening.hpp, in loops over blocks of points.
-#include "physics/flow/creep.hpp"
+#include "physics/creep.hpp"
 #include "physics/log_strain.hpp"
 #include "physics/material.hpp"
 

@@ -31,8 +31,15 @@ struct TermStep {
     keeps = 1 - lost, takes = share * part;
     of_old = share > 0 ? -0.5 * std::expm1(-2 * x) / share : 0;
     of_both = x > 0 ? lost * lost / x : 0;
-    of_new = share * (x < kSmall ? x * (1.0 / 3 + x * (-1.0 / 4 + x * (7.0 / 60 + x * (-1.0 / 24 + x * (31.0 / 2520)))))
-                                 : (x - 2 * lost - 0.5 * std::expm1(-2 * x)) / (x * x));
+    of_new = share * (x < kSmall ? x * Series(x) : (x - 2 * lost - 0.5 * std::expm1(-2 * x)) / (x * x));
+  }
+
+private:
+  /// (x - 2 (1 - exp(-x)) + (1 - exp(-2 x))/2)/x^3 by the first terms of its series.
+  static double Series(double x)
+  {
+    constexpr double kTerms[] = {1.0 / 3, -1.0 / 4, 7.0 / 60, -1.0 / 24, 31.0 / 2520}; // exact
+    return kTerms[0] + x * (kTerms[1] + x * (kTerms[2] + x * (kTerms[3] + x * kTerms[4])));
   }
 };
 

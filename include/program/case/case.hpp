@@ -16,6 +16,9 @@
 namespace mlgimp
 {
 
+/// Steps between two checks of what all ranks must know: speeds, balance, failures, rows.
+inline constexpr int kControlInterval = 10;
+
 /// Steps above this fraction of h/(c + |v|) are refused as unstable.
 inline constexpr double kLargestCfl = 1;
 

@@ -26,6 +26,13 @@ struct TestLeg {
   }
 };
 
+/// Where a test is: what its clock keeps from step to step.
+struct TestState {
+  double time = 0;           ///< of the test, s
+  double delay = 0;          ///< by which the indenter's schedule has waited for its clock, s
+  std::vector<double> clock; ///< numbers of TestClock
+};
+
 /// The legs of a test through values at times; without a time in the schedule. A test that does not begin with nothing begins
 /// with a leg from nothing at time 0 on.
 std::vector<TestLeg> LegsOf(std::vector<double> values, std::vector<double> times);

@@ -21,24 +21,22 @@ struct RunState {
   double initial_mass = 0, initial_points = 0;
   double initial_created = 0;                 ///< points created by splitting before the first step
   double impulse_at_row = 0, time_at_row = 0; ///< contact impulse and time at the last history row
-  double test_time = 0;                       ///< of the test's clock, s
-  double delay = 0;                           ///< by which the indenter's schedule has waited for that clock, s
+  TestState test;                             ///< that a slow run stands for
   Vec3 friction_at_row{};                     ///< impulse of friction then, N s
   std::vector<double> quasi_static;           ///< of the watch over a slow test
-  std::vector<double> test_clock;             ///< of the test's clock
   std::vector<double> watched;                ///< of the warnings
   std::vector<std::string> warnings;          ///< issued so far
   std::vector<LevelMove> moves;               ///< of boxes that follow
 
   /// Where the indenter's schedule is, s.
-  double Schedule() const { return time - delay; }
+  double Schedule() const { return time - test.delay; }
 
   /// Those that are numbers, in the order of the file.
   template <class State> static auto Members(State &s)
   {
     return std::tie(s.time, s.time_step, s.step_settings[0], s.step_settings[1], s.step_settings[2], s.wave_speed, s.step,
                     s.frames, s.initial_mass, s.initial_points, s.initial_created, s.impulse_at_row, s.time_at_row,
-                    s.friction_at_row[0], s.friction_at_row[1], s.friction_at_row[2], s.test_time, s.delay);
+                    s.friction_at_row[0], s.friction_at_row[1], s.friction_at_row[2], s.test.time, s.test.delay);
   }
 };
 

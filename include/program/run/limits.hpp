@@ -9,9 +9,6 @@
 namespace mlgimp
 {
 
-/// Steps between two checks of what all ranks must know: speeds, balance, failures, rows.
-inline constexpr int kControlInterval = 10;
-
 /// The fastest signal: waves, or points and the indenter that come toward each other, m/s.
 double FastestSignal(const Case &c, double time, const SpeedCheck &speeds);
 /// The user's step or that of the CFL number, shortened so that a whole number of steps leads to the end, s.

@@ -19,7 +19,7 @@ class Simulation
 public:
   /// The case is kept by reference and must outlive the simulation.
   explicit Simulation(const Case &settings)
-      : case_(settings), clock_(settings, state_), output_(settings, hierarchy_, state_, cost_),
+      : case_(settings), clock_(settings, state_.test), output_(settings, hierarchy_, state_, cost_),
         wall_(settings.time.max_wall_time)
   {
   }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "program/case/case.hpp"
-#include "program/checkpoint/checkpoint.hpp"
 
 #include <vector>
 
@@ -12,16 +11,16 @@ namespace mlgimp
 /// The time theta of the test is not that of the simulation, t. While the tip is driven, theta is that at which the test passes
 /// the depth or load that the schedule has reached. In a hold it goes at a rate r = d theta/dt that follows the tip,
 ///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = eps h/T,
-/// v the tip's mean speed over the last transit T of waves and h its depth, so that it creeps as slowly as a loading in 1/eps
-/// transits goes; in a hold of the depth dP/dt and P take their places. What began to relax when the hold did has changed by a
-/// tenth and no more in a transit: r is at most 0.1 (theta - theta_hold + theta_leg)/T. The schedule waits until the hold's time
-/// is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last transit, is added
-/// to the load. Nothing of it changes but at checks, every kControlInterval steps.
+/// v the tip's mean speed over the last transit T of waves and h its largest depth so far, so that it creeps as slowly as a
+/// loading in 1/eps transits goes; in a hold of the depth dP/dt and P take their places. What began to relax when the hold did
+/// has changed by a tenth and no more in a transit: r is at most 0.1 (theta - theta_hold + theta_leg)/T. The schedule waits until
+/// the hold's time is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last
+/// transit, is added to the load. Nothing of it changes but at checks, every kControlInterval steps.
 class TestClock
 {
 public:
   /// All are kept by reference.
-  TestClock(const Case &settings, RunState &state) : case_(settings), state_(state) {}
+  TestClock(const Case &settings, TestState &state) : case_(settings), state_(state) {}
 
   bool On() const { return case_.quasi_static.test.On(); }
   /// The next step of level 0, and the test's time after it. Without a clock of the test time goes by -rate_scale.
@@ -51,8 +50,9 @@ private:
   void KeepState();
 
   const Case &case_;
-  RunState &state_;
+  TestState &state_;
   double rate_ = 0;            ///< r in a hold; 0 elsewhere
+  double deepest_ = 0;         ///< largest depth so far, m
   double more_load_ = 0;       ///< N
   std::vector<Sample> window_; ///< of the last transit, at checks
 };

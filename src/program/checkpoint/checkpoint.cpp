@@ -133,7 +133,7 @@ std::string WriteCheckpoint(const std::string &directory, const std::vector<std:
   file.Dataset("/totals", H5T_NATIVE_DOUBLE, static_cast<int>(totals.size()), MakeSlab(comm, 1), totals.data());
   WriteList(file, comm, "/tip", hierarchy.Tip().State());
   if (!state.quasi_static.empty()) WriteList(file, comm, "/quasi_static", state.quasi_static);
-  if (!state.test_clock.empty()) WriteList(file, comm, "/test_clock", state.test_clock);
+  if (!state.test.clock.empty()) WriteList(file, comm, "/test_clock", state.test.clock);
   WriteList(file, comm, "/watched", state.watched);
   file.Text("/warnings", text(state.warnings));
   file.Attribute("/", "patch_drift", {hierarchy.SurfaceOf().Drift()});

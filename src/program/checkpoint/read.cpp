@@ -147,7 +147,7 @@ void CheckpointReader::ReadHead(RunState *state)
   AgreeOnError("checkpoint_state");
   *state = FromNumbers<RunState>(numbers.data());
   state->quasi_static = watch;
-  state->test_clock = clock;
+  state->test.clock = clock;
   state->watched = watched;
   state->warnings = warnings;
   hierarchy_.Tip().SetState(tip);

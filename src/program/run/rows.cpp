@@ -20,7 +20,7 @@ bool RowWriter::IsDue(long step, double schedule) const
 void RowWriter::Keep()
 {
   sums_.push_back(hierarchy_.SumBudgets());
-  rows_.push_back({state_.step, state_.time, state_.Schedule(), state_.test_time, hierarchy_.Tip().At(state_.time)});
+  rows_.push_back({state_.step, state_.time, state_.Schedule(), state_.test.time, hierarchy_.Tip().At(state_.time)});
 }
 
 /// The mean force of tractions from the last row to one at a time: on the body along the indenter's sideways motion, along x

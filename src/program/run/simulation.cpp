@@ -92,7 +92,7 @@ void Simulation::Step()
   state_.time += state_.time_step;
   ++state_.step;
   if (AtEnd() && std::isfinite(case_.time.end_time) && case_.time.max_steps == 0)
-    state_.time = case_.time.end_time + state_.delay;
+    state_.time = case_.time.end_time + state_.test.delay;
 }
 
 void Simulation::WriteFrameDue()

@@ -128,9 +128,9 @@ Json TestJson(const TestPlan &test, const RunState &state)
     legs.push_back({{"hold", leg.Holds()},
                     {"from", Number(leg.times.front())},
                     {"to", Number(leg.times.back())},
-                    {"transits", Number(TestClock::TransitsOf(state.test_clock, k))}});
+                    {"transits", Number(TestClock::TransitsOf(state.test.clock, k))}});
   }
-  return {{"time", Number(state.test_time)}, {"creep", Number(test.creep)}, {"legs", legs}};
+  return {{"time", Number(state.test.time)}, {"creep", Number(test.creep)}, {"legs", legs}};
 }
 
 Json MovesJson(const std::vector<LevelMove> &moves, int dim)

@@ -2,7 +2,6 @@
 #include "program/slow_test/clock.hpp"
 
 #include "hierarchy/run_budgets.hpp"
-#include "program/run/limits.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +12,8 @@ namespace mlgimp
 static constexpr double kAtRest = 1e30;    // size: simulated time over that of a test whose time rests
 static constexpr double kSmallTime = 1e-9; // rounding: of transits and of times of the test
 
-/// In a state rate and load stand first, the transits of each leg so far behind them, then the samples.
-static constexpr std::size_t kNumbers = 2, kSample = 4; // size
+/// In a state rate, load and depth stand first, the transits of each leg so far behind them, then the samples.
+static constexpr std::size_t kNumbers = 3, kSample = 4; // size
 
 /// The leg that a time of the schedule is in, or behind; -1 before the first.
 int TestClock::LegAt(double schedule) const
@@ -39,11 +38,11 @@ TimeStep TestClock::Step(double time, double dt)
   const int at = LegAt(schedule);
   if (at < 0) return {time, dt, kAtRest};
   const TestLeg &leg = legs[at];
-  const double passes = leg.Holds() ? std::min(rate_ * dt, leg.times.back() - state_.test_time)
-                                    : leg.TimeOf(ValueAt(schedule + dt)) - state_.test_time;
-  state_.test_clock[kNumbers + at] += dt / case_.quasi_static.pace.transit;
+  const double passes =
+      leg.Holds() ? std::min(rate_ * dt, leg.times.back() - state_.time) : leg.TimeOf(ValueAt(schedule + dt)) - state_.time;
+  state_.clock[kNumbers + at] += dt / case_.quasi_static.pace.transit;
   if (!(passes > 0)) return {time, dt, kAtRest};
-  state_.test_time += passes;
+  state_.time += passes;
   return {time, dt, std::min(dt / passes, kAtRest)};
 }
 
@@ -56,6 +55,7 @@ void TestClock::Look(Hierarchy &hierarchy, double time)
     sums[0] -= part->contact_impulse.value[indenter.up], sums[1] += part->damping_work;
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, hierarchy.Comm());
   window_.push_back({time, indenter.Depth(hierarchy.Tip().At(time)), sums[0], sums[1]});
+  deepest_ = std::max(deepest_, window_.back().depth);
   while (window_.size() > 1 && window_[1].time <= time - case_.quasi_static.pace.transit) window_.erase(window_.begin());
 }
 
@@ -89,7 +89,7 @@ double TestClock::AllowedOverSpeed() const
                  late = (now.impulse - middle.impulse) / (now.time - middle.time);
     return allowed * std::abs(late) * 0.5 * passed / std::abs(late - early); // P over |dP/dt|
   }
-  return allowed * std::abs(now.depth) * passed / std::abs(now.depth - then.depth);
+  return allowed * deepest_ * passed / std::abs(now.depth - then.depth);
 }
 
 /// Load that damping takes up, N: its work over the way of the tip in the last transit. Small ways, as those of a tip that swings
@@ -119,14 +119,14 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
     rate_ = 0;
   } else {
     const TestLeg &leg = plan.test.legs[at];
-    const double since = state_.test_time - leg.times.front() + ReferenceTime(at), left = leg.times.back() - state_.test_time;
+    const double since = state_.time - leg.times.front() + ReferenceTime(at), left = leg.times.back() - state_.time;
     rate_ = rate_ == 0 ? StartRate(at) : rate_ * std::pow(std::clamp(AllowedOverSpeed(), 0.5, 2.0), elapsed / plan.pace.transit);
     rate_ = std::min(rate_, kGrowth * since / plan.pace.transit);
     const bool ends = rate_ * elapsed >= left * (1 - kSmallTime);
     if (ends) rate_ = left / elapsed;
     const double share = std::log((since + rate_ * elapsed) / ReferenceTime(at)) / std::log1p(leg.Duration() / ReferenceTime(at));
     const double next = leg.begin + (leg.end - leg.begin) * share; // where the schedule is at the next check
-    state_.delay = time + elapsed - (ends ? leg.end : std::clamp(next, leg.begin + elapsed, leg.end));
+    state_.delay = time + elapsed - (ends ? leg.end : std::clamp(next, leg.begin + elapsed, leg.end - elapsed));
   }
   hierarchy.Tip().SetClock({state_.delay, more_load_});
   KeepState();
@@ -134,19 +134,19 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
 
 void TestClock::KeepState()
 {
-  state_.test_clock.resize(kNumbers + case_.quasi_static.test.legs.size());
-  state_.test_clock[0] = rate_, state_.test_clock[1] = more_load_;
+  state_.clock.resize(kNumbers + case_.quasi_static.test.legs.size());
+  state_.clock[0] = rate_, state_.clock[1] = more_load_, state_.clock[2] = deepest_;
   for (const Sample &sample : window_)
-    state_.test_clock.insert(state_.test_clock.end(), {sample.time, sample.depth, sample.impulse, sample.drag});
+    state_.clock.insert(state_.clock.end(), {sample.time, sample.depth, sample.impulse, sample.drag});
 }
 
 void TestClock::TakeState(Hierarchy &hierarchy)
 {
   if (!On()) return;
   const std::size_t first = kNumbers + case_.quasi_static.test.legs.size();
-  std::vector<double> &state = state_.test_clock;
+  std::vector<double> &state = state_.clock;
   state.resize(std::max(state.size(), first));
-  rate_ = state[0], more_load_ = state[1];
+  rate_ = state[0], more_load_ = state[1], deepest_ = state[2];
   for (std::size_t k = first; k + kSample <= state.size(); k += kSample)
     window_.push_back({state[k], state[k + 1], state[k + 2], state[k + 3]});
   hierarchy.Tip().SetClock({state_.delay, more_load_});

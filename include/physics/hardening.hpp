@@ -4,8 +4,8 @@
 #pragma once
 
 #include "base/log.hpp"
+#include "base/rows.hpp"
 #include "physics/crystal/stiffness.hpp"
-#include "physics/rows.hpp"
 
 #include <algorithm>
 #include <cmath>

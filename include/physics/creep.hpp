@@ -4,7 +4,7 @@
 // new one.
 #pragma once
 
-#include "physics/flow/hardening.hpp"
+#include "physics/hardening.hpp"
 
 #include <cmath>
 
@@ -103,13 +103,13 @@ template <class Law>
 {
   constexpr int kMaxSteps = 100, kFewSteps = 4; // rounding
   constexpr double kLastStep = 1e-7,
-                   kLeastStress = 1e-9; // rounding: of q, as the error after a step is about its square; of target
+                   kMinTarget = 1e-9; // rounding: of q, as the error after a step is about its square; of target
   const double factor = three_mu * time;
 #pragma omp simd
   for (int p = 0; p < count; ++p) {
     const double target = stage.target[p], q = stage.stress[p];
     const double next = q + (target - q - factor * stage.rate[p]) / (1 + factor * stage.by_stress[p]);
-    stage.stress[p] = std::min(std::max(stage.rate[p] > 0 ? next : q, kLeastStress * target), target);
+    stage.stress[p] = std::min(std::max(stage.rate[p] > 0 ? next : q, kMinTarget * target), target);
   }
   double open = 1;
   for (int k = 0; k < kMaxSteps && open > 0; ++k) {

@@ -64,6 +64,18 @@ CASES = [
          "At its largest depth the ball carries four times 5.7 mN. With 4/3 M √R h³ᐟ² a half space would carry four times 5.5 mN; the "
          "block has only 12 times the contact's radius.",
          (("stress_zz", (0, 3.2e-6, 9.6e-6, 13.2e-6)),)),
+    Case("indium_hold", "A hold on indium",
+         "A cone takes 1 mN within 10 s, holds it for ten minutes and lets go. Indium creeps by a power of the stress, so that what counts "
+         "is the time of the test, `-test_times`, which the simulation takes as fast as the creeping tip allows.",
+         "In the hold the depth grows by half, along a straight line over the logarithm of time. The unloading has a nose: the stiffness "
+         "at its start seems twice as large as it is. With the creep at the end of the hold taken off, the modulus falls from 24.7 GPa to 12.7 GPa, "
+         "which was given.",
+         (("test", None), ("equivalent_plastic_strain", (-12e-6, 12e-6, 82e-6, 98e-6)))),
+    Case("pmma_hold", "A ball on a polymer",
+         "A ball is pressed with 2 mN on a glassy polymer, a generalized Maxwell solid of three terms, held for 100 s and let go; then the "
+         "polymer is left alone for 100 s.",
+         "Under the load the depth grows by 22 %. Afterwards the imprint of 69 nm comes back to 15 nm, as what has relaxed finds its way.",
+         (("test", None), ("load_depth", None))),
     Case("rod_impact", "The heat of an impact",
          "A copper rod meets a rigid wall at 150 m/s. Its flow stress follows Johnson and Cook: it rises with strain and with the "
          "rate of strain and falls with temperature, and plastic work heats each point.",

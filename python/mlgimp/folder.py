@@ -70,7 +70,7 @@ class Results:
         """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.
 
         names: load_depth, contact_pressure, stress_xx, stress_yy, stress_xy, von_mises_stress, energy, of metals pressure,
-        equivalent_plastic_strain and in space plastic_surface.
+        equivalent_plastic_strain and in space plastic_surface, with -test_times test.
         frame: its number, by default the last, and for contact_pressure that of the largest load.
         window: (xmin, xmax, ymin, ymax) in m, also as a text with commas, or "near" for the finest level.
         out: a folder, into which they are written as NAME.png and closed.

@@ -15,6 +15,8 @@ def gallery(directory, number=None, window=None):
     drawn = {}
     if results.has_indenter(history):
         drawn["load_depth"] = lambda: pictures.load_depth(history, title)
+    if "test_time" in history:
+        drawn["test"] = lambda: pictures.test(history, title)
     if number is None and not results.numbered_frames(directory):
         return drawn | {"energy": lambda: pictures.energy(history, title)}
     panel = fields.read_panel(directory, number)

@@ -117,6 +117,22 @@ def hold(time, measured, fitted_time, fitted, ylabel, name):
 
 
 @styled
+def test(history, title):
+    """Returns the picture of depth and load of one run over the time of its test, from its first thousandth on."""
+    time, depth, load = (history[name] for name in ("test_time", "depth", "load"))
+    depth_unit, load_unit, rows = lab_unit(depth, "m"), lab_unit(load, "N"), time >= 1e-3 * time[-1]
+    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2), height_ratios=[2, 1], layout="constrained")
+    above.plot(time[rows], depth[rows] * depth_unit.factor)
+    below.plot(time[rows], load[rows] * load_unit.factor)
+    line_axes(above, "", f"depth ({depth_unit.name})")
+    line_axes(below, "time of the test (s)", f"load ({load_unit.name})")
+    below.set_xscale("log")
+    above.set_title(title)
+    figure.align_ylabels()
+    return figure
+
+
+@styled
 def energy(history, title):
     """Returns the picture of the energies and works against time, with the residual of their balance below."""
     residual = results.energy_residual(history)

@@ -52,6 +52,13 @@ struct TestPlan {
   double creep = 0.025;             ///< way of a tip that creeps in a transit of waves, of its depth
   std::vector<TestLeg> legs;        ///< none without times
   bool On() const { return !legs.empty(); }
+  /// The leg that a time of the schedule is in, or behind; -1 before the first, or without any.
+  int LegAt(double schedule) const
+  {
+    constexpr double kSmall = 1e-12; // rounding: of the schedule
+    const double now = On() ? schedule + kSmall * legs.back().end : 0;
+    return static_cast<int>(std::count_if(legs.begin(), legs.end(), [&](const TestLeg &leg) { return leg.begin <= now; })) - 1;
+  }
   /// Begin and end of each leg in the schedule, s.
   void Place(const std::vector<std::pair<double, double>> &in_schedule)
   {

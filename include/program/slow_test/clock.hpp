@@ -40,7 +40,6 @@ private:
     double time, depth, impulse, drag; ///< s, m, of contact, N s, work of damping, J
   };
 
-  int LegAt(double schedule) const;
   double ValueAt(double schedule) const;
   void Look(Hierarchy &hierarchy, double time);
   double StartRate(int leg) const;

@@ -32,12 +32,13 @@ public:
     double noise_share = 0;   ///< of the indenter's work
     double hold_drift = 0; ///< range of the load, under load control of the depth, in the last transit of a hold, of its largest
     double hold_end = 0, hold_least = 0, hold_most = 0; ///< of the hold now: its end, s, and that range
+    double leg = -1; ///< of the test, in the last row: what moved in another one does not count
 
     /// In the order of the file.
     template <class State> static auto Members(State &s)
     {
       return std::tie(s.speed, s.load, s.load_share, s.kinetic_share, s.noise_share, s.hold_drift, s.hold_end, s.hold_least,
-                      s.hold_most);
+                      s.hold_most, s.leg);
     }
   };
   const Largest &SoFar() const { return largest_; }

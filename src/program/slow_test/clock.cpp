@@ -15,14 +15,6 @@ static constexpr double kSmallTime = 1e-9; // rounding: of transits and of times
 /// In a state rate, load and depth stand first, the transits of each leg so far behind them, then the samples.
 static constexpr std::size_t kNumbers = 3, kSample = 4; // size
 
-/// The leg that a time of the schedule is in, or behind; -1 before the first.
-int TestClock::LegAt(double schedule) const
-{
-  const auto &legs = case_.quasi_static.test.legs;
-  const double now = schedule + kSmallTime * case_.quasi_static.pace.transit;
-  return static_cast<int>(std::count_if(legs.begin(), legs.end(), [&](const TestLeg &leg) { return leg.begin <= now; })) - 1;
-}
-
 /// Depth or load that the schedule has at a time of its own.
 double TestClock::ValueAt(double schedule) const
 {
@@ -35,7 +27,7 @@ TimeStep TestClock::Step(double time, double dt)
   if (!On()) return {time, dt, case_.time.rate_scale};
   const auto &legs = case_.quasi_static.test.legs;
   const double schedule = time - state_.delay;
-  const int at = LegAt(schedule);
+  const int at = case_.quasi_static.test.LegAt(schedule);
   if (at < 0) return {time, dt, kAtRest};
   const TestLeg &leg = legs[at];
   const double passes =
@@ -112,7 +104,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
   const QuasiStaticPlan &plan = case_.quasi_static;
   const double elapsed = kControlInterval * dt, schedule = time - state_.delay;
   Look(hierarchy, time);
-  const int at = LegAt(schedule);
+  const int at = case_.quasi_static.test.LegAt(schedule);
   const bool holds = at >= 0 && plan.test.legs[at].Holds();
   more_load_ = holds && case_.model.indenter->by_load ? Drag(schedule) : 0;
   if (!holds) {

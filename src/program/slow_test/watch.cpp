@@ -22,6 +22,7 @@ double QuasiStaticWatch::Added(const Sample &now, double load)
   const Sample &then = window_.front();
   const double time = now.time - then.time, moved = now.depth - then.depth;
   if (!(time > 0)) return 0;
+  if (plan_.test.On() && time < (1 - 2.0 / kSamples) * transit) return 0; // a leg of the test has just begun
   speed_ = std::abs(moved) / time;
   const double min_moved = kMaxSpeed * now.depth / plan_.pace.transits * time / transit;
   const double added = moved != 0 ? (now.spent - then.spent) * moved / (moved * moved + min_moved * min_moved) : 0;
@@ -52,6 +53,7 @@ bool QuasiStaticWatch::IsLoaded(const Budgets &row) const
 void QuasiStaticWatch::Record(Budgets &row)
 {
   if (!plan_.on) return;
+  if (const int leg = plan_.test.LegAt(row.schedule); leg != largest_.leg) window_.clear(), largest_.leg = leg;
   const double kinetic = row.kinetic_energy - row.noise_energy;
   row.load_quasi_static = row.load - Added({row.time, row.depth, kinetic + row.damping_work}, row.load);
   largest_.load = std::max<double>(largest_.load, row.load_quasi_static);

@@ -37,7 +37,7 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
          ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
          ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""),
-         ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "creep_percent", "%"), ("relaxation R_IT", "relaxation_percent", "%"),
+         ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "C_IT_percent", "%"), ("relaxation R_IT", "R_IT_percent", "%"),
          ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
          ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
          ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"))

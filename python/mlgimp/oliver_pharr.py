@@ -36,7 +36,7 @@ RULES = {  # for Constants
 COLUMNS = ("curve", "cycle", "depth_um", "load_mN", "stiffness_mN_per_um", "stiffness_error_mN_per_um", "exponent", "final_depth_um",
            "fit_residual", "rows", "epsilon", "beta", "contact_depth_um", "area_um2", "hardness_GPa", "reduced_modulus_GPa", "modulus_GPa",
            "true_area_um2", "true_hardness_GPa", "true_modulus_GPa", "pile_up_um", "total_work_nJ", "elastic_work_nJ", "plastic_share",
-           "warnings", "cells", "expected_error", "hold_start_s", "hold_end_s", "creep_percent", "relaxation_percent", "creep_rate_um_per_s",
+           "warnings", "cells", "expected_error", "hold_start_s", "hold_end_s", "C_IT_percent", "R_IT_percent", "creep_rate_um_per_s",
            "unloading_rate_mN_per_s", "corrected_stiffness_mN_per_um", "corrected_hardness_GPa", "corrected_reduced_modulus_GPa",
            "corrected_modulus_GPa")
 HELD = COLUMNS[COLUMNS.index("hold_start_s"):]  # what a hold gives
@@ -206,7 +206,7 @@ def analyse_cycle(curve, number, cycle, fit, constants):
 def held_figures(curve, cycle, fit, row, constants):
     """Returns the results HELD of the hold before an unloading; NaN without a hold or a time of the test.
 
-    creep_percent is C_IT = (h2 - h1)/h1 at constant load and relaxation_percent R_IT = (P1 - P2)/P1 at constant depth, of ISO 14577-1,
+    C_IT_percent is C_IT = (h2 - h1)/h1 at constant load and R_IT_percent R_IT = (P1 - P2)/P1 at constant depth, of ISO 14577-1,
     from hold_start_s to hold_end_s. corrected_... are figures of the stiffness without creep, see holds.corrected_stiffness().
     """
     found, hold = dict.fromkeys(HELD, math.nan), holds.find_hold(curve, cycle)
@@ -215,11 +215,11 @@ def held_figures(curve, cycle, fit, row, constants):
     time = holds.clock(curve)
     found |= {"hold_start_s": float(time[hold.begin]), "hold_end_s": float(time[hold.end])}
     if hold.kind == "depth":
-        return found | {"relaxation_percent": -100 * holds.change(curve, hold)}
+        return found | {"R_IT_percent": -100 * holds.change(curve, hold)}
     onset = holds.rows_of_onset(curve, cycle, hold)
     creep, unloading = holds.creep_rate(curve, hold), holds.unloading_rate(curve, onset)
     stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
-    found |= {"creep_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
+    found |= {"C_IT_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
               "corrected_stiffness_mN_per_um": stiffness}
     if curve.tip is None or not math.isfinite(stiffness):
         return found

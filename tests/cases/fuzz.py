@@ -44,7 +44,7 @@ def shipped_cases():
     cases = {}
     for path in sorted((harness.ROOT / "options").glob("*.opts")):
         lines = [line.split("#")[0].split() for line in path.read_text().splitlines()]
-        cases[path.name] = [(words[0][1:], words[1]) for words in lines if words]
+        cases[path.name] = [(words[0][1:], words[1] if len(words) > 1 else "true") for words in lines if words]
     for name, cell in (("wedge_62nm.opts", "500e-9"), ("wedge_125nm.opts", "1e-6")):
         cases[name] = [(option, cell if option == "cell_size" else value) for option, value in cases[name]]
     for name, case in (("wedge", WEDGE), ("levels", LEVELS), ("flight", FLIGHT), ("collision", COLLISION)):

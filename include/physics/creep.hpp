@@ -124,7 +124,7 @@ template <class Law>
       const double rate = std::max(now.rate + now.by_stress * (next - q), 0.0); // target - next would be rounding
       stage.strain[p] = time * rate, stage.rate[p] = rate, stage.by_stress[p] = now.by_stress;
       stage.stress[p] = next;
-      open += (next > 0) & (std::abs(next - q) > kLastStep * next) ? 1 : 0;
+      open += ((next > 0) & (std::abs(next - q) > kLastStep * next)) ? 1 : 0;
     }
   }
 }
@@ -159,7 +159,7 @@ template <class Law>
     first[p] = (1 - kPart) / kPart * stage.strain[p];
     stage.target[p] = std::max(states.trial[p] - three_mu * first[p], 0.0);
     stage.plastic_strain[p] = states.plastic_strain[p] + first[p];
-    relaxes[p] = (first[p] > 0) & (stage.target[p] <= law.LeastStress(stage.plastic_strain[p])) ? 1 : 0;
+    relaxes[p] = ((first[p] > 0) & (stage.target[p] <= law.LeastStress(stage.plastic_strain[p]))) ? 1 : 0;
     any += relaxes[p];
   }
   SolveStage(law, three_mu, count, kPart * time, stage);

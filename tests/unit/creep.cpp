@@ -109,9 +109,7 @@ TEST(Creep, FollowsItsEquationWithSecondOrder)
       const auto off = [&](int steps) { return std::abs(std::abs(StressAt(*material, end, steps)) / exact - 1); };
       const double coarse = off(900), fine = off(9000);
       EXPECT_LT(fine, 1e-6) << one.law << " " << one.exponent << " at " << end << " s";
-      if (end == 2.5) {
-        EXPECT_LT(fine, coarse / 30) << one.law << " " << one.exponent << ": order";
-      }
+      if (end == 2.5) { EXPECT_LT(fine, coarse / 30) << one.law << " " << one.exponent << ": order"; }
     }
 }
 

@@ -99,7 +99,7 @@ double TestClock::Drag(double schedule) const
 
 void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
 {
-  constexpr double kGrowth = 0.1;
+  constexpr double kGrowth = 4;
   if (!On()) return;
   const QuasiStaticPlan &plan = case_.quasi_static;
   const double elapsed = kControlInterval * dt, schedule = time - state_.delay;
@@ -113,7 +113,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
     const TestLeg &leg = plan.test.legs[at];
     const double since = state_.time - leg.times.front() + ReferenceTime(at), left = leg.times.back() - state_.time;
     rate_ = rate_ == 0 ? StartRate(at) : rate_ * std::pow(std::clamp(AllowedOverSpeed(), 0.5, 2.0), elapsed / plan.pace.transit);
-    rate_ = std::min(rate_, kGrowth * since / plan.pace.transit);
+    rate_ = std::min(rate_, kGrowth * plan.test.creep * since / plan.pace.transit);
     const bool ends = rate_ * elapsed >= left * (1 - kSmallTime);
     if (ends) rate_ = left / elapsed;
     const double share = std::log((since + rate_ * elapsed) / ReferenceTime(at)) / std::log1p(leg.Duration() / ReferenceTime(at));

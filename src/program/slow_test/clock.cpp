@@ -55,7 +55,7 @@ void TestClock::Look(Hierarchy &hierarchy, double time)
 /// a share of the hold.
 double TestClock::ReferenceTime(int leg) const
 {
-  constexpr double kFirst = 1e-4;
+  constexpr double kFirst = 1e-6;
   const auto &legs = case_.quasi_static.test.legs;
   const double before = leg > 0 ? legs[leg - 1].Duration() : 0;
   return before > 0 ? before : kFirst * legs[leg].Duration();

@@ -13,9 +13,9 @@ namespace mlgimp
 ///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = eps h/T,
 /// v the tip's mean speed over the last transit T of waves and h its largest depth so far, so that it creeps as slowly as a
 /// loading in 1/eps transits goes; in a hold of the depth dP/dt and P take their places. What began to relax when the hold did
-/// has changed by a tenth and no more in a transit: r is at most 4 eps (theta - theta_hold + theta_leg)/T. The schedule waits until
-/// the hold's time is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the last
-/// transit, is added to the load. Nothing of it changes but at checks, every kControlInterval steps.
+/// has changed by a tenth and no more in a transit: r is at most 4 eps (theta - theta_hold + theta_leg)/T. The schedule waits
+/// until the hold's time is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the
+/// last transit, is added to the load. Nothing of it changes but at checks, every kControlInterval steps.
 class TestClock
 {
 public:

@@ -79,6 +79,12 @@ inline double Determinant(const Sym3 &a)
 {
   return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
 }
+/// det(a) a^-1.
+[[gnu::always_inline]] inline Sym3 Adjugate(const Sym3 &a)
+{
+  return {a.yy * a.zz - a.yz * a.yz, a.xx * a.zz - a.xz * a.xz, a.xx * a.yy - a.xy * a.xy,
+          a.xz * a.yz - a.xy * a.zz, a.xy * a.xz - a.xx * a.yz, a.xy * a.yz - a.xz * a.yy};
+}
 inline Mat3 Transposed(const Mat3 &a) { return {a.xx, a.yx, a.zx, a.xy, a.yy, a.zy, a.xz, a.yz, a.zz}; }
 /// (a + a^T)/2.
 inline Sym3 SymmetricPart(const Mat3 &a)

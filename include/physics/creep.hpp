@@ -182,19 +182,4 @@ template <class Law>
   }
 }
 
-[[gnu::always_inline]] inline void FlowOf(const NortonCreep &law, double three_mu, const FlowStates &states, PlasticStep &step)
-{
-  CreepOf(law, three_mu, states, step);
-}
-[[gnu::always_inline]] inline void FlowOf(const GarofaloCreep &law, double three_mu, const FlowStates &states, PlasticStep &step)
-{
-  CreepOf(law, three_mu, states, step);
-}
-template <class Hardening>
-[[gnu::always_inline]] inline void FlowOf(const PerzynaFlow<Hardening> &law, double three_mu, const FlowStates &states,
-                                          PlasticStep &step)
-{
-  CreepOf(law, three_mu, states, step);
-}
-
 } // namespace mlgimp

@@ -179,10 +179,16 @@ private:
     const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
     const double mu3 = 3 * elasticity_.mu, rate = b.scale / b.dt, heating = heating_;
     PlasticStep step;
-    FlowOf(law, mu3,
-           {b.count, flow.stress, history[kStrain], Hardening::kThermal ? history[kHeat] : nullptr,
-            Hardening::kCreeps ? flow.before : nullptr, rate},
-           step);
+    const FlowStates states = {b.count,
+                               flow.stress,
+                               history[kStrain],
+                               Hardening::kThermal ? history[kHeat] : nullptr,
+                               Hardening::kCreeps ? flow.before : nullptr,
+                               rate};
+    if constexpr (Hardening::kCreeps)
+      CreepOf(law, mu3, states, step);
+    else
+      FlowOf(law, mu3, states, step);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
       const double plastic = step.strain[p], work = step.work[p];

@@ -27,11 +27,11 @@ struct TermStep {
   TermStep(double x, double share)
   {
     constexpr double kSmall = 0.02; // rounding: below, a series in the place of differences
-    const double lost = -std::expm1(-x), part = x > 0 ? lost / x : 1;
+    const double lost = -std::expm1(-x), part = x > 0 ? lost / x : 1, lost_twice = lost * (2 - lost); // 1 - exp(-2 x)
     keeps = 1 - lost, takes = share * part;
-    of_old = share > 0 ? -0.5 * std::expm1(-2 * x) / share : 0;
+    of_old = share > 0 ? 0.5 * lost_twice / share : 0;
     of_both = x > 0 ? lost * lost / x : 0;
-    of_new = share * (x < kSmall ? x * Series(x) : (x - 2 * lost - 0.5 * std::expm1(-2 * x)) / (x * x));
+    of_new = share * (x < kSmall ? x * Series(x) : (x - 2 * lost + 0.5 * lost_twice) / (x * x));
   }
 
 private:
@@ -129,9 +129,7 @@ private:
     const Mat3 F = GradientOf<Geometry>(b.F, b.hoop, p);
     const Sym3 C = SymmetricProduct(Transposed(F), Transposed(F));
     const double J = Determinant(F), log_J = Log(J), isochoric = law.mu * Exp(-2 * kThird * log_J);
-    const Sym3 adjugate = {C.yy * C.zz - C.yz * C.yz, C.xx * C.zz - C.xz * C.xz, C.xx * C.yy - C.xy * C.xy,
-                           C.xz * C.yz - C.xy * C.zz, C.xy * C.xz - C.yz * C.xx, C.xy * C.yz - C.xz * C.yy};
-    PutStress<Geometry>(isochoric * (Sphere(1) - (kThird * Trace(C) / (J * J)) * adjugate), p, now);
+    PutStress<Geometry>(isochoric * (Sphere(1) - (kThird * Trace(C) / (J * J)) * Adjugate(C)), p, now);
     now[kS][p] = law.Bulk() * log_J;
   }
 

@@ -5,9 +5,11 @@ import math
 import numpy
 import pytest
 
+import creep_laws
 import harness
 import metals
 import refusals
+from mlgimp import creep
 
 RADIUS, DEPTH, CELLS = 10e-6, 200e-9, 5  # of the ball; the depth that it comes to about; the finest cells in the contact's radius then
 
@@ -107,6 +109,27 @@ def test_restart_in_a_hold(expect, tmp_path):
             expect(f"{column} on {ranks} ranks", numpy.max(numpy.abs(rest[column] / whole[column][same] - 1)), at_most=tolerance)
 
 
+def test_cone_that_creeps(expect):
+    """Exact depth, and radius of the contact, of a load that is held on a blunt cone in a body of Norton's law, on six cells; and the load
+    that the body has without drag. Seen: depth 9e-3, radius 1e-2, load 3e-4 (5e-3 where drag is not added, radius .7 where the surface does
+    not flow between the nodes)."""
+    history, end, exact = creep_laws.hold(5, 6, blocks=16, levels=3)
+    _, factor, _ = creep.norton_factors(5)
+    depth = creep_laws.at(history, end, "depth")
+    expect("depth, of the exact one", depth / exact(end), near=1, tolerance=0.02)
+    expect("radius of the contact, of the exact one", creep_laws.radius_near(history, end) / (factor * depth * math.tan(math.radians(80))),
+           near=1, tolerance=0.03)
+    held = history["test_time"] > 0.1 * end
+    expect("load without drag, of that held", numpy.mean(history["load_quasi_static"][held]) / 1e-3, near=1, tolerance=0.002)
+
+
+def test_hold_above_the_surface(expect):
+    """A hold of the depth where the tip has left the polymer, which comes back to it without a load."""
+    history = harness.run({**BALL, "test_times": [0, 1, 2, 102], "indenter_depths": [0, 150e-9, 10e-9, 10e-9]}).history
+    expect("time of the test at its end", history["test_time"][-1], near=102, tolerance=1e-9)
+    expect("largest load of the hold, of the largest", numpy.max(history["load"][history["test_time"] > 3]) / numpy.max(history["load"]), at_most=0.02)
+
+
 def test_hold_without_a_load(expect):
     """A polymer that is let go comes back in a hold without a load, and the hold ends."""
     result = harness.run({**BALL, "test_times": [0, 1, 2, 102], "indenter_loads": [0, 0.4e-3, 0, 0]})
@@ -151,3 +174,12 @@ def test_creep_without_a_clock_gives_a_warning():
     case.update({"indenter_times": 0, "indenter_velocities": 1, "end_time": 1e-9, "max_steps": 2})
     assert any("theta = t" in line for line in harness.run(case).summary["warnings"])
     assert not any("theta = t" in line for line in harness.run({**case, "rate_scale": 1e-9}).summary["warnings"])
+
+
+def test_units_of_creep_give_warnings():
+    """Stresses in MPa and energies in kJ/mol; a temperature that creep reads is no useless one."""
+    warm = {**CONE, "m_rate_law": "garofalo", "m_activation_energy": 78e3, "initial_temperature": 400, "max_steps": 2}
+    said = lambda case: " ".join(harness.run(case).summary["warnings"])
+    assert "initial_temperature" not in said(warm) and "J/mol" not in said(warm)
+    assert "-m_activation_energy 78: is less" in said({**warm, "m_activation_energy": 78})
+    assert "-m_creep_stress 100: is less than a millionth" in said({**warm, "m_creep_stress": 100})

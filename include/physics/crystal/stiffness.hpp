@@ -54,9 +54,6 @@ Stiffness Turned(const Stiffness &stiffness, const Mat3 &axes);
 /// Whether it is another one in the mirror across an axis.
 bool IsSkew(const Stiffness &stiffness, int axis);
 
-/// The least of twice the energies of strains e with e : e = 1, Pa: positive, or the body would not be stable.
-double LeastStiffness(const Stiffness &stiffness);
-
 /// Bulk and shear modulus of the mean of the stiffness over all orientations (Voigt), Pa.
 double MeanBulk(const Stiffness &stiffness);
 double MeanShear(const Stiffness &stiffness);

@@ -25,6 +25,8 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
 /// The constants of a crystal in the axes of the run, and Young's modulus and Poisson's ratio of their mean over all
 /// orientations.
 void ReadCrystal(OptionReader &reader, const std::string &prefix, GeometryKind kind, MaterialConstants *c);
+/// The least of twice the energies of strains e with e : e = 1, Pa: positive, or the body would not be stable.
+double LeastEigenvalue(const Stiffness &stiffness);
 void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials, Case *c, std::vector<std::string> *names);
 /// The stress of a body at the start, and the stretches that go with it.
 void ReadInitialStress(OptionReader &reader, const Model &model, Body *body);

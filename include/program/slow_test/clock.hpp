@@ -12,10 +12,10 @@ namespace mlgimp
 /// the depth or load that the schedule has reached. In a hold it goes at a rate r = d theta/dt that follows the tip,
 ///   r <- r clip(v*/v, 1/2, 2)^(dt/T),   v* = eps h/T,
 /// v the tip's mean speed over the last transit T of waves and h its largest depth so far, so that it creeps as slowly as a
-/// loading in 1/eps transits goes; in a hold of the depth dP/dt and P take their places. What began to relax when the hold did
-/// has changed by a tenth and no more in a transit: r is at most 4 eps (theta - theta_hold + theta_leg)/T. The schedule waits
-/// until the hold's time is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in the
-/// last transit, is added to the load. Nothing of it changes but at checks, every kControlInterval steps.
+/// loading in 1/eps transits goes; in a hold of the depth dP/dt and the largest P take their places. What began to relax when the
+/// hold did has changed by a tenth and no more in a transit: r is at most 4 eps (theta - theta_hold + theta_leg)/T. The schedule
+/// waits until the hold's time is up. Under load control the drag of damping on a tip that creeps, its work over the tip's way in
+/// the last transit, is added to the load. Nothing of it changes but at checks, every kControlInterval steps.
 class TestClock
 {
 public:
@@ -40,6 +40,8 @@ private:
     double time, depth, impulse, drag; ///< s, m, of contact, N s, work of damping, J
   };
 
+  /// Mean load between two samples, N.
+  static double MeanLoad(const Sample &from, const Sample &to) { return (to.impulse - from.impulse) / (to.time - from.time); }
   double ValueAt(double schedule) const;
   void Look(Hierarchy &hierarchy, double time);
   double StartRate(int leg) const;
@@ -51,7 +53,7 @@ private:
   const Case &case_;
   TestState &state_;
   double rate_ = 0;            ///< r in a hold; 0 elsewhere
-  double deepest_ = 0;         ///< largest depth so far, m
+  double largest_ = 0;         ///< depth so far, m; in tests by depths the load, N
   double more_load_ = 0;       ///< N
   std::vector<Sample> window_; ///< of the last transit, at checks
 };

@@ -33,12 +33,7 @@ Mat3 Product(const Mat3 &a, const Mat3 &b)
       a.zx * b.xx + a.zy * b.yx + a.zz * b.zx, a.zx * b.xy + a.zy * b.yy + a.zz * b.zy, a.zx * b.xz + a.zy * b.yz + a.zz * b.zz};
 }
 
-/// The inverse of a symmetric tensor.
-Sym3 Inverse(const Sym3 &a)
-{
-  return (1 / Determinant(a)) * Sym3{a.yy * a.zz - a.yz * a.yz, a.xx * a.zz - a.xz * a.xz, a.xx * a.yy - a.xy * a.xy,
-                                     a.xz * a.yz - a.xy * a.zz, a.xy * a.xz - a.xx * a.yz, a.xy * a.yz - a.xz * a.yy};
-}
+Sym3 Inverse(const Sym3 &a) { return (1 / Determinant(a)) * Adjugate(a); }
 Mat3 Full(const Sym3 &a) { return {a.xx, a.xy, a.xz, a.xy, a.yy, a.yz, a.xz, a.yz, a.zz}; }
 
 /// The largest principal value, and its direction.
@@ -137,31 +132,6 @@ bool IsSkew(const Stiffness &C, int axis)
       if (turns % 2) odd = std::max(odd, std::abs(C.At(u, v)));
     }
   return odd > kZero * largest;
-}
-
-double LeastStiffness(const Stiffness &C)
-{
-  constexpr int kSweeps = 30; // rounding: of Jacobi's rotations, which converge in some ten
-  double a[6][6];
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) a[i][j] = C.At(i, j) * (i < 3 ? 1 : M_SQRT2) * (j < 3 ? 1 : M_SQRT2); // Mandel's form
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (int p = 0; p < 6; ++p)
-      for (int q = p + 1; q < 6; ++q) {
-        if (a[p][q] == 0) continue;
-        const double angle = 0.5 * std::atan2(2 * a[p][q], a[q][q] - a[p][p]), c = std::cos(angle), s = std::sin(angle);
-        for (auto &row : a) {
-          const double x = row[p], y = row[q];
-          row[p] = c * x - s * y, row[q] = s * x + c * y;
-        }
-        for (int k = 0; k < 6; ++k) {
-          const double x = a[p][k], y = a[q][k];
-          a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
-        }
-      }
-  double least = a[0][0];
-  for (int i = 1; i < 6; ++i) least = std::min(least, a[i][i]);
-  return least;
 }
 
 double MeanBulk(const Stiffness &C)

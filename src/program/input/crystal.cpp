@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <petscksp.h>
 
 namespace mlgimp
 {
@@ -113,7 +114,7 @@ Stiffness ReadConstants(OptionReader &reader, const std::string &prefix)
   const Stiffness C = StiffnessOf(constants);
   const std::string count = Format("{} values", constants.size());
   if (!C.Given()) reader.Refuse(name, count, "3 (cubic), 5 (hexagonal), 6 (trigonal), 9 (orthotropic) or 21 constants");
-  const double least = LeastStiffness(C), most = *std::max_element(C.c.begin(), C.c.end());
+  const double least = LeastEigenvalue(C), most = *std::max_element(C.c.begin(), C.c.end());
   if (!(least > 1e-9 * most)) // rounding
     reader.Refuse(name, count, "positive definite, as else some strain would set energy free; the smallest eigenvalue is {} Pa",
                   least);
@@ -122,6 +123,40 @@ Stiffness ReadConstants(OptionReader &reader, const std::string &prefix)
 }
 
 } // namespace
+
+/// Of the matrix in Mandel's form, by PETSc's solver of small dense matrices.
+static PetscErrorCode FindLeastEigenvalue(const Stiffness &C, double *least)
+{
+  constexpr PetscInt kRows = 6; // size
+  PetscReal values[kRows], imaginary[kRows];
+  Mat mandel;
+  KSP solver;
+  PC none;
+  PetscFunctionBeginUser;
+  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, kRows, kRows, nullptr, &mandel));
+  for (PetscInt i = 0; i < kRows; ++i)
+    for (PetscInt j = 0; j < kRows; ++j)
+      PetscCall(MatSetValue(mandel, i, j, C.At(i, j) * (i < 3 ? 1 : M_SQRT2) * (j < 3 ? 1 : M_SQRT2), INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(mandel, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(mandel, MAT_FINAL_ASSEMBLY));
+  PetscCall(KSPCreate(PETSC_COMM_SELF, &solver));
+  PetscCall(KSPSetOperators(solver, mandel, mandel));
+  PetscCall(KSPGetPC(solver, &none));
+  PetscCall(PCSetType(none, PCNONE));
+  PetscCall(KSPSetUp(solver));
+  PetscCall(KSPComputeEigenvaluesExplicitly(solver, kRows, values, imaginary));
+  *least = *std::min_element(values, values + kRows);
+  PetscCall(KSPDestroy(&solver));
+  PetscCall(MatDestroy(&mandel));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double LeastEigenvalue(const Stiffness &C)
+{
+  double least;
+  ExitOnError(FindLeastEigenvalue(C, &least));
+  return least;
+}
 
 void ReadCrystal(OptionReader &reader, const std::string &prefix, GeometryKind kind, MaterialConstants *c)
 {

@@ -59,23 +59,27 @@ void WarnIfCelsius(OptionReader &reader, const std::string &option, double tempe
   if (temperature < kColdest) reader.WarnLater("{} {}: is it in K? 20 degrees are 293", option, FormatNumber(temperature));
 }
 
+/// Warns of a stress that no solid flows at.
+void WarnOfStress(OptionReader &reader, const std::string &option, double stress, double youngs_modulus)
+{
+  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
+  const bool soft = stress > 0 && stress < kSoftest * youngs_modulus;
+  if (soft || stress >= youngs_modulus)
+    reader.WarnLater("{} {}: is {} Young's modulus; is it in Pa?", option, FormatNumber(stress),
+                     soft ? "less than a millionth of" : "no less than");
+}
+
 /// Warns of constants that are probably in another unit: without a warning such a metal would flow away, never flow, or not
 /// harden.
 void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constants &c)
 {
-  constexpr double kSoftest = 1e-6; // of Young's modulus; the purest metals yield at 1e-5
   const bool table = c.hardening == "table";
   const std::pair<const char *, double> stresses[] = {
       {table ? "flow_stresses" : "yield_stress", table ? c.flow_stresses.front() : c.yield_stress},
       {"flow_stresses", table && c.flow_stresses.size() > 1 ? c.flow_stresses.back() : NAN},
       {"hardening_modulus", c.hardening_modulus},
       {"saturation_stress", c.saturation_stress}}; // NaN where not given
-  for (const auto &[name, stress] : stresses) {
-    const bool soft = stress > 0 && stress < kSoftest * c.youngs_modulus;
-    if (soft || stress >= c.youngs_modulus)
-      reader.WarnLater("{}{} {}: is {} Young's modulus; is it in Pa?", prefix, name, FormatNumber(stress),
-                       soft ? "less than a millionth of" : "no less than");
-  }
+  for (const auto &[name, stress] : stresses) WarnOfStress(reader, prefix + name, stress, c.youngs_modulus);
   constexpr double kLargestStrain = 5, kMaxSensitive = 0.5, kMinHeat = 50,
                    kMaxHeat = 2e4; // J/(kg K); gold 128, hydrogen 14e3
   const std::pair<const char *, double> strains[] = {{"plastic_strains", table ? c.plastic_strains.back() : NAN},
@@ -98,7 +102,7 @@ void WarnOfUnits(OptionReader &reader, const std::string &prefix, const Constant
 }
 
 /// Warns of constants of all materials that no law reads.
-void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common, double rate_scale)
+void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &common, double rate_scale, bool knows_temperature)
 {
   const auto none = [&](auto knows) { return std::none_of(model.materials.begin(), model.materials.end(), knows); };
   if (rate_scale > 1 && !none([](const auto &material) { return material->Traits().has_rate; }))
@@ -107,8 +111,7 @@ void WarnOfUnused(OptionReader &reader, const Model &model, const Constants &com
                      FormatNumber(rate_scale));
   if (rate_scale != TimeSettings().rate_scale && none([](const auto &material) { return material->Traits().has_rate; }))
     reader.WarnLater("-rate_scale {}: changes nothing, as no material knows a rate", FormatNumber(rate_scale));
-  if (common.initial_temperature != Constants().initial_temperature &&
-      none([](const auto &material) { return material->PlaceOf(kTemperature) >= 0; }))
+  if (common.initial_temperature != Constants().initial_temperature && !knows_temperature)
     reader.WarnLater("-initial_temperature {}: changes nothing, as no material knows a temperature",
                      FormatNumber(common.initial_temperature));
   WarnIfCelsius(reader, "-initial_temperature", common.initial_temperature);
@@ -178,8 +181,11 @@ void ReadFlow(OptionReader &reader, const std::string &prefix, Constants *c)
   if (reader.Help()) return;
   if (c->rate_law == "perzyna" && c->hardening == "johnson_cook")
     reader.Refuse(prefix + "rate_law", c->rate_law, "left out with johnson_cook, which has a rate of its own");
-  if (c->creep_stress >= c->youngs_modulus)
-    reader.WarnLater("{}creep_stress {}: is no less than Young's modulus; is it in Pa?", prefix, FormatNumber(c->creep_stress));
+  WarnOfStress(reader, prefix + "creep_stress", c->creep_stress, c->youngs_modulus);
+  constexpr double kLowest = 1e3; // J/mol; those of creep are tens to hundreds of thousands
+  if (c->activation_energy > 0 && c->activation_energy < kLowest)
+    reader.WarnLater("{}activation_energy {}: is less than that of any creep; is it in J/mol?", prefix,
+                     FormatNumber(c->activation_energy));
 }
 
 /// Shares of a modulus that terms forget: one for each relaxation time, and less than all together.
@@ -225,6 +231,7 @@ double KeptVolumeShare(const Constants &c)
 void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *names)
 {
   Constants common;
+  bool knows_temperature = false;
   reader.Read({"-materials", "names of the materials"}, names, kRequired);
   reader.Read({"-rate_scale", "simulated time over real time, for laws that know a rate", "", kPositive}, &c->time.rate_scale);
   reader.Read(
@@ -245,6 +252,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     if (model == "viscoelastic" || reader.Help()) ReadRelaxation(reader, prefix, &k);
     c->model.materials.push_back(CreateMaterial(model, k, c->model.geometry.kind));
     Material &material = *c->model.materials.back();
+    knows_temperature = knows_temperature || material.PlaceOf(kTemperature) >= 0 || k.activation_energy > 0;
     bool average = material.Traits().averages_volume, split = material.Traits().splits;
     reader.Read({prefix + "volume_average", "mean of the volume change over a cell, against locking (true for j2)"}, &average);
     reader.Read({prefix + "split_stretched", "halve points that are drawn out longer than a cell (true for j2)"}, &split);
@@ -253,7 +261,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     WarnOfWaveSpeed(reader, prefix, k.poissons_ratio, material);
     if (average) material.AverageVolume(KeptVolumeShare(k));
   }
-  if (!reader.Help()) WarnOfUnused(reader, c->model, common, c->time.rate_scale);
+  if (!reader.Help()) WarnOfUnused(reader, c->model, common, c->time.rate_scale, knows_temperature);
 }
 
 } // namespace mlgimp

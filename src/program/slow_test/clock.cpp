@@ -12,7 +12,7 @@ namespace mlgimp
 static constexpr double kAtRest = 1e30;    // size: simulated time over that of a test whose time rests
 static constexpr double kSmallTime = 1e-9; // rounding: of transits and of times of the test
 
-/// In a state rate, load and depth stand first, the transits of each leg so far behind them, then the samples.
+/// In a state rate, more load and the largest value stand first, the transits of each leg so far behind them, then the samples.
 static constexpr std::size_t kNumbers = 3, kSample = 4; // size
 
 /// Depth or load that the schedule has at a time of its own.
@@ -47,7 +47,10 @@ void TestClock::Look(Hierarchy &hierarchy, double time)
     sums[0] -= part->contact_impulse.value[indenter.up], sums[1] += part->damping_work;
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, hierarchy.Comm());
   window_.push_back({time, indenter.Depth(hierarchy.Tip().At(time)), sums[0], sums[1]});
-  deepest_ = std::max(deepest_, window_.back().depth);
+  if (indenter.by_load)
+    largest_ = std::max(largest_, window_.back().depth);
+  else if (window_.size() > 1)
+    largest_ = std::max(largest_, MeanLoad(window_[window_.size() - 2], window_.back()));
   while (window_.size() > 1 && window_[1].time <= time - case_.quasi_static.pace.transit) window_.erase(window_.begin());
 }
 
@@ -68,20 +71,19 @@ double TestClock::StartRate(int leg) const
   return ReferenceTime(leg) / (plan.pace.transits * plan.pace.transit);
 }
 
-/// v*/v of the last transit.
+/// v*/v of the last transit, as far as r follows it: 1/2 to 2.
 double TestClock::AllowedOverSpeed() const
 {
   const QuasiStaticPlan &plan = case_.quasi_static;
-  const Indenter &indenter = *case_.model.indenter;
   const Sample &then = window_.front(), &now = window_.back(), &middle = window_[window_.size() / 2];
-  const double passed = now.time - then.time, allowed = plan.test.creep / plan.pace.transit;
   if (window_.size() < 3) return 1;
-  if (!indenter.by_load) {
-    const double early = (middle.impulse - then.impulse) / (middle.time - then.time),
-                 late = (now.impulse - middle.impulse) / (now.time - middle.time);
-    return allowed * std::abs(late) * 0.5 * passed / std::abs(late - early); // P over |dP/dt|
+  double change = now.depth - then.depth, passed = now.time - then.time;
+  if (!case_.model.indenter->by_load) {
+    change = MeanLoad(middle, now) - MeanLoad(then, middle);
+    passed *= 0.5;
   }
-  return allowed * deepest_ * passed / std::abs(now.depth - then.depth);
+  const double allowed = plan.test.creep * largest_ * passed / plan.pace.transit;
+  return std::abs(change) > 0.5 * allowed ? std::max(allowed / std::abs(change), 0.5) : 2;
 }
 
 /// Load that damping takes up, N: its work over the way of the tip in the last transit. Small ways, as those of a tip that swings
@@ -104,7 +106,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
   const QuasiStaticPlan &plan = case_.quasi_static;
   const double elapsed = kControlInterval * dt, schedule = time - state_.delay;
   Look(hierarchy, time);
-  const int at = case_.quasi_static.test.LegAt(schedule);
+  const int at = plan.test.LegAt(schedule);
   const bool holds = at >= 0 && plan.test.legs[at].Holds();
   more_load_ = holds && case_.model.indenter->by_load ? Drag(schedule) : 0;
   if (!holds) {
@@ -112,7 +114,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
   } else {
     const TestLeg &leg = plan.test.legs[at];
     const double since = state_.time - leg.times.front() + ReferenceTime(at), left = leg.times.back() - state_.time;
-    rate_ = rate_ == 0 ? StartRate(at) : rate_ * std::pow(std::clamp(AllowedOverSpeed(), 0.5, 2.0), elapsed / plan.pace.transit);
+    rate_ = rate_ == 0 ? StartRate(at) : rate_ * std::pow(AllowedOverSpeed(), elapsed / plan.pace.transit);
     rate_ = std::min(rate_, kGrowth * plan.test.creep * since / plan.pace.transit);
     const bool ends = rate_ * elapsed >= left * (1 - kSmallTime);
     if (ends) rate_ = left / elapsed;
@@ -127,7 +129,7 @@ void TestClock::Check(Hierarchy &hierarchy, double time, double dt)
 void TestClock::KeepState()
 {
   state_.clock.resize(kNumbers + case_.quasi_static.test.legs.size());
-  state_.clock[0] = rate_, state_.clock[1] = more_load_, state_.clock[2] = deepest_;
+  state_.clock[0] = rate_, state_.clock[1] = more_load_, state_.clock[2] = largest_;
   for (const Sample &sample : window_)
     state_.clock.insert(state_.clock.end(), {sample.time, sample.depth, sample.impulse, sample.drag});
 }
@@ -138,7 +140,7 @@ void TestClock::TakeState(Hierarchy &hierarchy)
   const std::size_t first = kNumbers + case_.quasi_static.test.legs.size();
   std::vector<double> &state = state_.clock;
   state.resize(std::max(state.size(), first));
-  rate_ = state[0], more_load_ = state[1], deepest_ = state[2];
+  rate_ = state[0], more_load_ = state[1], largest_ = state[2];
   for (std::size_t k = first; k + kSample <= state.size(); k += kSample)
     window_.push_back({state[k], state[k + 1], state[k + 2], state[k + 3]});
   hierarchy.Tip().SetClock({state_.delay, more_load_});

@@ -38,7 +38,7 @@ private:
   void FindGradient(const std::vector<double> &q, double travel);
   void FindFree(const std::vector<double> &q);
   PetscErrorCode SolveAtRest(std::vector<double> *q, double travel, PressureReport *report);
-  PetscErrorCode SolveByLoad(double load, double most, std::vector<double> *q, PressureReport *report);
+  PetscErrorCode SolveByLoad(const LoadInStep &load, std::vector<double> *q, PressureReport *report);
   double Goal(double travel) const;
   double EnergyChange(const std::vector<double> &before, const std::vector<double> &gradient_before,
                       const std::vector<double> &q) const;

@@ -25,13 +25,14 @@ enum class Adds {
 /// Where users see it.
 enum class Shown {
   kNowhere,
-  kColumn,      ///< history.csv; the components along a third axis come after all other columns of this kind
-  kHoopColumn,  ///< the same, in axisymmetry alone
-  kLaterColumn, ///< the same, after all of these: new columns go to the end
-  kSlowColumn,  ///< the same, in slow tests alone
-  kTestColumn,  ///< the same, in those with a clock of the test alone
-  kSummary,     ///< summary.json
-  kTransfers,   ///< `transfers` in summary.json
+  kColumn,       ///< history.csv; the components along a third axis come after all other columns of this kind
+  kHoopColumn,   ///< the same, in axisymmetry alone
+  kLaterColumn,  ///< the same, after all of these: new columns go to the end
+  kSlowColumn,   ///< the same, in slow tests alone
+  kTestColumn,   ///< the same, in those with a clock of the test alone
+  kSpringColumn, ///< the same, where something gives way between the tip and what moves it
+  kSummary,      ///< summary.json
+  kTransfers,    ///< `transfers` in summary.json
 };
 
 /// A row: what it is, and its numbers.
@@ -116,6 +117,10 @@ struct Budgets {
   /// Set in the sums of a slow test, see QuasiStaticWatch.
   ScalarBudget load_quasi_static{"load_quasi_static", Adds::kNow, Shown::kSlowColumn};
   ScalarBudget test_time{"test_time", Adds::kNow, Shown::kTestColumn};
+  /// Set in the sums where something gives way between the tip and what moves it: the depth that an instrument measures, and what
+  /// that stores.
+  ScalarBudget measured_depth{"measured_depth", Adds::kNow, Shown::kSpringColumn},
+      spring_energy{"spring_energy", Adds::kNow, Shown::kSpringColumn};
   ScalarBudget schedule{"schedule", Adds::kNow, Shown::kNowhere}; ///< time of the indenter's schedule
 
   // summary.json

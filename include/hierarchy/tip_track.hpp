@@ -1,4 +1,4 @@
-// Where the indenter's tip is in a run: on its schedule or, under load control, where contact has let it come.
+// Where the indenter's tip is in a run: on its schedule or, where it is free, where contact has let it come.
 #pragma once
 
 #include "level/level_contact.hpp"
@@ -8,9 +8,12 @@
 namespace mlgimp
 {
 
-/// Under load control one level finds the way of the tip in each of its steps: the finest that holds the surface under the tip.
-/// Coarser levels, whose steps end later, take that way as given; finer ones, which the indenter may touch beside its tip, go on
-/// with the last speed. What these carried in their last step is left out of the load that the tip's level has to meet.
+/// The way of a free tip (Indenter::IsFree) one level finds in each of its steps: the finest that holds the surface under the
+/// tip. Coarser levels, whose steps end later, take that way as given; finer ones, which the indenter may touch beside its tip,
+/// go on with the last speed. What these carried in their last step is left out of the load that the tip's level has to meet.
+///
+/// What gives way between the tip and what moves it (IndenterCompliance) takes its part of the way by the radius of the contact
+/// in the step before, which it follows as fast as a wave crosses the contact.
 class TipTrack
 {
 public:
@@ -28,10 +31,10 @@ public:
   /// Another level finds the way from now on.
   void SetLevel(int tip_level);
 
-  /// The tip at a time; under load control at the end of the last step of its level, or not long before or after.
+  /// The tip at a time; of a free one at the end of the last step of its level, or not long before or after.
   Vec3 At(double time) const;
   /// What the schedule has under load control, N.
-  double LoadAt(double time) const { return indenter_->by_load->force.Value(time - clock_.delay); }
+  double LoadAt(double time) const { return indenter_->by_load->Value(time - clock_.delay); }
   /// The tip and the load in a step of level l; start: the tip when the step began.
   TipStep Step(int l, Vec3 start, TimeStep step) const;
   /// Takes up what level l did in that step. Collective on all ranks.
@@ -39,16 +42,24 @@ public:
 
   /// How far the tip can come within some steps, m.
   double Reach(double time, double dt, int steps) const;
+  /// By how much the place whose depth an instrument measures is deeper than the tip at a time, m.
+  double Deflection(double time) const;
+  /// What it stores, F^2 C/2 of its compliance now, J.
+  double SpringEnergy(double time) const;
   /// How far the tip has come down at its largest speed without meeting its load, m.
   double Overrun() const { return overrun_; }
 
-  /// What it keeps from step to step, the same on every rank; nothing without load control.
+  /// What it keeps from step to step, the same on every rank; nothing unless it is free.
   std::vector<double> State() const;
   void SetState(const std::vector<double> &state);
 
 private:
   double Load(TimeStep step) const; ///< in the mean, N
-  bool IsByLoad() const { return indenter_ && indenter_->by_load; }
+  bool IsFree() const { return indenter_ && indenter_->IsFree(); }
+  double OnOtherLevels() const;
+  /// Way down since the start of what moves a tip that gives way, m.
+  double Driven(double time) const { return indenter_->motion.Travel(time - clock_.delay); }
+  void Stretch(const TipReport &tip, TimeStep step);
 
   const Indenter *indenter_ = nullptr;
   int tip_level_ = 0;
@@ -56,6 +67,8 @@ private:
   double speed_ = 0;             ///< in that step, downward, m/s
   double overrun_ = 0;
   Clock clock_;
+  double radius_ = 0;                        ///< of the contact, as the tip's strain knows it, m
+  double deflection_ = 0;                    ///< under load control, m
   std::vector<double> load_on_other_levels_; ///< load on each other level in its last step, N
 };
 

@@ -33,30 +33,12 @@ public:
   /// Whether the plane through the tip that is normal to a horizontal axis may be one of symmetry: it is its own mirror image
   /// there, or ends there.
   virtual bool MayBeMirrored(int axis) const = 0;
+  /// The place of the surface that is farthest in a direction, a unit vector that points downward; not finite where the surface
+  /// goes on without end in it.
+  virtual Vec3 Farthest(Vec3 direction) const = 0;
+  /// Height above the tip up to which the surface is known, m.
+  virtual double LargestHeight() const { return HUGE_VAL; }
 };
-
-// Profiles over the distance rho from the axis: prismatic in plane strain, of revolution otherwise.
-
-/// A cone or wedge with half_angle, in degrees from the axis. With a tip radius R it ends in a ball (a cylinder) that the flanks
-/// are tangent to, the conosphere of catalogues: they meet at the height R (1 - sin a), and a sharp cone with the same flanks
-/// reaches R (1/sin a - 1) deeper.
-std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius);
-std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius);
-/// radius: half its width in plane strain.
-std::unique_ptr<IndenterSurface> CreateFlatPunch(GeometryKind geometry, double radius);
-
-// Intersections of half spaces.
-
-/// Of plane strain. Moved so that its lowest vertex (or the middle of its lowest edge) becomes the tip. Vertices either way
-/// round.
-std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices);
-bool IsConvex(const std::vector<Vec3> &vertices);
-
-/// Vertices of a polygon without those that lie, to rounding, on the line between their neighbours.
-std::vector<Vec3> CornersOf(const std::vector<Vec3> &vertices);
-/// Of space, the tip down: faces at half_angle from the axis, the first with its normal at the angle `turn` from x about
-/// the axis, all in degrees. With a tip radius: all within that radius of such a pyramid, so that edges are round as well.
-std::unique_ptr<IndenterSurface> CreatePyramid(double half_angle, int faces, double turn, double tip_radius);
 
 /// The downward motion: a speed history, and from `turning_time` on a constant retraction.
 struct IndenterMotion {
@@ -77,21 +59,33 @@ struct IndenterMotion {
   }
 };
 
-/// Load control: what the indenter, which has no mass, carries; it goes where the contact lets it.
-struct IndenterLoad {
-  PiecewiseLinear force;    ///< N, as simulated, not negative
-  double largest_speed = 0; ///< of the tip, up or down, m/s
+/// What is elastic between the place whose depth is prescribed and the tip, in series: it takes F (frame + tip/a) of the depth
+/// under a force F with a contact of the radius a. The tip's own part is the (1 - nu^2)/E of the reduced modulus, Oliver and
+/// Pharr, J. Mater. Res. 7 (1992) 1564: exact under punches, and where half spaces meet.
+struct IndenterCompliance {
+  double frame = 0;      ///< of frame or cantilever, m/N
+  double tip = 0;        ///< (1 - nu^2)/(2 E) of the tip, m^2/N
+  double least = 0;      ///< radius of the narrowest contact that cells show, m
+  double wave_speed = 0; ///< with which the tip's strain follows the contact's width, m/s
+  bool Any() const { return frame > 0 || tip > 0; }
+  double At(double radius) const { return frame + (tip > 0 ? tip / std::max(radius, least) : 0); }
 };
 
-/// What contact must carry in a step under load control.
+/// What contact must carry in a step where the tip is free.
 struct LoadInStep {
-  double force;       ///< N
-  double most_travel; ///< of the tip, up or down, m
+  double force;         ///< where the tip stays at its height, N
+  double most_travel;   ///< of the tip, up or down, m
+  double stiffness = 0; ///< by which the force falls while the tip comes down, N/m
+  double At(double travel) const { return force - stiffness * travel; }
   /// How far the tip comes down where nothing is near, m.
-  double FreeTravel() const { return force > 0 ? most_travel : 0; }
+  double FreeTravel() const
+  {
+    if (stiffness > 0) return std::clamp(force / stiffness, -most_travel, most_travel);
+    return force > 0 ? most_travel : 0;
+  }
 };
 
-/// The tip in a step. Under load control it keeps its height, and contact finds how far it comes down.
+/// The tip in a step. A free one keeps its height, and contact finds how far it comes down.
 struct TipStep {
   Vec3 start{}, end{}; ///< m
   std::optional<LoadInStep> by_load{};
@@ -99,20 +93,24 @@ struct TipStep {
   double FreeTravel() const { return by_load ? by_load->FreeTravel() : 0; }
 };
 
-/// A moving rigid indenter.
+/// A moving indenter, whose surface is rigid.
 struct Indenter {
   std::unique_ptr<IndenterSurface> surface;
-  IndenterMotion motion;      ///< without a load
-  Vec3 tip{};                 ///< at t = 0, m
-  double initial_surface = 0; ///< height of the undeformed body below the tip, m
-  int up = 1;                 ///< axis, the last of the geometry
-  std::optional<IndenterLoad> by_load{};
+  IndenterMotion motion;                     ///< without a load
+  Vec3 tip{};                                ///< at t = 0, m
+  double initial_surface = 0;                ///< height of the undeformed body below the tip, m
+  int up = 1;                                ///< axis, the last of the geometry
+  std::optional<PiecewiseLinear> by_load{};  ///< load control, N as simulated, not negative: the tip goes where contact lets it
   std::array<PiecewiseLinear, 2> sideways{}; ///< speed along the horizontal axes, m/s
+  IndenterCompliance compliance{};           ///< of the part that is simulated
+  double largest_speed = 0;                  ///< of a free tip, up or down, m/s
 
   Vec3 Up(double length) const { return {0, up == 1 ? length : 0, up == 2 ? length : 0}; }
   /// How far it has come sideways since t = 0, m.
   Vec3 Sideways(double t) const { return {sideways[0].Integral(t), sideways[1].Integral(t), 0}; }
-  // Its motion where there is no load.
+  /// Whether contact finds where the tip is: under load control, or where something gives way between it and what moves it.
+  bool IsFree() const { return by_load || compliance.Any(); }
+  // The motion that is prescribed where there is no load, of the tip, or of a rigid one at the end of what gives way.
   Vec3 Tip(double t) const { return tip - Up(motion.Travel(t)) + Sideways(t); }
   Vec3 Velocity(double t) const { return Up(-motion.Speed(t)) + Vec3{sideways[0].Value(t), sideways[1].Value(t), 0}; }
 
@@ -120,7 +118,7 @@ struct Indenter {
   double Fastest(double from, double to) const
   {
     const double x = sideways[0].LargestMagnitude(from, to), y = sideways[1].LargestMagnitude(from, to);
-    return std::hypot(by_load ? by_load->largest_speed : motion.Fastest(from, to), std::hypot(x, y));
+    return std::hypot(IsFree() ? largest_speed : motion.Fastest(from, to), std::hypot(x, y));
   }
   double Depth(Vec3 tip_now) const { return initial_surface - tip_now[up]; }
   /// Half the width of the part below the undeformed surface where the tip is so deep; nothing above it, m.

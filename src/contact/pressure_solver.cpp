@@ -209,40 +209,46 @@ double PressureSolver::FirstTouch(double travel) const
   return std::isfinite(first) ? first : travel;
 }
 
-/// Newton's method for the tip's way u: the load rises with it, by closing . x with A x = closing on what presses. The load is
-/// met exactly in the end, by all pressures alike.
-PetscErrorCode PressureSolver::SolveByLoad(double load, double most, std::vector<double> *q, PressureReport *report)
+/// Newton's method for the tip's way u: what pressures carry rises with it, by closing . x with A x = closing on what presses,
+/// and the load falls where something gives way behind the tip. The load is met exactly in the end, by all pressures alike.
+PetscErrorCode PressureSolver::SolveByLoad(const LoadInStep &load, std::vector<double> *q, PressureReport *report)
 {
   constexpr int kMaxPasses = 50;                                   // rounding
   constexpr double kLoad = 1e-7, kSlope = 1e-3, kPastTouch = 1e-9; // rounding: of the load; of the norm of closing; of `most`
+  const double most = load.most_travel, free = load.FreeTravel();
   double &u = report->travel;
   bool held = false; // at the most that it may travel
   PetscFunctionBeginUser;
   slope_.assign(size_, 0.0);
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     PetscCall(SolveAtRest(q, u, report));
-    const double left = load - LoadOf(*q);
+    const double carried = LoadOf(*q), left = load.At(u) - carried;
     report->limited = held && left * u > 0;
-    if (report->limited || std::abs(left) <= kLoad * load) break;
-    if (LoadOf(*q) <= 0) {
-      u = std::min(FirstTouch(u) + kPastTouch * most, most);
+    if (report->limited || std::abs(left) <= kLoad * std::abs(load.At(u))) break;
+    if (carried <= 0) {
+      const double touch = FirstTouch(u);
+      if (load.stiffness > 0 && free <= touch) { // it comes as far as what moves it
+        u = free;
+        break;
+      }
+      u = std::min(touch + kPastTouch * most, most);
       FindGradient(*q, u);
     }
     FindFree(*q);
     double size = 0;
     for (int k = 0; k < size_; ++k) size += free_[k] ? Square(problem_->Closing()[k] / roots_[k]) : 0;
     if (size == 0) { // nothing within reach
-      report->limited = true, u = most;
+      report->limited = load.stiffness == 0, u = free;
       break;
     }
     PetscCall(SolveFree(problem_->Closing(), kSlope * std::sqrt(size), &slope_, report));
-    const double du = left / LoadOf(slope_), before = u;
+    const double du = (load.At(u) - LoadOf(*q)) / (LoadOf(slope_) + load.stiffness), before = u;
     u = std::clamp(u + du, -most, most);
     held = std::abs(u) == most;
     for (int k = 0; k < size_; ++k) (*q)[k] = std::max(0.0, (*q)[k] + (u - before) * slope_[k]);
   }
   if (const double now = LoadOf(*q); now > 0 && !report->limited)
-    for (double &one : *q) one *= load / now;
+    for (double &one : *q) one *= load.At(u) / now;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,11 +265,12 @@ PetscErrorCode PressureSolver::Solve(const PressureProblem &problem, const TipSt
   PetscCall(Prepare(problem.Size()));
   problem.Diagonal(roots_.data());
   for (double &root : roots_) root = std::sqrt(root);
-  const double load = tip.by_load ? tip.by_load->force + more_load : 0;
+  LoadInStep load = tip.by_load.value_or(LoadInStep{});
+  load.force += more_load;
   if (!tip.by_load) {
     PetscCall(SolveAtRest(q, 0, report));
-  } else if (load > 0) {
-    PetscCall(SolveByLoad(load, tip.by_load->most_travel, q, report));
+  } else if (load.force > 0 || load.stiffness > 0) {
+    PetscCall(SolveByLoad(load, q, report));
   } else { // lifted where the surface comes up
     std::fill(q->begin(), q->end(), 0.0);
     for (int k = 0; k < size_; ++k)

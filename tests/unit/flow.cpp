@@ -1,6 +1,7 @@
 // Boxes that flow has sheared: what straightening keeps, and what it leaves alone.
 #include "level/flow.hpp"
 #include "level/seeding.hpp"
+#include "physics/tips/profiles.hpp"
 #include "points/face.hpp"
 
 #include "simulation/setup.hpp"

@@ -112,11 +112,11 @@ TEST(Options, IndentersOfGeometries)
   EXPECT_EQ(ReadOneIndenter(kSpace, "sphere -indenter_radius 1"), "");
   EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 5 -indenter_turn -20"), "");
   EXPECT_EQ(ReadOneIndenter(kPlane, "cone"),
-            "-indenter cone: must be one of none, wedge, cylinder, flat_punch, polygon in -geometry plane_strain");
+            "-indenter cone: must be one of none, wedge, cylinder, flat_punch, polygon, profile in -geometry plane_strain");
   EXPECT_EQ(ReadOneIndenter(kRound, "wedge"),
-            "-indenter wedge: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
+            "-indenter wedge: must be one of none, flat_punch, cone, sphere, area_function, profile in -geometry axisymmetric");
   EXPECT_EQ(ReadOneIndenter(kRound, "vickers"),
-            "-indenter vickers: must be one of none, flat_punch, cone, sphere in -geometry axisymmetric");
+            "-indenter vickers: must be one of none, flat_punch, cone, sphere, area_function, profile in -geometry axisymmetric");
   EXPECT_EQ(ReadOneIndenter(kSpace, "pyramid -indenter_half_angle 60 -indenter_faces 2"),
             "-indenter_faces 2: must be a whole number in [3, 360]");
   EXPECT_EQ(ReadOneIndenter(kSpace, "cone -indenter_half_angle -60"), "-indenter_half_angle -60: must be in (0, 90)");

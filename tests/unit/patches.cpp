@@ -1,4 +1,5 @@
 // Patches of the surface lie on the rank that owns the node nearest to them, also after nodes have got other owners.
+#include "physics/tips/profiles.hpp"
 #include "simulation/setup.hpp"
 
 #include <gtest/gtest.h>

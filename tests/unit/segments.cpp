@@ -1,6 +1,7 @@
 // The pressures of segments: the operator, what it makes of even and uneven pressures, and Coulomb's conditions beside them.
 #include "contact/friction.hpp"
 #include "contact/pressure_solver.hpp"
+#include "physics/tips/profiles.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Indenters and histories by their properties.
 #include "physics/geometry.hpp"
-#include "physics/indenter.hpp"
+#include "physics/tips/half_spaces.hpp"
+#include "physics/tips/profiles.hpp"
 #include "unit/largest.hpp"
 #include "unit/random.hpp"
 
@@ -100,14 +101,14 @@ TEST(Surfaces, Indenters)
     CheckSurface("cone" + where, *CreateCone(geometry, kHalfAngle, 0), 1, 1, up);
     CheckSurface("rounded cone" + where, *CreateCone(geometry, kHalfAngle, kTipRadius), 1, 1, up);
     CheckSurface("sphere" + where, *CreateSphere(geometry, 2), 1.4, 2, up);
-    CheckSurface("flat punch" + where, *CreateFlatPunch(geometry, 1), 0.7, 1, up);
+    CheckSurface("flat punch" + where, *CreateFlatPunch(geometry, 1, 0), 0.7, 1, up);
   }
   CheckSurface("polygon", *CreatePolygonIndenter({{3, 7}, {5, 7.6}, {5, 10}, {1, 10}, {1, 7.5}}), 1.9, 1);
   EXPECT_LE(std::abs(Height(*CreateCone(kPlane, kHalfAngle, 0), 1, 1) / slope - 1), 1e-12) << "wedge: slope";
   EXPECT_LE(std::abs(Height(*CreateSphere(kPlane, 2), 1, 2) - (2 - std::sqrt(3))), 1e-12) << "cylinder: height";
   EXPECT_LE(std::abs(CreateSphere(kPlane, 2)->Gap({3, -2}).distance - 3), 1e-14) << "cylinder: gap at a distance";
   EXPECT_LE(std::abs(CreateSphere(kSpace, 2)->Gap({2, 2, 1}).distance - 1), 1e-14) << "sphere: gap at a distance";
-  EXPECT_EQ(CreateFlatPunch(kPlane, 1)->Width(HUGE_VAL), 2);
+  EXPECT_EQ(CreateFlatPunch(kPlane, 1, 0)->Width(HUGE_VAL), 2);
   EXPECT_TRUE(IsConvex({{0, 0}, {1, 0}, {0, 1}}));
   EXPECT_TRUE(IsConvex({{0, 1}, {1, 0}, {0, 0}}));
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}}));

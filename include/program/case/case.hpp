@@ -72,6 +72,7 @@ struct QuasiStaticPlan {
   double tolerance = 0.01;                      ///< share of the load that inertia and damping may add
   TestPlan test;                                ///< its own time
   std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
+  int unloadings = 0;                           ///< small ones, on the way of the first loading
   bool own_damping = true;                      ///< none was given
   bool own_xpic = true;                         ///< no fraction of XPIC was given
   double distance = 0;                          ///< from the contact to the farthest end of the bodies along an axis, m
@@ -84,7 +85,6 @@ struct QuasiStaticPlan {
   double exponent = 1;                          ///< of the load over depth, elastic
   double end_time = 0;                          ///< of the schedule, s
   std::vector<std::pair<double, double>> holds; ///< begin and end, s
-  std::vector<std::string> lines;               ///< for people
 };
 
 /// What is written, and where.
@@ -109,6 +109,7 @@ struct Case {
   QuasiStaticPlan quasi_static;
   std::vector<std::string> load_names; ///< in the order of model.loads
   std::vector<std::string> identity;   ///< options that a restart must share
+  std::vector<std::string> notes;      ///< lines for people: what was chosen
 
   /// The finest level whose box holds a place. A place on a side of the domain is inside it, also where boxes end there.
   int LevelAt(Vec3 x) const

@@ -11,7 +11,7 @@
 namespace mlgimp
 {
 
-inline constexpr int kFormatVersion = 24; // size
+inline constexpr int kFormatVersion = 25; // size
 
 inline std::string LevelName(int l) { return Format("/level_{}", l); }
 

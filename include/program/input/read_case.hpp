@@ -32,6 +32,8 @@ void ReadBodies(OptionReader &reader, const std::vector<std::string> &materials,
 void ReadInitialStress(OptionReader &reader, const Model &model, Body *body);
 void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Case *c);
 void ReadIndenter(OptionReader &reader, Case *c);
+/// The surface of an indenter of a kind, none with -help. Collective on all ranks where a file describes it.
+void ReadTip(OptionReader &reader, const std::string &kind, Case *c);
 /// What goes with a method of contact that has been chosen.
 void ReadContact(OptionReader &reader, ContactSettings *contact);
 
@@ -40,6 +42,9 @@ struct NamedInGeometry {
   const char *name;
   bool has[3]; ///< by GeometryKind
 };
+
+/// Kinds of -indenter.
+const std::vector<NamedInGeometry> &IndenterKinds();
 
 /// Chooses one of the values that the geometry has; -help lists all.
 void ChooseInGeometry(OptionReader &reader, const Option &option, GeometryKind geometry,

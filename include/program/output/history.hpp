@@ -19,10 +19,9 @@ struct HistoryColumn {
 class History
 {
 public:
-  /// With the columns of a slow test that the plan says. Starts the file, or, after a restart at `resume_step` >= 0, keeps the
-  /// rows up to it. Returns nothing, or why the file cannot be written, the same on every rank. Collective.
-  std::string Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, const QuasiStaticPlan &plan,
-                   long resume_step);
+  /// With the columns that the case has. Starts the file, or, after a restart at `resume_step` >= 0, keeps the rows up to it.
+  /// Returns nothing, or why the file cannot be written, the same on every rank. Collective.
+  std::string Open(MPI_Comm comm, const Case &c, long resume_step);
   /// Adds a row to those that Write will write.
   void Add(long step, const Budgets &budgets);
   /// Writes the rows that were added, or none of them. Returns as Open. Collective.

@@ -46,6 +46,7 @@ private:
     long step;
     double time, schedule, test_time;
     Vec3 tip;
+    double deflection, spring_energy;
   };
   void Complete(const Row &row, Budgets &budgets);
   void SetFrictionForce(double time, Budgets &budgets);

@@ -120,7 +120,7 @@ std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &wa
 {
   constexpr double kMet = 0.5; // the load of a row is the mean of its step
   if (!c.model.indenter || !c.model.indenter->by_load) return "";
-  const double asked = c.model.indenter->by_load->force.Value(budgets.schedule);
+  const double asked = c.model.indenter->by_load->Value(budgets.schedule);
   const bool missed = watched.carried < kMet * watched.asked;
   if (budgets.load >= kMet * asked && !missed) return "";
   return Format("-indenter_loads: {} N are asked for{}{} N, because its speed is limited to a tenth of that of waves; try longer "

@@ -242,8 +242,20 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
 
 } // namespace
 
+/// Refuses depths at which the indenter's surface is not known.
+static void CheckKnownSurface(OptionReader &reader, const Case &c, const std::string &kind)
+{
+  const Indenter &indenter = *c.model.indenter;
+  const double deepest = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
+  const double known = indenter.surface->LargestHeight();
+  if (std::isfinite(deepest) && deepest > known * (1 + kRounding))
+    reader.Refuse("-indenter", kind, "known up to the depth of the test, {} m; its surface is known up to {} m above its end",
+                  deepest, known);
+}
+
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)
 {
+  CheckKnownSurface(reader, c, kind); // -indenter: a tip of a file or a function that ends below the depth
   CheckReach(reader, c);              // -indenter_tip: too far above the body, below the domain, or without contact
   CheckOtherParts(reader, c);         // -indenter_tip: inside another part when depths begin to count
   CheckMirror(reader, c, kind);       // -indenter, -indenter_tip, -boundary_SIDE: a tip at or near a side of the domain

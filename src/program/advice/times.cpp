@@ -50,7 +50,7 @@ void CheckLoadRise(OptionReader &reader, const Case &c)
 {
   constexpr double kMinTransits = 5,
                    kJump = 0.1; // transits, at 4 the depth of an elastic block is 10 % too large; of the largest load
-  const PiecewiseLinear &force = c.model.indenter->by_load->force;
+  const PiecewiseLinear &force = *c.model.indenter->by_load;
   const double largest = force.LargestMagnitude(0, force.EndTime()), transit = TransitOf(c);
   double rise = force.Value(0) > kJump * largest ? 0 : HUGE_VAL;
   for (std::size_t k = 1; k < force.Times().size(); ++k) {

@@ -257,7 +257,7 @@ double Warnings::Record(const Case &c, const Budgets &budgets)
   raise(&state_.noise, budgets.noise_energy);
   raise(&state_.carried, budgets.load);
   if (c.model.indenter && c.model.indenter->by_load)
-    raise(&state_.asked, c.model.indenter->by_load->force.LargestMagnitude(0, budgets.schedule));
+    raise(&state_.asked, c.model.indenter->by_load->LargestMagnitude(0, budgets.schedule));
   double pressure = 0;
   for (const Load &load : c.model.loads) pressure += std::abs(load.pressure.Value(budgets.time));
   motion_.Record(budgets, pressure);

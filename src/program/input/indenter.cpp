@@ -16,83 +16,6 @@ namespace mlgimp
 namespace
 {
 
-const std::vector<NamedInGeometry> kIndenters = {
-    {"none", {true, true, true}},       {"wedge", {true, false, false}},       {"cylinder", {true, false, false}},
-    {"flat_punch", {true, true, true}}, {"polygon", {true, false, false}},     {"cone", {false, true, true}},
-    {"sphere", {false, true, true}},    {"pyramid", {false, false, true}},     {"berkovich", {false, false, true}},
-    {"vickers", {false, false, true}},  {"cube_corner", {false, false, true}},
-};
-
-/// Pyramids that have a name: angle of a face from the axis, degrees.
-struct NamedPyramid {
-  const char *name;
-  int faces;
-  double half_angle;
-};
-constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
-
-void ReadPolygon(OptionReader &reader, std::vector<Vec3> *vertices)
-{
-  std::vector<double> numbers;
-  reader.Read({"-indenter_vertices", "x,y of a convex polygon; its lowest vertex is put at the tip", "m", kAnyNumber, 6},
-              &numbers, kRequired);
-  for (std::size_t k = 0; k + 1 < numbers.size(); k += 2) vertices->push_back({numbers[k], numbers[k + 1]});
-  *vertices = CornersOf(*vertices);
-  if (!reader.Help() && (numbers.size() % 2 || !IsConvex(*vertices)))
-    reader.Refuse("-indenter_vertices", Format("{} numbers", numbers.size()), "x,y pairs of a convex polygon");
-}
-
-/// Sizes of a wedge, a cone or a pyramid, angles in degrees.
-struct PointedShape {
-  double half_angle = NAN, tip_radius = 0, turn = 0;
-  int faces = 4;
-};
-
-/// For kinds that use all of it: an option that is read and not used would be taken without a word.
-void ReadPointedShape(OptionReader &reader, const std::string &kind, bool pyramid, PointedShape *shape)
-{
-  for (const NamedPyramid &known : kPyramids)
-    if (kind == known.name) shape->half_angle = known.half_angle, shape->faces = known.faces;
-  if (std::isnan(shape->half_angle)) {
-    reader.Read({"-indenter_half_angle", "angle of a face of a wedge, a cone or a pyramid from the axis", "degrees", Open(0, 90)},
-                &shape->half_angle, kRequired);
-    if (!reader.Help() && std::sin(shape->half_angle * M_PI / 180) <= kMinFacing)
-      reader.Refuse("-indenter_half_angle", shape->half_angle,
-                    "above 5.74 degrees; contact acts on faces that lean toward the surface, and misses steeper ones");
-  }
-  reader.Read({"-indenter_tip_radius", "radius of the rounded tip of a wedge, a cone or a pyramid", "m", kNotNegative},
-              &shape->tip_radius);
-  if (kind == "pyramid" || reader.Help())
-    reader.Read({"-indenter_faces", "number of a pyramid's faces", "", Closed(3, 360)}, &shape->faces);
-  if (pyramid || reader.Help())
-    reader.Read({"-indenter_turn", "angle of the normal of a pyramid's first face about the axis, from x", "degrees"},
-                &shape->turn);
-}
-
-void ReadSurface(OptionReader &reader, GeometryKind geometry, const std::string &kind, std::unique_ptr<IndenterSurface> *surface)
-{
-  const bool plane = geometry == GeometryKind::kPlaneStrain, punch = kind == "flat_punch";
-  const bool cone = kind == "wedge" || kind == "cone", sphere = kind == "cylinder" || kind == "sphere";
-  const bool named = std::any_of(std::begin(kPyramids), std::end(kPyramids), [&](auto &one) { return kind == one.name; });
-  const bool pyramid = kind == "pyramid" || named;
-  double radius = NAN, width = NAN;
-  PointedShape shape;
-  std::vector<Vec3> vertices;
-  if (cone || pyramid || reader.Help()) ReadPointedShape(reader, kind, pyramid, &shape);
-  if (sphere || (punch && !plane) || reader.Help())
-    reader.Read({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m", kPositive}, &radius, kRequired);
-  if ((punch && plane) || reader.Help())
-    reader.Read({"-indenter_width", "width of a flat punch in plane strain", "m", kPositive}, &width, kRequired);
-  if (kind == "polygon" || reader.Help()) ReadPolygon(reader, &vertices);
-  if (reader.Help()) return;
-  if (cone) *surface = CreateCone(geometry, shape.half_angle, shape.tip_radius);
-  if (sphere) *surface = CreateSphere(geometry, radius);
-  if (punch) *surface = CreateFlatPunch(geometry, plane ? 0.5 * width : radius);
-  if (pyramid) *surface = CreatePyramid(shape.half_angle, shape.faces, shape.turn, shape.tip_radius);
-  if (kind == "polygon") *surface = CreatePolygonIndenter(vertices);
-  if (!*surface) reader.Refuse("-indenter", kind, "a kind that ReadSurface makes a surface for");
-}
-
 /// Height of the highest body at the tip, also where that is on a body's side; of the highest of all where there is none.
 double InitialSurface(const Case &c, const Indenter &indenter)
 {
@@ -118,18 +41,21 @@ void RefuseGiven(OptionReader &reader, const std::string &option, const std::str
     reader.Refuse(option, text, "left out with -indenter_control {}", control);
 }
 
+/// What a free tip asks of the rest of the case. why: the option that makes it free.
+void CheckFreeTip(OptionReader &reader, const char *why, const Case &c)
+{
+  if (c.model.contact.method != "pressure") reader.Refuse("-contact", c.model.contact.method, "pressure with {}", why);
+  if (c.levels > 1 && c.hierarchy.coupling == LevelCoupling::kPoints)
+    reader.Refuse("-level_coupling", "points", "nodes with {}", why);
+}
+
 /// What load control asks of the rest of the case, and what follows from it.
 void FinishLoadControl(OptionReader &reader, const PiecewiseLinear &force, Case *c)
 {
-  double wave_speed = 0;
   for (const char *option : {"-indenter_velocities", "-indenter_max_depth", "-indenter_unload_velocity"})
     RefuseGiven(reader, option, "load");
-  if (c->model.contact.method != "pressure")
-    reader.Refuse("-contact", c->model.contact.method, "pressure with -indenter_control load");
-  if (c->levels > 1 && c->hierarchy.coupling == LevelCoupling::kPoints)
-    reader.Refuse("-level_coupling", "points", "nodes with -indenter_control load");
-  for (const auto &material : c->model.materials) wave_speed = std::max(wave_speed, material->SpeedOfSound());
-  c->model.indenter->by_load = {force, kLargestSpeed * wave_speed};
+  CheckFreeTip(reader, "-indenter_control load", *c);
+  c->model.indenter->by_load = force;
   if (!std::isfinite(c->time.end_time) && c->time.max_steps == 0) c->time.end_time = force.EndTime();
 }
 
@@ -185,6 +111,38 @@ void ReadControl(OptionReader &reader, Case *c)
                c);
 }
 
+/// What gives way between the tip and what moves it. Sides of symmetry through the tip leave a part of the indenter its part of
+/// the force.
+void ReadCompliance(OptionReader &reader, Case *c)
+{
+  Indenter &indenter = *c->model.indenter;
+  const bool plane = c->model.geometry.kind == GeometryKind::kPlaneStrain;
+  double stiffness = HUGE_VAL, modulus = HUGE_VAL, ratio = 0;
+  const bool sprung =
+      reader.Read({"-indenter_stiffness", "of frame or cantilever, in series with the whole indenter; inf is rigid", "N/m",
+                   OrInfinity(kPositive)},
+                  &stiffness);
+  const bool elastic =
+      reader.Read({"-indenter_youngs_modulus", "of the tip, which gives way by (1 - nu^2)/(2 a E) of the load; inf is rigid",
+                   "Pa", OrInfinity(kPositive)},
+                  &modulus);
+  const bool has_ratio = reader.Read({"-indenter_poissons_ratio", "of the tip", "", {-1, 0.5, true, false}}, &ratio);
+  if (reader.Help()) return;
+  if (elastic && plane)
+    reader.Refuse("-indenter_youngs_modulus", modulus,
+                  "left out in -geometry plane_strain, where depths grow with the body's size");
+  if (has_ratio && !elastic) reader.Refuse("-indenter_poissons_ratio", ratio, "left out without -indenter_youngs_modulus");
+  double parts = 1;
+  for (int axis = 0; axis < indenter.up; ++axis)
+    if (c->MirrorsTip(axis) && !(axis == 0 && c->model.geometry.HasHoop())) parts *= 2;
+  indenter.compliance = {parts / stiffness, parts * (1 - ratio * ratio) / (2 * modulus), 0.5 * c->CellSize(c->LevelAtTip())};
+  for (const auto &material : c->model.materials)
+    indenter.compliance.wave_speed = std::max(indenter.compliance.wave_speed, material->SpeedOfSound());
+  indenter.largest_speed = kLargestSpeed * indenter.compliance.wave_speed;
+  if (indenter.compliance.Any())
+    CheckFreeTip(reader, sprung && std::isfinite(stiffness) ? "-indenter_stiffness" : "-indenter_youngs_modulus", *c);
+}
+
 /// The turn at the largest depth, and the end of the run that follows from the motion.
 void ReadTurningPoint(OptionReader &reader, Case *c)
 {
@@ -231,14 +189,14 @@ void ReadIndenter(OptionReader &reader, Case *c)
   std::string kind = "none";
   std::vector<std::string> methods = ContactMethods(geometry);
   methods.push_back("none");
-  ChooseInGeometry(reader, {"-indenter", "rigid indenter"}, geometry, kIndenters, &kind);
+  ChooseInGeometry(reader, {"-indenter", "indenter"}, geometry, IndenterKinds(), &kind);
   reader.Choice({"-contact", "contact method"}, methods, &c->model.contact.method);
   ReadQuasiStatic(reader, kind != "none", &c->quasi_static);
   if (kind == "none" && !reader.Help()) return;
   ReadContact(reader, &c->model.contact);
   Indenter &indenter = c->model.indenter.emplace();
   indenter.up = UpAxis(geometry);
-  ReadSurface(reader, geometry, kind, &indenter.surface);
+  ReadTip(reader, kind, c);
   reader.Read({"-indenter_tip", "lowest point of the indenter at t = 0", "m"}, &indenter.tip, kRequired);
   const bool slow = c->quasi_static.on && !reader.Help();
   const double end_time = c->time.end_time;
@@ -248,6 +206,7 @@ void ReadIndenter(OptionReader &reader, Case *c)
   if (geometry == GeometryKind::kAxisymmetric && indenter.tip[0] != 0)
     reader.Refuse("-indenter_tip", indenter.tip, "on the axis, at x = 0, in -geometry axisymmetric");
   if (!reader.Help()) indenter.initial_surface = InitialSurface(*c, indenter);
+  ReadCompliance(reader, c);
   if (!indenter.by_load && !by_depths) ReadTurningPoint(reader, c);
   if (slow) PlanQuasiStatic(reader, end_time, c);
   c->hierarchy.tip_level = reader.Help() ? 0 : c->LevelAtTip();

@@ -19,22 +19,24 @@ namespace
 {
 
 /// In the order of the file: that of the table, but new columns go to the end.
-std::vector<HistoryColumn> Columns(const Geometry &geometry, const QuasiStaticPlan &plan)
+std::vector<HistoryColumn> Columns(const Case &c)
 {
+  const Geometry &geometry = c.model.geometry;
   const Budgets table;
   std::vector<HistoryColumn> columns;
   const auto add = [&](Shown shown, int from, int to) {
     for (const Budget &row : table)
-      for (int c = from; row.shown == shown && c < std::min(to, row.components); ++c)
-        columns.push_back(
-            {row.components > 1 ? Format("{}_{}", row.name, "xyz"[c]) : row.name, static_cast<int>(&row - table.begin()), c});
+      for (int axis = from; row.shown == shown && axis < std::min(to, row.components); ++axis)
+        columns.push_back({row.components > 1 ? Format("{}_{}", row.name, "xyz"[axis]) : row.name,
+                           static_cast<int>(&row - table.begin()), axis});
   };
   add(Shown::kColumn, 0, 2);
   if (geometry.HasHoop()) add(Shown::kHoopColumn, 0, 1);
   add(Shown::kColumn, 2, geometry.Dim());
   add(Shown::kLaterColumn, 0, geometry.Dim());
-  if (plan.on) add(Shown::kSlowColumn, 0, 1);
-  if (plan.test.On()) add(Shown::kTestColumn, 0, 1);
+  if (c.quasi_static.on) add(Shown::kSlowColumn, 0, 1);
+  if (c.quasi_static.test.On()) add(Shown::kTestColumn, 0, 1);
+  if (c.model.indenter && c.model.indenter->compliance.Any()) add(Shown::kSpringColumn, 0, 1);
   return columns;
 }
 
@@ -62,12 +64,11 @@ std::string Header(const std::vector<HistoryColumn> &columns)
 
 } // namespace
 
-std::string History::Open(MPI_Comm comm, const std::string &directory, const Geometry &geometry, const QuasiStaticPlan &plan,
-                          long resume_step)
+std::string History::Open(MPI_Comm comm, const Case &c, long resume_step)
 {
   comm_ = comm;
-  path_ = directory + "/history.csv";
-  columns_ = Columns(geometry, plan);
+  path_ = c.output.directory + "/history.csv";
+  columns_ = Columns(c);
   std::string problem = OnFirstRank(comm, "history_open", [&] {
     const std::string kept = resume_step >= 0 ? RowsUpTo(path_, resume_step, &last_) : "";
     const std::string wrong = ReplaceFile(path_, Header(columns_) + kept);

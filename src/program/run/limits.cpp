@@ -63,18 +63,22 @@ std::string WrongPace(const Case &c, Hierarchy &hierarchy, double time, double n
                 distance, next_check, room, finest);
 }
 
-/// A tip under load control that cannot go on.
+/// A tip that cannot go on: deeper than its surface is known, or under load control.
 static std::string DescribeTip(const Case &c, const TipTrack &tip, double time)
 {
   constexpr double kMaxOverrun = 0.1; // of the body's height, for which waves take as long as the tip at its largest speed
-  if (!c.model.indenter || !c.model.indenter->by_load) return "";
+  if (!c.model.indenter) return "";
   const Indenter &indenter = *c.model.indenter;
   const double height = tip.At(time)[indenter.up], lowest = c.LowestTip(c.hierarchy.tip_level);
+  if (const double known = indenter.surface->LargestHeight(); indenter.Depth(tip.At(time)) > known)
+    return Format("time {}: the tip is {} m deep, and its surface is known up to {} m above its end; try a smaller depth or load",
+                  time, indenter.Depth(tip.At(time)), known);
+  if (!indenter.by_load) return "";
   const std::string load = Format("time {}: -indenter_loads, {} N by now, ", time, tip.LoadAt(time));
   if (tip.Overrun() > kMaxOverrun * (indenter.initial_surface - c.domain.lower[indenter.up]))
     return Format(
         "{}are not met although the tip comes down at {} m/s, a tenth of the speed of waves; try smaller or slower ones", load,
-        indenter.by_load->largest_speed);
+        indenter.largest_speed);
   if (height < lowest)
     return Format("{}press the tip {} m below {}, to which level {} can hold it; try smaller ones or a larger box", load,
                   lowest - height, lowest, c.hierarchy.tip_level);

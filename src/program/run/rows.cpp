@@ -6,11 +6,7 @@
 namespace mlgimp
 {
 
-std::string RowWriter::Open(bool goes_on)
-{
-  return history_.Open(hierarchy_.Comm(), case_.output.directory, case_.model.geometry, case_.quasi_static,
-                       goes_on ? state_.step : -1);
-}
+std::string RowWriter::Open(bool goes_on) { return history_.Open(hierarchy_.Comm(), case_, goes_on ? state_.step : -1); }
 
 bool RowWriter::IsDue(long step, double schedule) const
 {
@@ -20,7 +16,9 @@ bool RowWriter::IsDue(long step, double schedule) const
 void RowWriter::Keep()
 {
   sums_.push_back(hierarchy_.SumBudgets());
-  rows_.push_back({state_.step, state_.time, state_.Schedule(), state_.test.time, hierarchy_.Tip().At(state_.time)});
+  const TipTrack &tip = hierarchy_.Tip();
+  rows_.push_back({state_.step, state_.time, state_.Schedule(), state_.test.time, tip.At(state_.time),
+                   tip.Deflection(state_.time), tip.SpringEnergy(state_.time)});
 }
 
 /// The mean force of tractions from the last row to one at a time: on the body along the indenter's sideways motion, along x
@@ -51,6 +49,8 @@ void RowWriter::Complete(const Row &row, Budgets &budgets)
   budgets.test_time = row.test_time;
   budgets.depth = case_.model.indenter ? case_.model.indenter->Depth(row.tip) : 0;
   budgets.load = load_;
+  budgets.measured_depth = budgets.depth + row.deflection;
+  budgets.spring_energy = row.spring_energy;
   for (int axis = 0; axis < case_.Dim(); ++axis) budgets.tip[axis] = row.tip[axis];
   watch_.Record(budgets);
   warnings_.Check(hierarchy_.Comm(), case_, budgets, watch_, case_.time.IsEnd(row.step, row.schedule));

@@ -27,7 +27,7 @@ std::string RunOutput::Begin(const std::vector<std::string> &warnings)
 {
   rows_.Advice().Issue(hierarchy_.Comm(), warnings);
   if (!folder_.Warning().empty()) rows_.Advice().Issue(hierarchy_.Comm(), {folder_.Warning()});
-  for (const std::string &line : case_.quasi_static.lines) ExitOnError(PetscPrintf(hierarchy_.Comm(), "%s\n", line.c_str()));
+  for (const std::string &line : case_.notes) ExitOnError(PetscPrintf(hierarchy_.Comm(), "%s\n", line.c_str()));
   last_shown_ = MPI_Wtime();
   start_progress_ = Done();
   frames_before_ = state_.frames - FramesDue();

@@ -19,7 +19,7 @@ static constexpr std::size_t kNumbers = 3, kSample = 4; // size
 double TestClock::ValueAt(double schedule) const
 {
   const Indenter &indenter = *case_.model.indenter;
-  return indenter.by_load ? indenter.by_load->force.Value(schedule) : indenter.Depth(indenter.Tip(schedule));
+  return indenter.by_load ? indenter.by_load->Value(schedule) : indenter.Depth(indenter.Tip(schedule));
 }
 
 TimeStep TestClock::Step(double time, double dt)

@@ -130,6 +130,21 @@ void PlanRise(Case *c)
   c->model.gravity_share = SmoothRise(1, plan.rise);
 }
 
+/// Turns with small unloadings at even parts of the first loading, from a place on; a loading that ends there is unloaded as
+/// well. half(x): where half of the load at x is left.
+template <class Half> std::vector<double> WithUnloadings(const std::vector<double> &turns, int count, double from, Half half)
+{
+  if (count == 0) return turns;
+  std::vector<double> all = {turns[0]};
+  for (int k = 1; k <= count; ++k) {
+    const double x = from + (turns[1] - from) * k / count;
+    all.push_back(x);
+    if (k < count || turns.size() == 2) all.push_back(half(x));
+  }
+  all.insert(all.end(), turns.begin() + 2, turns.end());
+  return all;
+}
+
 /// Turns of the travel that was read, m, from 0 on; gap: what is left of it before the surface.
 std::vector<double> TravelTurns(OptionReader &reader, const Case &c, double gap)
 {
@@ -166,12 +181,14 @@ void PlanDepths(OptionReader &reader, Case *c)
   Indenter &indenter = *c->model.indenter;
   const double gap = indenter.tip[indenter.up] - indenter.initial_surface;
   PlanTest(reader, plan.turns, "-indenter_depths", c);
-  const std::vector<double> turns = TravelTurns(reader, *c, gap);
+  std::vector<double> turns = TravelTurns(reader, *c, gap);
   plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
   if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
   plan.exponent = LoadExponent(*c, plan.depth);
   plan.pace.max_speed = MaxSpeed(*c);
   plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
+  turns = WithUnloadings(turns, plan.unloadings, gap,
+                         [&](double x) { return x - SpringBack(*c, plan.exponent, x - gap) * (x - gap); });
   const SlowSchedule schedule(plan.pace, turns, gap);
   indenter.motion = {schedule.Speed()};
   plan.test.Place(schedule.Legs());
@@ -184,7 +201,7 @@ void PlanDepths(OptionReader &reader, Case *c)
 void PlanLoads(OptionReader &reader, Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
-  PiecewiseLinear &force = c->model.indenter->by_load->force;
+  PiecewiseLinear &force = *c->model.indenter->by_load;
   PlanTest(reader, plan.test.loads, "-indenter_loads", c);
   std::vector<double> turns = plan.test.On() ? EndsOf(plan.test.legs) : force.Turns();
   plan.load = *std::max_element(turns.begin(), turns.end());
@@ -194,6 +211,7 @@ void PlanLoads(OptionReader &reader, Case *c)
   plan.pace.spring_back = 1 - std::pow(0.5, 1 / plan.exponent);
   for (double &load : turns) load = std::pow(load, 1 / plan.exponent);
   if (turns.front() > 0) turns.insert(turns.begin(), 0.0);
+  turns = WithUnloadings(turns, plan.unloadings, 0, [&](double x) { return (1 - plan.pace.spring_back) * x; });
   const SlowSchedule schedule(plan.pace, turns);
   force = schedule.Power(plan.exponent);
   plan.test.Place(schedule.Legs());
@@ -210,21 +228,22 @@ std::string RatesText(const Case &c, const QuasiStaticPlan &plan)
 }
 
 /// What was chosen, in one line, and what the user should know of it, each in one.
-void Describe(const Case &c, double end_time, QuasiStaticPlan *plan)
+void Describe(double end_time, Case *c)
 {
-  plan->lines.push_back(Format(
+  const QuasiStaticPlan &plan = c->quasi_static;
+  c->notes.push_back(Format(
       "quasi-static: {} transits of {} s ({} m at {} m/s) for a loading{}; damping {} 1/s{}, {} of critical; schedule of {} s{}",
-      plan->pace.transits, plan->pace.transit, plan->distance, plan->wave_speed,
-      plan->depth > 0
-          ? Format(", at most {} m/s = {} of the speed of waves", plan->largest_speed, plan->largest_speed / plan->wave_speed)
+      plan.pace.transits, plan.pace.transit, plan.distance, plan.wave_speed,
+      plan.depth > 0
+          ? Format(", at most {} m/s = {} of the speed of waves", plan.largest_speed, plan.largest_speed / plan.wave_speed)
           : "",
-      c.model.nodal.damping, plan->own_damping ? "" : " as given", plan->damping_ratio, plan->end_time, RatesText(c, *plan)));
-  if (plan->rise > 0)
-    plan->lines.push_back(Format("quasi-static: loads and gravity rise within {} s; the tip starts at {} s, and depths count "
-                                 "from the surface without them",
-                                 plan->rise, plan->pace.start));
-  if (std::isfinite(end_time) && end_time < plan->end_time)
-    plan->lines.push_back(Format("quasi-static: -end_time {} ends the run before its schedule", FormatNumber(end_time)));
+      c->model.nodal.damping, plan.own_damping ? "" : " as given", plan.damping_ratio, plan.end_time, RatesText(*c, plan)));
+  if (plan.rise > 0)
+    c->notes.push_back(Format("quasi-static: loads and gravity rise within {} s; the tip starts at {} s, and depths count "
+                              "from the surface without them",
+                              plan.rise, plan.pace.start));
+  if (std::isfinite(end_time) && end_time < plan.end_time)
+    c->notes.push_back(Format("quasi-static: -end_time {} ends the run before its schedule", FormatNumber(end_time)));
 }
 
 constexpr char kNotSideways[] = "left out with -quasi_static, which does not stretch its times";
@@ -279,6 +298,13 @@ void ReadQuasiStatic(OptionReader &reader, bool has_indenter, QuasiStaticPlan *p
   if (reader.Help()) plan->turns.clear();
   if (!plan->turns.empty()) LeaveHistoryAside(reader);
   ReadTest(reader, &plan->test);
+  reader.Read(
+      {"-indenter_unloadings",
+       "small unloadings, to about half of the load, at even parts of the first loading: for the stiffness over the depth", "",
+       Closed(0, 1000)},
+      &plan->unloadings);
+  if (plan->unloadings > 0 && !plan->test.times.empty() && !reader.Help())
+    reader.Refuse("-indenter_unloadings", plan->unloadings, "left out with -test_times, which need a time for each turn");
   reader.Read({"-quasi_static_tolerance", "share of the load that inertia and damping may add", "", {0, 0.1, true, false}},
               &plan->tolerance);
 }
@@ -313,7 +339,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   reader.Chosen("-damping", damping);
   reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;
-  Describe(*c, end_time, &plan);
+  Describe(end_time, c);
   if (c->model.HasRate() && c->time.rate_scale == 1 && !plan.test.On())
     reader.WarnLater("-rate_scale 1: a material knows a rate, and flows as at the speed of the simulation; -test_times give the "
                      "times of the test, or the scale is the simulation's time over the test's");

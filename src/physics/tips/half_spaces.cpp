@@ -1,5 +1,7 @@
-// Surfaces of indenters.
-#include "physics/indenter.hpp"
+// Polygons and pyramids.
+#include "physics/tips/half_spaces.hpp"
+
+#include "physics/tips/profiles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,101 +11,6 @@ namespace mlgimp
 
 namespace
 {
-
-/// The distance of a place from a profile, and the parts of its gradient.
-struct ProfileGap {
-  double distance, outward, up;
-};
-
-/// A surface of revolution, or one that is the same on both sides of the axis: a function At(rho, height) of the distance rho
-/// from it.
-template <class Shape> class Profile : public IndenterSurface
-{
-public:
-  explicit Profile(GeometryKind geometry) : up_(UpAxis(geometry)) {}
-  SurfaceGap Gap(Vec3 x) const final
-  {
-    Vec3 outward = x;
-    outward[up_] = 0;
-    const double rho = Norm(outward);
-    const ProfileGap gap = static_cast<const Shape *>(this)->At(rho, x[up_]);
-    Vec3 normal = rho > 0 ? (gap.outward / rho) * outward : Vec3{gap.outward, 0, 0};
-    normal[up_] = gap.up;
-    return {gap.distance, normal};
-  }
-  double Width(double height) const final { return 2 * static_cast<const Shape *>(this)->Radius(height); }
-  bool MayBeMirrored(int) const final { return true; }
-
-private:
-  int up_;
-};
-
-/// Distance from the axis, at a height above its end, of a flank at an angle from the axis that is tangent to a ball of some
-/// radius at the end: below the height radius (1 - sine) of the ball.
-double RoundedRadius(double height, double half_angle, double radius)
-{
-  const double sine = std::sin(half_angle);
-  if (height < radius * (1 - sine)) return std::sqrt(height * (2 * radius - height));
-  return std::tan(half_angle) * (height + (radius > 0 ? radius / sine - radius : 0));
-}
-
-class Cone : public Profile<Cone>
-{
-public:
-  Cone(GeometryKind geometry, double half_angle, double tip_radius)
-      : Profile(geometry), half_angle_(half_angle), sine_(std::sin(half_angle)), cosine_(std::cos(half_angle)),
-        radius_(tip_radius)
-  {
-  }
-
-  /// From the centre of the ball, all that lies before the normal of the flank through it is nearest to the ball.
-  ProfileGap At(double rho, double height) const
-  {
-    const double up = height - radius_;
-    if (radius_ > 0 && rho * sine_ + up * cosine_ < 0) {
-      const double distance = std::sqrt(rho * rho + up * up);
-      return {distance - radius_, rho / distance, up / distance};
-    }
-    return {rho * cosine_ - up * sine_ - radius_, cosine_, -sine_};
-  }
-  double Radius(double height) const { return RoundedRadius(height, half_angle_, radius_); }
-
-private:
-  double half_angle_, sine_, cosine_, radius_;
-};
-
-class Ball : public Profile<Ball>
-{
-public:
-  Ball(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
-
-  ProfileGap At(double rho, double height) const
-  {
-    const double up = height - radius_, distance = std::sqrt(rho * rho + up * up);
-    if (distance == 0) return {-radius_, 0, -1};
-    return {distance - radius_, (1 / distance) * rho, (1 / distance) * up};
-  }
-  double Radius(double height) const { return height < radius_ ? std::sqrt(height * (2 * radius_ - height)) : radius_; }
-
-private:
-  double radius_;
-};
-
-class FlatPunch : public Profile<FlatPunch>
-{
-public:
-  FlatPunch(GeometryKind geometry, double radius) : Profile(geometry), radius_(radius) {}
-
-  ProfileGap At(double rho, double height) const
-  {
-    if (rho - radius_ > -height) return {rho - radius_, 1, 0};
-    return {-height, 0, -1};
-  }
-  double Radius(double) const { return radius_; }
-
-private:
-  double radius_;
-};
 
 /// An intersection of half spaces; the distance is that to the plane farthest away.
 class HalfSpaces : public IndenterSurface
@@ -170,18 +77,25 @@ public:
     }
     return right - left;
   }
+  Vec3 Farthest(Vec3 direction) const override
+  {
+    const auto before = [&](const Plane &a, const Plane &b) { return Dot(a.point, direction) < Dot(b.point, direction); };
+    return std::max_element(planes_.begin(), planes_.end(), before)->point;
+  }
 };
 
 /// A pyramid widened by a radius. Its apex is that radius above the tip.
 class Pyramid : public HalfSpaces
 {
 public:
-  Pyramid(double half_angle, int faces, double turn, double radius) : half_angle_(half_angle), radius_(radius)
+  /// azimuths: of the normals of its faces about the axis, in order, radian; less than a half turn apart.
+  Pyramid(double half_angle, const std::vector<double> &azimuths, double radius) : half_angle_(half_angle), radius_(radius)
   {
-    for (int k = 0; k < faces; ++k) {
-      const double angle = turn + 2 * M_PI * k / faces, horizontal = std::cos(half_angle);
+    for (std::size_t k = 0; k < azimuths.size(); ++k) {
+      const double angle = azimuths[k], next = k + 1 < azimuths.size() ? azimuths[k + 1] : azimuths[0] + 2 * M_PI;
+      const double horizontal = std::cos(half_angle), corner = (angle + next) / 2;
       planes_.push_back({{0, 0, radius}, {horizontal * std::cos(angle), horizontal * std::sin(angle), -std::sin(half_angle)}});
-      const double corner = angle + M_PI / faces, reach = std::tan(half_angle) / std::cos(M_PI / faces);
+      const double reach = std::tan(half_angle) / std::cos((next - angle) / 2);
       const Vec3 edge = {reach * std::cos(corner), reach * std::sin(corner), 1};
       edges_.push_back((1 / Norm(edge)) * edge);
     }
@@ -195,6 +109,12 @@ public:
     return {distance - radius_, (1 / distance) * from};
   }
   double Width(double height) const override { return 2 * RoundedRadius(height, half_angle_, radius_); }
+  Vec3 Farthest(Vec3 direction) const override
+  {
+    for (const Vec3 &edge : edges_)
+      if (Dot(edge, direction) > 0) return {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    return radius_ * direction + Vec3{0, 0, radius_};
+  }
 
 private:
   /// The vector to x, outside, from the nearest place of the pyramid: its apex, or on an edge or a face. x from the apex.
@@ -228,26 +148,27 @@ double TwiceArea(const std::vector<Vec3> &v)
   return area;
 }
 
+/// Azimuths of the normals of a regular pyramid's faces, radian.
+std::vector<double> RegularAzimuths(int faces, double turn)
+{
+  std::vector<double> azimuths;
+  for (int k = 0; k < faces; ++k) azimuths.push_back(turn + 2 * M_PI * k / faces);
+  return azimuths;
+}
+
 } // namespace
-
-std::unique_ptr<IndenterSurface> CreateCone(GeometryKind geometry, double half_angle, double tip_radius)
-{
-  return std::make_unique<Cone>(geometry, half_angle * M_PI / 180, tip_radius);
-}
-
-std::unique_ptr<IndenterSurface> CreateSphere(GeometryKind geometry, double radius)
-{
-  return std::make_unique<Ball>(geometry, radius);
-}
-
-std::unique_ptr<IndenterSurface> CreateFlatPunch(GeometryKind geometry, double radius)
-{
-  return std::make_unique<FlatPunch>(geometry, radius);
-}
 
 std::unique_ptr<IndenterSurface> CreatePyramid(double half_angle, int faces, double turn, double tip_radius)
 {
-  return std::make_unique<Pyramid>(half_angle * M_PI / 180, faces, turn * M_PI / 180, tip_radius);
+  return std::make_unique<Pyramid>(half_angle * M_PI / 180, RegularAzimuths(faces, turn * M_PI / 180), tip_radius);
+}
+
+std::unique_ptr<IndenterSurface> CreateRhombicPyramid(double long_edges, double short_edges, double turn, double tip_radius)
+{
+  const double a = std::tan(long_edges * M_PI / 360), b = std::tan(short_edges * M_PI / 360); // half diagonals at the height 1
+  const double face = std::atan2(1 / b, 1 / a), half_angle = std::atan(1 / std::hypot(1 / a, 1 / b)), at = turn * M_PI / 180;
+  return std::make_unique<Pyramid>(
+      half_angle, std::vector<double>{at + face, at + M_PI - face, at + M_PI + face, at - face + 2 * M_PI}, tip_radius);
 }
 
 std::unique_ptr<IndenterSurface> CreatePolygonIndenter(std::vector<Vec3> vertices)

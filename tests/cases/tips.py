@@ -5,6 +5,7 @@ import numpy
 import pytest
 
 import harness
+from refusals import Table, expect_refused
 
 # An elastic body of small strain under a tip of revolution whose contact is eight cells wide in the end; cells are 1.
 CELLS = 8
@@ -13,13 +14,14 @@ BODY = {"materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_den
         "boundary_x_upper": "symmetry", "geometry": "axisymmetric", "quasi_static": "true", "quasi_static_tolerance": 0.05, "frames": 0}
 
 
-def block(radii):
-    """A block of so many radii of the contact, a power of two, on levels that grow with the distance from the tip."""
-    half, levels = CELLS * radii, int(math.log2(radii)) - 1
-    case = {**BODY, "domain_lower": "0,0", "domain_upper": (half, half + 2**levels), "cell_size": 2**(levels - 1), "levels": levels,
-            "b_lower": "0,0", "b_upper": (half, half), "indenter_tip": (0, half)}
+def block(radii, cell=1.0):
+    """A block of so many radii of the contact, a power of two, on levels that grow with the distance from the tip; cell: finest, m."""
+    half, levels = CELLS * radii * cell, int(math.log2(radii)) - 1
+    top = half + 2**levels * cell
+    case = {**BODY, "domain_lower": "0,0", "domain_upper": (half, top), "cell_size": 2**(levels - 1) * cell, "levels": levels,
+            "b_lower": "0,0", "b_upper": (half, half), "indenter_tip": (0.0, half)}
     for k in range(1, levels):
-        case[f"level_{k}_lower"], case[f"level_{k}_upper"] = (0, half - half / 2**k), (half / 2**k, half + 2**levels)
+        case[f"level_{k}_lower"], case[f"level_{k}_upper"] = (0.0, half - half / 2**k), (half / 2**k, top)
     return case
 
 
@@ -87,7 +89,118 @@ def pressed(tip, slope, radius, radii):
 
 @pytest.mark.parametrize("name", ["area function", "rounded punch", "fourth power"])
 def test_sneddon(expect, name, tmp_path):
+    """Blocks of 8 and 16 radii, whose sides take as much from the depth as they are near, say what a half space has. Seen: load .1 to .3 %, radius
+    .4 to .6 %."""
     tip, slope, radius = tip_cases(tmp_path)[name]
     ratios = [pressed(tip, slope, radius, radii) for radii in (8, 16)]
     for k, (what, limit) in enumerate((("load", 0.01), ("radius", 0.015))):
         expect(f"{name}: {what} over Sneddon's in a half space", 2 * ratios[1][k] - ratios[0][k], near=1, tolerance=limit)
+
+
+def test_area_function_of_a_cone(expect):
+    """C0 alone is a cone, step by step. Seen: 5e-12."""
+    case = {**block(8), "max_steps": 300, "indenter_depths": 0.5}
+    loads = [harness.run({**case, **tip}).history["load"] for tip in (
+        {"indenter": "cone", "indenter_half_angle": 70.3},
+        {"indenter": "area_function", "indenter_area_coefficients": math.pi * math.tan(math.radians(70.3))**2})]
+    expect("load of an area function with C0 alone, less a cone's, of its largest", numpy.max(numpy.abs(loads[1] - loads[0])) / loads[0].max(), at_most=1e-9)
+
+
+# ---- tips of space ----
+
+SPACE = {"geometry": "3d", "materials": "m", "m_youngs_modulus": 1, "m_poissons_ratio": 0.3, "m_density": 1, "bodies": "b", "domain_lower": "-8,-8,0",
+         "domain_upper": "8,8,10", "cell_size": 1, "b_lower": "-8,-8,0", "b_upper": "8,8,8", "b_points_per_cell": 1, "boundary_z_lower": "symmetry",
+         "indenter_tip": "0,0,8", "quasi_static": "true", "quasi_static_tolerance": 0.1, "indenter_depths": 0.8, "frames": 0}
+
+
+def berkovich_heights(pixels, width, turn=0.0):
+    """Heights [rows][columns] of a Berkovich tip over a square, rows along x and the first at the smallest y; the apex is on a pixel."""
+    x = (numpy.arange(pixels) - pixels // 2) * width / pixels
+    faces = numpy.radians(turn) + 2 * math.pi * numpy.arange(3) / 3
+    across = [x[None, :] * math.cos(face) + x[:, None] * math.sin(face) for face in faces]
+    return numpy.max(across, axis=0) / math.tan(math.radians(65.27))
+
+
+def write_field(path, heights, width):
+    """A Gwyddion Simple Field, as its manual has it: a head, zero bytes up to a multiple of four, rows from the top in single precision."""
+    rows, columns = heights.shape
+    head = f"Gwyddion Simple Field 1.0\nXRes = {columns}\nYRes = {rows}\nXReal = {width}\nYReal = {width}\nXYUnits = m\nZUnits = m\n".encode()
+    path.write_bytes(head + bytes(4 - len(head) % 4) + heights[::-1].astype("<f4").tobytes())
+
+
+def test_map_of_a_berkovich_tip(expect, tmp_path):
+    """As rows of numbers and as a field, 10 pixels in a cell. Seen: .06 %."""
+    exact = harness.run({**SPACE, "indenter": "berkovich"}).history
+    heights = berkovich_heights(161, 16.1)
+    numpy.savetxt(tmp_path / "map.txt", heights[::-1])
+    write_field(tmp_path / "map.gsf", heights, 16.1)
+    loads = [harness.run({**SPACE, "indenter": "height_map", **more}).history["load"][-1] for more in (
+        {"indenter_map": tmp_path / "map.txt", "indenter_map_size": "16.1,16.1"}, {"indenter_map": tmp_path / "map.gsf"})]
+    expect("load of a map of a Berkovich tip over that of the tip", loads[0] / exact["load"][-1], near=1, tolerance=0.003)
+    expect("load of a field over that of rows of numbers", loads[1] / loads[0], near=1, tolerance=1e-4)
+
+
+def test_tilt(expect):
+    """Seen: 4e-14."""
+    loads = [harness.run({**SPACE, "indenter": "berkovich", "indenter_tilt": (3, side)}).history["load"] for side in (90, -90)]
+    expect("load with a tilt to one side of a plane of symmetry less that to the other, of it", numpy.max(numpy.abs(loads[1] - loads[0])) / loads[0].max(),
+           at_most=1e-9)
+
+
+# ---- small unloadings ----
+
+def test_small_unloadings(expect):
+    """Down to half of the load, at even parts of the loading: what Oliver and Pharr find of an elastic cone is the same at each."""
+    history = harness.run({**block(8), "indenter": "cone", "indenter_half_angle": 80, "indenter_depths": 1.4, "indenter_unloadings": 3}).history
+    depth = history["depth"]
+    for part in (1, 2, 3):
+        there = int(numpy.argmax(depth > 1.4 * part / 3 * (1 - 1e-6)))
+        ahead = depth[there:] if part == 3 else depth[there:there + int(numpy.argmax(depth[there:] > 1.4 * (part + 0.5) / 3))]
+        expect(f"depth to which unloading {part} goes back, of its own", ahead.min() / (1.4 * part / 3), near=0.5**0.5, tolerance=1e-3)
+    expect("largest depth", depth.max() / 1.4, near=1, tolerance=1e-9)
+
+
+# ---- what is refused ----
+
+def test_refusals(expect, tmp_path):
+    (tmp_path / "falls.txt").write_text("0 0\n1 2\n2 1\n")
+    (tmp_path / "offset.txt").write_text("0 1\n1 2\n2 3\n")
+    (tmp_path / "comma.txt").write_text("0;0\n0,5;1\n1;2\n")
+    (tmp_path / "empty.txt").write_text("")
+    hill = tmp_path / "hill.txt"
+    numpy.savetxt(hill, -berkovich_heights(21, 2.1))
+    (tmp_path / "short.gsf").write_bytes(b"Gwyddion Simple Field 1.0\nXRes = 9\nYRes = 9\nXReal = 1\nYReal = 1\nXYUnits = m\nZUnits = m\n\0\0")
+    (tmp_path / "units.gsf").write_bytes(b"Gwyddion Simple Field 1.0\nXRes = 9\nYRes = 9\nXReal = 1\nYReal = 1\nXYUnits = m\nZUnits = nm\n\0\0")
+    small = tmp_path / "small.txt"
+    numpy.savetxt(small, berkovich_heights(21, 0.7))
+    area = {"indenter": "area_function", "indenter_area_coefficients": 24.5}
+    table = [
+        ("area that falls", {**area, "indenter_area_coefficients": "-24.5"}, ["-indenter_area_coefficients"]),
+        ("coefficients in nm", {**area, "cell_size": 1, "indenter_area_coefficients": "24.5,-6418"}, ["-indenter_area_coefficients", "units"]),
+        ("depths the wrong way", {**area, "indenter_area_depths": "1,0.5"}, ["-indenter_area_depths"]),
+        ("deeper than calibrated", {**area, "indenter_area_depths": "0,0.5"}, ["-indenter area_function", "0.5"]),
+        ("one face", {**area, "indenter_faces": 1}, ["-indenter_faces"]),
+        ("a turn of a tip of revolution", {**area, "indenter_turn": 5}, ["-indenter_turn"]),
+        ("no file", {"indenter": "profile", "indenter_profile": "none.txt"}, ["-indenter_profile none.txt", "can be read"]),
+        ("empty file", {"indenter": "profile", "indenter_profile": tmp_path / "empty.txt"}, ["-indenter_profile", "not empty"]),
+        ("profile that falls", {"indenter": "profile", "indenter_profile": tmp_path / "falls.txt"}, ["-indenter_profile", "row 3"]),
+        ("profile with an offset", {"indenter": "profile", "indenter_profile": tmp_path / "offset.txt"}, ["-indenter_profile", "0 0"]),
+        ("decimal commas", {"indenter": "profile", "indenter_profile": tmp_path / "comma.txt"}, ["-indenter_profile", "decimal points", "0,5"]),
+        ("tip that points up", {"indenter": "height_map", "indenter_map": hill, "indenter_map_size": "2,2"}, ["-indenter_map", "points down"]),
+        ("map without a size", {"indenter": "height_map", "indenter_map": hill}, ["-indenter_map_size"]),
+        ("map that ends", {"indenter": "height_map", "indenter_map": small, "indenter_map_size": "0.7,0.7"}, ["-indenter height_map", "known up to"]),
+        ("field that ends", {"indenter": "height_map", "indenter_map": tmp_path / "short.gsf"}, ["-indenter_map", "81 numbers"]),
+        ("field in nm", {"indenter": "height_map", "indenter_map": tmp_path / "units.gsf"}, ["-indenter_map", "nm"]),
+        ("tilt without a direction", {"indenter": "berkovich", "indenter_tilt": "3"}, ["-indenter_tilt"]),
+        ("tilt beyond the lowest point", {"indenter": "berkovich", "indenter_tilt": "30,0"}, ["-indenter_tilt", "lowest point"]),
+        ("tilt across a side of symmetry", {"indenter": "berkovich", "indenter_tilt": "3,90", "domain_lower": "-8,0,0", "b_lower": "-8,0,0",
+                                            "boundary_y_lower": "symmetry"}, ["-indenter berkovich", "mirror image"]),
+        ("edge wider than the punch", {"indenter": "flat_punch", "indenter_radius": 3, "indenter_edge_radius": 4}, ["-indenter_edge_radius"]),
+        ("a spring that pushes", {"indenter": "berkovich", "indenter_stiffness": -1}, ["-indenter_stiffness"]),
+        ("a tip's ratio alone", {"indenter": "berkovich", "indenter_poissons_ratio": 0.1}, ["-indenter_poissons_ratio", "youngs_modulus"]),
+        ("a spring and another contact", {"indenter": "berkovich", "indenter_stiffness": 1, "contact": "none"}, ["-contact", "-indenter_stiffness"]),
+        ("unloadings of a test with times", {"indenter": "berkovich", "indenter_unloadings": 3, "test_times": "0,1", "indenter_depths": "0,0.5"},
+         ["-indenter_unloadings"]),
+    ]
+    base = {name: value for name, value in SPACE.items() if name != "frames"}
+    expect_refused(expect, Table(base, [(name, {**changes}, words) for name, changes, words in table]))

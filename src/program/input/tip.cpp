@@ -97,7 +97,7 @@ public:
   std::unique_ptr<IndenterSurface> Pyramid() const
   {
     const double angle = HalfAngle(), radius = TipRadius(), turn = Turn();
-    const int faces = Faces(4);
+    const int faces = Faces(3);
     return Made([&] { return CreatePyramid(angle, faces, turn, radius); });
   }
 
@@ -190,10 +190,13 @@ private:
     Read({"-indenter_radius", "radius of a cylinder, a sphere or a round flat punch", "m", kPositive}, &radius, kRequired);
     return radius;
   }
-  int Faces(int count) const
+  /// least: 3 for pyramids, 0 for what may also be a tip of revolution.
+  int Faces(int least) const
   {
-    Read({"-indenter_faces", "number of a pyramid's faces; of an area function, else a tip of revolution", "", Closed(3, 360)},
-         &count);
+    const char *name = "-indenter_faces";
+    int count = least == 0 ? 0 : 4;
+    Read({name, "number of a pyramid's faces; 0 is a tip of revolution, of an area function", "", Closed(least, 360)}, &count);
+    if (count == 1 || count == 2) reader_.Refuse(name, std::to_string(count), "0 for a tip of revolution, or at least 3");
     return count;
   }
   double Turn() const

@@ -21,6 +21,11 @@ struct SurfaceGap {
   Vec3 normal;     ///< gradient of the distance; on an edge between faces the mean of theirs, shorter than 1
 };
 
+/// Heights above the tip between which a surface is known; below, it is a guess, m.
+struct HeightRange {
+  double least = 0, largest = HUGE_VAL;
+};
+
 /// The surface of an indenter, in coordinates relative to its tip (its lowest point).
 class IndenterSurface
 {
@@ -36,8 +41,7 @@ public:
   /// The place of the surface that is farthest in a direction, a unit vector that points downward; not finite where the surface
   /// goes on without end in it.
   virtual Vec3 Farthest(Vec3 direction) const = 0;
-  /// Height above the tip up to which the surface is known, m.
-  virtual double LargestHeight() const { return HUGE_VAL; }
+  virtual HeightRange KnownHeights() const { return {}; }
 };
 
 /// The downward motion: a speed history, and from `turning_time` on a constant retraction.

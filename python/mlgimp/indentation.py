@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from . import checks, hints, tips
+from . import checks, hints, instrument, load_depth, tips
 from .checks import Rule
 from .errors import Error, RunError
 from .options import named, write_options
@@ -43,7 +43,7 @@ FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law
 }
 
 
-def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentation.opts", ranks=1, progress=None, overwrite=False,
+def indent(law="j2", *, tip="berkovich", depth=None, load=None, test=None, file="indentation.opts", ranks=1, progress=None, overwrite=False,
            **case):
     """Indents a block of one material slowly, draws the tip back, and returns the Results.
 
@@ -52,13 +52,14 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, file="indentatio
     """
     own = hints.arguments(indent, indentation_options)
     hints.check_names(case, own, HARDENING)
-    groups = indentation_options(law, tip=tip, depth=depth, load=load, **case)
+    groups = indentation_options(law, tip=tip, depth=depth, load=load, test=test, **case)
     checks.path("file", file)
     is_new = not Path(file).exists()
     if not (checks.flag("overwrite", overwrite) or is_new):
         raise Error(f"{file}: is there already; give overwrite=True, or another file")
-    largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N"
-    write_options(file, groups, f"Indentation of {law} by {tip}, {largest}, written by mlgimp.indent. All values are SI.\n"
+    largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N" if load is not None else "a test with times"
+    name = tip if isinstance(tip, str) else tip.options()["indenter"]
+    write_options(file, groups, f"Indentation of {law} by {name}, {largest}, written by mlgimp.indent. All values are SI.\n"
                                 "docs/options.md explains each option.")
     try:
         return run(file, ranks, progress=progress, **({"overwrite": True} if overwrite else {}))
@@ -76,7 +77,7 @@ def has_begun(file):
     return history.exists() and history.stat().st_mtime_ns >= Path(file).stat().st_mtime_ns
 
 
-def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, youngs_modulus=None, poissons_ratio=0.3,
+def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, test=None, youngs_modulus=None, poissons_ratio=0.3,
                         density=5000.0, half_angle=None, radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0,
                         unload=True, tolerance=0.02, frames=10, options=None, **constants):
     """Returns the options of an indentation in groups, a list of dicts, for write_options.
@@ -84,7 +85,8 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     law: -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa),
     yield_stress (Pa), hardening_modulus (Pa, 0), hardening="power", ...; of a slow test the density (kg/m3) does not count.
     tip: cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry
-    are the cones of the same area; tip_radius (m) rounds cones and pyramids.
+    are the cones of the same area; tip_radius (m) rounds cones and pyramids. Or a Tip, of a laboratory's own shape and compliance.
+    test: steps with durations of a test with its own clock, as [(10, "10mN"), (30, "hold"), (10, 0)], in place of
     depth (m) or load (N): the largest; the tip is drawn back until it is free, or to a tenth of the load; unload=False: not.
     geometry: axisymmetric, or 3d: a quarter model, of tips with three faces a half model.
     cells: of the finest level over the radius of the contact; block: width and height of the block in these radii. Load, hardness and
@@ -96,8 +98,11 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     options = named(checks.mapping("options", options or {}))
     if "geometry" in options:
         raise Error("options: geometry must be given as the argument geometry, which grid and tip follow")
-    if (depth is None) == (load is None):
-        raise Error("depth, load: one of them must be given")
+    if sum(each is not None for each in (depth, load, test)) != 1:
+        raise Error("depth, load, test: one of them must be given")
+    kind, times, values = instrument.turns_of(test) if test is not None else (None, None, None)
+    if test is not None:
+        depth, load = instrument.largest_of(kind, values).values()
     goal = checked({"depth": depth} if load is None else {"load": load})
     depth, load = goal.get("depth"), goal.get("load")
     constants = checked({"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants})
@@ -110,7 +115,10 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, you
     size = size_of_contact(shape, constants | temperature, depth, load)
     grid = grid_of(geometry, tip, float(f"{size / cells:.2g}"), cells, block)
     top = grid["block_upper"][-1]
-    if depth is not None:
+    if test is not None:
+        of_part = model_parts(geometry, tip) if kind == "load" else 1
+        turns = {"test_times": times, f"indenter_{kind}s": [value / of_part for value in values]}
+    elif depth is not None:
         turns = {"indenter_depths": (depth, depth_of_return(shape, constants | temperature, depth)) if unload else depth}
     else:
         largest = load / model_parts(geometry, tip)
@@ -146,6 +154,10 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
     """Returns the options of the tip's shape."""
     if geometry not in ("axisymmetric", "3d"):
         raise Error(f"geometry={geometry}: must be axisymmetric or 3d")
+    if isinstance(tip, instrument.Tip):
+        if any((half_angle, radius, tip_radius)):
+            raise Error("tip: sizes must stand in the Tip, not beside it")
+        return tip.options()
     if not isinstance(tip, str) or tip not in tips.NEEDS or tip == "pyramid":
         raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
     sizes = {"half_angle": half_angle, "radius": radius, "tip_radius": None if tip_radius == 0 else tip_radius}
@@ -159,8 +171,12 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
 
 def tip_of(shape):
     """Returns the Tip (um) of the options of a shape."""
-    sizes = {"half_angle": shape.get("indenter_half_angle"), "tip_radius": 1e6 * shape.get("indenter_tip_radius", 0)}
-    return tips.make_tip(shape["indenter"], **sizes, radius=1e6 * shape.get("indenter_radius", 0))
+    return load_depth.tip_of_run({f"-{name}": as_text(value) for name, value in shape.items()})
+
+
+def as_text(value):
+    """Returns a value as options have it."""
+    return ",".join(map(repr, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
 def contact_modulus(constants):
@@ -219,7 +235,12 @@ def depth_of_return(shape, constants, depth):
 
 def model_parts(geometry, tip):
     """Returns how many models make the whole tip."""
-    return 1 if geometry == "axisymmetric" else 2 if tip in THREE_FACES else 4
+    return 1 if geometry == "axisymmetric" else 2 ** sum(mirrors(tip))
+
+
+def mirrors(tip):
+    """Returns whether a model of space ends at the tip across x and across y."""
+    return tip.mirrors() if isinstance(tip, instrument.Tip) else [tip not in THREE_FACES, True]
 
 
 def grid_of(geometry, tip, cell, cells, block):
@@ -236,7 +257,7 @@ def grid_of(geometry, tip, cell, cells, block):
     coarsest = RATIO ** (levels - 1)
     wide = coarsest * math.ceil(block * cells / coarsest)
     room = ROOM * coarsest
-    mirrored = [True] if geometry == "axisymmetric" else [tip not in THREE_FACES, True]  # across the axes but the last
+    mirrored = [True] if geometry == "axisymmetric" else mirrors(tip)  # across the axes but the last
     sides = {f"boundary_{'xyz'[axis]}_{side}": "symmetry" for axis in range(len(mirrored)) for side in ("lower", "upper")}
 
     def lower(width, bottom):

@@ -94,7 +94,7 @@ TEST(Tips, AreaFunctionsOfConesAndPyramids)
   const double slope = std::tan(70.3 * kDegree);
   const HeightProfile cone = AreaFunction::Create({M_PI * slope * slope}, 0, 10)->ProfileOf(M_PI, 10);
   for (const GeometryKind geometry : {GeometryKind::kAxisymmetric, kSpace}) {
-    const auto tip = CreateProfileTip(geometry, cone, HUGE_VAL), same = CreateCone(geometry, 70.3, 0);
+    const auto tip = CreateProfileTip(geometry, cone, {}), same = CreateCone(geometry, 70.3, 0);
     double error = 0;
     for (int n = 0; n < 1000; ++n) {
       const Vec3 x = {Random(-5, 5), Random(-2, 2), geometry == kSpace ? Random(-2, 2) : 0};
@@ -106,13 +106,12 @@ TEST(Tips, AreaFunctionsOfConesAndPyramids)
   }
   const double tangent = std::tan(65.27 * kDegree), shape = 3 * std::tan(M_PI / 3);
   const auto area = AreaFunction::Create({shape * tangent * tangent}, 0, 10);
-  const auto faces = CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 20, HUGE_VAL),
-             berkovich = CreatePyramid(65.27, 3, 20, 0);
+  const auto faces = CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 20, {}), berkovich = CreatePyramid(65.27, 3, 20, 0);
   const Difference difference = Compare(*faces, *berkovich, 4, HUGE_VAL);
   EXPECT_LE(difference.distance, 1e-11);
   EXPECT_LE(difference.normal, 1e-11);
   EXPECT_FALSE(faces->MayBeMirrored(1));
-  EXPECT_TRUE(CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 0, HUGE_VAL)->MayBeMirrored(1));
+  EXPECT_TRUE(CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 0, {})->MayBeMirrored(1));
 }
 
 /// A ball by its heights; Fritsch and Carlson's cubics through 200 of them are of third order or better.
@@ -120,7 +119,7 @@ TEST(Tips, ProfileThroughHeights)
 {
   std::vector<double> distances, heights;
   for (int k = 0; k <= 200; ++k) distances.push_back(0.01 * k), heights.push_back(4 - std::sqrt(16 - 1e-4 * k * k));
-  const auto tip = CreateProfileTip(kSpace, ProfileThrough(distances, heights), heights.back());
+  const auto tip = CreateProfileTip(kSpace, ProfileThrough(distances, heights), {0, heights.back()});
   double error = 0;
   for (int n = 0; n < 1000; ++n) {
     const Vec3 x = {Random(-1.3, 1.3), Random(-1.3, 1.3), 0};
@@ -128,7 +127,7 @@ TEST(Tips, ProfileThroughHeights)
     error = Largest({error, std::abs(tip->Gap({x[0], x[1], height}).distance)});
   }
   EXPECT_LE(error, 1e-5);
-  EXPECT_EQ(tip->LargestHeight(), heights.back());
+  EXPECT_EQ(tip->KnownHeights().largest, heights.back());
   EXPECT_NEAR(tip->Gap({3, 0, 0}).distance, CreateSphere(kSpace, 4)->Gap({3, 0, 0}).distance, 0.15)
       << "straight on beyond its end";
 }
@@ -186,7 +185,7 @@ TEST(Tips, MapOfHeights)
   }
   EXPECT_LE(error, 1e-6) << "ball";
   EXPECT_LE(Compare(*pyramid_map, *turned, 1.5, 0.02).distance, 0.012) << "a pyramid but for a cell at its edges";
-  EXPECT_NEAR(ball_map->LargestHeight(), 8 - std::sqrt(60), 1e-9);
+  EXPECT_NEAR(ball_map->KnownHeights().largest, 8 - std::sqrt(60), 1e-9);
   EXPECT_TRUE(ball_map->MayBeMirrored(0) && ball_map->MayBeMirrored(1));
   EXPECT_FALSE(pyramid_map->MayBeMirrored(0) || pyramid_map->MayBeMirrored(1));
   EXPECT_NEAR(ball_map->Width(0.1), 2 * std::sqrt(0.1 * 15.9), 0.1);
@@ -217,7 +216,7 @@ TEST(Tips, Tilted)
   tips.push_back(CreateTilted(CreateFlatPunch(kSpace, 2, 0), 2, 30));
   tips.push_back(CreateTilted(CreateFlatPunch(kSpace, 2, 0.5), 2, 30));
   tips.push_back(CreateTilted(CreatePyramid(65.27, 3, 0, 0.3), 5, 111));
-  tips.push_back(CreateTilted(CreateProfileTip(kSpace, ProfileThrough({0, 1, 2}, {0, 0.3, 0.9}), 0.9), 5, 10));
+  tips.push_back(CreateTilted(CreateProfileTip(kSpace, ProfileThrough({0, 1, 2}, {0, 0.3, 0.9}), {0, 0.9}), 5, 10));
   tips.push_back(CreateTilted(CreateMapTip(MapOf(*CreateSphere(kSpace, 8), 101, 101, 0.05)), 5, 10));
   for (std::size_t k = 0; k < tips.size(); ++k) {
     ASSERT_TRUE(tips[k]) << k;

@@ -39,10 +39,10 @@ private:
 /// SIAM J. Numer. Anal. 17 (1980) 238.
 HeightProfile ProfileThrough(const std::vector<double> &distances, const std::vector<double> &heights);
 
-/// A tip of revolution, in plane strain one that is the same on both sides. largest: height up to which the profile is known.
-std::unique_ptr<IndenterSurface> CreateProfileTip(GeometryKind geometry, HeightProfile profile, double largest);
+/// A tip of revolution, in plane strain one that is the same on both sides.
+std::unique_ptr<IndenterSurface> CreateProfileTip(GeometryKind geometry, HeightProfile profile, HeightRange known);
 /// A regular pyramid of space whose faces are at the distance s from the axis where the profile has their height, the normal of
 /// the first at the angle `turn` from x, degrees.
-std::unique_ptr<IndenterSurface> CreateProfilePyramid(HeightProfile profile, int faces, double turn, double largest);
+std::unique_ptr<IndenterSurface> CreateProfilePyramid(HeightProfile profile, int faces, double turn, HeightRange known);
 
 } // namespace mlgimp

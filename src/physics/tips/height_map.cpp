@@ -96,7 +96,7 @@ public:
           farthest = place, at_rim = i == 0 || j == 0 || i == table_.columns - 1 || j == table_.rows - 1;
     return at_rim ? Vec3{HUGE_VAL, HUGE_VAL, HUGE_VAL} : farthest;
   }
-  double LargestHeight() const override { return rim_; }
+  HeightRange KnownHeights() const override { return {0, rim_}; }
 
 private:
   Vec3 Place(int i, int j) const { return {(i - lowest_.column) * table_.dx, (j - lowest_.row) * table_.dy, table_.At(i, j)}; }

@@ -74,8 +74,8 @@ namespace
 class ProfileTip : public Profile<ProfileTip>
 {
 public:
-  ProfileTip(GeometryKind geometry, HeightProfile profile, double largest)
-      : Profile(geometry), profile_(std::move(profile)), largest_(largest)
+  ProfileTip(GeometryKind geometry, HeightProfile profile, HeightRange known)
+      : Profile(geometry), profile_(std::move(profile)), known_(known)
   {
   }
   /// To first order the distance from a graph z(rho).
@@ -91,18 +91,18 @@ public:
     const double s = profile_.Farthest(outward, up);
     return {s, std::isfinite(s) ? profile_.At(s).height : s};
   }
-  double LargestHeight() const override { return largest_; }
+  HeightRange KnownHeights() const override { return known_; }
 
 private:
   HeightProfile profile_;
-  double largest_;
+  HeightRange known_;
 };
 
 class ProfilePyramid : public IndenterSurface
 {
 public:
-  ProfilePyramid(HeightProfile profile, int faces, double turn, double largest)
-      : profile_(std::move(profile)), largest_(largest), to_corner_(1 / std::cos(M_PI / faces))
+  ProfilePyramid(HeightProfile profile, int faces, double turn, HeightRange known)
+      : profile_(std::move(profile)), known_(known), to_corner_(1 / std::cos(M_PI / faces))
   {
     for (int k = 0; k < faces; ++k) {
       const double face = turn + 2 * M_PI * k / faces, corner = face + M_PI / faces;
@@ -141,7 +141,7 @@ public:
     if (!std::isfinite(s)) return {s, s, s};
     return s * corner + Vec3{0, 0, profile_.At(s).height};
   }
-  double LargestHeight() const override { return largest_; }
+  HeightRange KnownHeights() const override { return known_; }
 
 private:
   static double Most(const std::vector<Vec3> &normals, Vec3 x)
@@ -152,20 +152,21 @@ private:
   }
 
   HeightProfile profile_;
-  double largest_, to_corner_;
+  HeightRange known_;
+  double to_corner_;
   std::vector<Vec3> faces_, corners_; ///< horizontal directions
 };
 
 } // namespace
 
-std::unique_ptr<IndenterSurface> CreateProfileTip(GeometryKind geometry, HeightProfile profile, double largest)
+std::unique_ptr<IndenterSurface> CreateProfileTip(GeometryKind geometry, HeightProfile profile, HeightRange known)
 {
-  return std::make_unique<ProfileTip>(geometry, std::move(profile), largest);
+  return std::make_unique<ProfileTip>(geometry, std::move(profile), known);
 }
 
-std::unique_ptr<IndenterSurface> CreateProfilePyramid(HeightProfile profile, int faces, double turn, double largest)
+std::unique_ptr<IndenterSurface> CreateProfilePyramid(HeightProfile profile, int faces, double turn, HeightRange known)
 {
-  return std::make_unique<ProfilePyramid>(std::move(profile), faces, turn * M_PI / 180, largest);
+  return std::make_unique<ProfilePyramid>(std::move(profile), faces, turn * M_PI / 180, known);
 }
 
 } // namespace mlgimp

@@ -34,7 +34,11 @@ public:
     return std::abs(sine_ * toward_[axis]) < kRounding && upright_->MayBeMirrored(axis);
   }
   Vec3 Farthest(Vec3 direction) const override { return Turned(upright_->Farthest(ToUpright(direction)) - tip_, sine_); }
-  double LargestHeight() const override { return cosine_ * (upright_->LargestHeight() - tip_[2]); }
+  HeightRange KnownHeights() const override
+  {
+    const HeightRange known = upright_->KnownHeights();
+    return {known.least, cosine_ * (known.largest - tip_[2])};
+  }
 
 private:
   /// In the plane of z and the direction of the tilt, z turned toward it by the angle whose sine is given.

@@ -242,15 +242,22 @@ bool CheckHoldsTip(OptionReader &reader, const Case &c, int k, const Box &box, c
 
 } // namespace
 
-/// Refuses depths at which the indenter's surface is not known.
+/// Refuses depths at which the indenter's surface is not known, and warns of those at which much of it is a guess.
 static void CheckKnownSurface(OptionReader &reader, const Case &c, const std::string &kind)
 {
+  constexpr double kMinDepth = 3; // of the least known height: there at most a third of a paraboloid's area is a guess
   const Indenter &indenter = *c.model.indenter;
   const double deepest = indenter.initial_surface - LowestTip(indenter, c.time.end_time);
-  const double known = indenter.surface->LargestHeight();
-  if (std::isfinite(deepest) && deepest > known * (1 + kRounding))
+  const HeightRange known = indenter.surface->KnownHeights();
+  if (!std::isfinite(deepest)) return;
+  if (deepest > known.largest * (1 + kRounding))
     reader.Refuse("-indenter", kind, "known up to the depth of the test, {} m; its surface is known up to {} m above its end",
-                  deepest, known);
+                  deepest, known.largest);
+  if (deepest < kMinDepth * known.least)
+    reader.WarnLater(
+        "-indenter {}: its surface is a guess below {} m, from which on its function is that of a tip; the test goes "
+        "to {} m",
+        kind, known.least, deepest);
 }
 
 void CheckIndenterInput(OptionReader &reader, const Case &c, const std::string &kind)

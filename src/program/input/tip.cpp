@@ -128,7 +128,8 @@ public:
     if (area->Begin() > 0)
       notes->push_back(Format("area function: taken from {} m on; below, the area falls like a power of the depth, to none at 0",
                               area->Begin()));
-    const double shape = faces > 0 ? faces * std::tan(M_PI / faces) : M_PI, known = bounded ? largest : HUGE_VAL;
+    const double shape = faces > 0 ? faces * std::tan(M_PI / faces) : M_PI;
+    const HeightRange known{area->Begin(), bounded ? largest : HUGE_VAL};
     const HeightProfile profile = area->ProfileOf(shape, std::max(height, largest));
     return faces > 0 ? CreateProfilePyramid(profile, faces, turn, known) : CreateProfileTip(geometry_, profile, known);
   }
@@ -140,7 +141,7 @@ public:
          &path, kRequired);
     if (reader_.Help()) return nullptr;
     const ProfileTable table = ReadProfileFile(reader_, "-indenter_profile", path);
-    return CreateProfileTip(geometry_, ProfileThrough(table.distances, table.heights), table.heights.back());
+    return CreateProfileTip(geometry_, ProfileThrough(table.distances, table.heights), {0, table.heights.back()});
   }
 
   std::unique_ptr<IndenterSurface> Map() const

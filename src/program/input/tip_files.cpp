@@ -21,7 +21,7 @@ namespace
 std::string TextOf(OptionReader &reader, const FileOption &file)
 {
   std::string text;
-  const std::string problem = OnFirstRank(reader.Comm(), "tip file", [&]() -> std::string {
+  const std::string problem = OnFirstRank(reader.Comm(), "tip_file", [&]() -> std::string {
     std::ifstream stream(file.path, std::ios::binary);
     if (stream) text.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
     return stream && !text.empty() ? "" : "a file that can be read and is not empty";

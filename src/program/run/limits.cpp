@@ -70,7 +70,7 @@ static std::string DescribeTip(const Case &c, const TipTrack &tip, double time)
   if (!c.model.indenter) return "";
   const Indenter &indenter = *c.model.indenter;
   const double height = tip.At(time)[indenter.up], lowest = c.LowestTip(c.hierarchy.tip_level);
-  if (const double known = indenter.surface->LargestHeight(); indenter.Depth(tip.At(time)) > known)
+  if (const double known = indenter.surface->KnownHeights().largest; indenter.Depth(tip.At(time)) > known)
     return Format("time {}: the tip is {} m deep, and its surface is known up to {} m above its end; try a smaller depth or load",
                   time, indenter.Depth(tip.At(time)), known);
   if (!indenter.by_load) return "";

@@ -31,7 +31,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
-from mlgimp import checks, creep_fits, fitting, load_depth, tips, zeros
+from mlgimp import checks, corrections, creep_fits, fitting, load_depth, tips, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
@@ -81,7 +81,7 @@ def parse_creep(words):
     drift = take(passed, "drift", float, 0.0, "a number in nm/s")
     if drift and (time is None or measured.is_dir()):
         raise Error("-drift: needs a measured curve with -time COLUMN:UNIT")
-    curve = load_depth.without_drift(take_curve(measured, passed, depth, load, time), drift)
+    curve = corrections.without_drift(take_curve(measured, passed, depth, load, time), drift)
     if passed:
         raise Error(f"-{next(iter(passed))}: must be left out beside -creep")
     return {"measured": curve, "law": law, "tip": tip, **more}, folder

@@ -27,7 +27,7 @@ from command import Parser, command, save
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import load_depth, oliver_pharr, pictures, tips, zeros
+from mlgimp import corrections, load_depth, oliver_pharr, pictures, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 from mlgimp.oliver_pharr import Constants
@@ -76,9 +76,9 @@ def column(units):
     return read
 
 
-def zero(text):
-    """Reads a zero of depths or loads for a command line: a number, or auto."""
-    return text if text == zeros.AUTO else checked(zeros.NUMBER)(text)
+def number_or(words):
+    """Returns a function that reads a number, or one of some words, for a command line."""
+    return lambda text: text if text in words else checked(Rule(math.isfinite, f"a number, or {', '.join(words)}"))(text)
 
 
 def spelt(name, value=""):
@@ -92,6 +92,24 @@ TIP_ELASTIC = Rule(lambda pair: len(pair) == 2 and E.good(pair[0]) and NU.good(p
 FINITE = Rule(math.isfinite, "a number")
 WHOLE = Rule(lambda number: number >= 1, "a whole number >= 1")
 COEFFICIENTS = Rule(lambda numbers: all(map(math.isfinite, numbers)), "C0,C1,...")
+
+
+def add_reading_options(parser):
+    """Adds the options that say what the columns of measured files are, and what is taken off them."""
+    group = parser.add_argument_group("columns of measured files, by default those whose heads say so")
+    group.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), metavar="COLUMN:UNIT", help="name or number of the column, and its unit")
+    group.add_argument("--load", type=column(load_depth.LOAD_UNITS), metavar="COLUMN:UNIT", help="the same of the load")
+    group.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, for creep and relaxation in "
+                       "holds, and for --drift")
+    group.add_argument("--zero-depth", type=number_or(zeros.RULES), default=0, metavar="DEPTH", help="what the files have where the tip touches, in the unit "
+                       "of the column, or how it is found: power, where the power law of the first loading begins, which auto means, too; threshold and "
+                       "stiffness, where load or stiffness leave their noise (0)")
+    group.add_argument("--zero-load", type=number_or((zeros.AUTO,)), default=0, metavar="LOAD", help="what they have for the free tip, in the unit of the column, "
+                       "or auto: the median of the rows before the contact (0)")
+    group.add_argument("--drift", type=number_or((corrections.AUTO,)), metavar="NM/S", help="thermal drift of the depths, which is taken off, or auto: that of "
+                       "the hold at a tenth of the load (that in the file's head, if it has one)")
+    group.add_argument("--frame-compliance", type=checked(corrections.FRAME), metavar="NM/MN", help="of the frame, times the load taken off the depths (that in "
+                       "the file's head, if it has one)")
 
 
 def add_tip_options(parser):
@@ -130,18 +148,8 @@ def parse(arguments):
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("curves", nargs="+", metavar="DIR|FILE", help="result folder of a run, or text with columns of a measured curve")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
-    parser.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), default="depth:um", metavar="COLUMN:UNIT",
-                        help="of measured curves: name or number of the column, and its unit (depth:um)")
-    parser.add_argument("--load", type=column(load_depth.LOAD_UNITS), default="load:mN", metavar="COLUMN:UNIT", help="(load:mN)")
-    parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, for creep and relaxation in "
-                        "holds, and for --drift")
     parser.add_argument("--test", type=checked(WHOLE, int), metavar="N", help="of measured files with several tests only this one (all)")
-    parser.add_argument("--zero-depth", type=zero, default=0, metavar="DEPTH", help="what measured files have where the tip touches, in the unit "
-                        "of --depth, or auto: where the power law of the first loading begins (0)")
-    parser.add_argument("--zero-load", type=zero, default=0, metavar="LOAD", help="what they have for the free tip, in the unit of --load, or "
-                        "auto: the median of the rows before the contact (0)")
-    parser.add_argument("--drift", type=checked(FINITE), default=0, metavar="NM/S",
-                        help="thermal drift of measured depths, which is taken off; needs --time")
+    add_reading_options(parser)
     parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
                         metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
     parser.add_argument("--epsilon", type=checked(rules["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
@@ -150,10 +158,7 @@ def parse(arguments):
     parser.add_argument("--tip-elastic", type=checked(TIP_ELASTIC, load_depth.numbers), default=(math.inf, 0.0), metavar="GPA,NU",
                         help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)
-    options = parser.parse_args(arguments)
-    if options.drift and options.time is None:
-        raise Error("--drift: needs --time COLUMN:UNIT")
-    return options
+    return parser.parse_args(arguments)
 
 
 # ---- curves ----
@@ -172,21 +177,23 @@ def read_curves(path, options):
     if Path(path).is_dir():
         return [attempt(Path(path).resolve().name, lambda: load_depth.read_run(path))]
     try:
-        tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load)
+        tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load, options.drift,
+                                          options.frame_compliance)
         if options.test and options.test > len(tests):
             raise ResultError(path, f"there is no test {options.test}; there are {len(tests)}")
     except ResultError as problem:
         return [Analysis(name, problem=problem)]
-    chosen = [options.test] if options.test else range(1, len(tests) + 1)
-    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: load_depth.without_drift(tests[number - 1](), options.drift))
-            for number in chosen]
+    return [attempt(*test) for test in (tests[options.test - 1:options.test] if options.test else tests)]
 
 
 def completed(read, given):
-    """Returns Analyses with different names, whose Curves have a tip, `given` or that of the first run, and if they are measured the
-    Poisson's ratio of the runs, where these have the same."""
+    """Returns Analyses with different names, whose Curves have a tip, that of a run or of a file's head, else `given` or that of the
+    first that has one, and if they are measured the Poisson's ratio of the runs, where these have the same. `given` counts more than a file's head."""
     curves = [each.curve for each in read if each.curve]
     tip = given or next((curve.tip for curve in curves if curve.tip), None)
+
+    def tip_of(curve):
+        return (curve.cells is None and given) or curve.tip or tip
     ratios = {curve.poisson for curve in curves if curve.cells is not None}
     poisson = ratios.pop() if len(ratios) == 1 else None
     names = [each.name for each in read]
@@ -199,7 +206,7 @@ def completed(read, given):
             continue
         if curve.cells is None and poisson is not None:
             curve = curve._replace(poisson=poisson, notes=curve.notes + [f"Poisson's ratio is {poisson:g}, that of the run, unless --poisson says another"])
-        yield Analysis(name, curve._replace(name=name, tip=curve.tip or (None if curve.plane else tip)))
+        yield Analysis(name, curve._replace(name=name, tip=None if curve.plane else tip_of(curve)))
 
 
 def analysed(each, constants):

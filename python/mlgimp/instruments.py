@@ -1,0 +1,101 @@
+"""Files of instruments, known by what is in them: the sheets or texts that hold tests, and what their heads say of tip, drift and frame."""
+
+import re
+from collections import namedtuple
+
+from . import tables, tips, workbooks
+from .errors import ResultError
+
+Source = namedtuple("Source", "name lines mark numerals facts")
+Source.__doc__ = """A text of a file, or a sheet of a workbook, by its name (None where it is the whole file): its Lines, what parts columns, how
+numbers are written, and the Facts of its head."""
+
+Facts = namedtuple("Facts", "instrument tip drift frame units columns notes", defaults=(None, None, None, None, {}, None, ()))
+Facts.__doc__ = """What the head of a file says: the instrument; its Tip; the drift of the depths (nm/s) and the compliance of the frame
+(nm/mN) that are still in them; units of columns that do not say theirs, {"depth": unit}; the numbers of the columns depth, load and
+time of a file without names; and notes. None or nothing where it does not say."""
+
+HEAD = 400  # lines in which the head of a file is looked for
+PAIR = re.compile(r"\s*([^:\t]*[^:\t\s(])\s*(?:\(([^)]*)\))?\s*(?::|\t)\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+TEST_SHEET = re.compile(r"\s*test\b", re.I)  # of NanoSuite; its other sheets are tables of results
+
+
+# ---- sheets and texts ----
+
+def sources(path):
+    """Returns the Sources of a file, those of a workbook in the order of the numbers in their names."""
+    content = tables.read_bytes(path)
+    if not workbooks.is_workbook(content):
+        texts, mark = tables.lines_of(path, tables.decoded(path, content))
+        return [source(None, texts, mark)]
+    sheets = [(name, lines) for name, lines in workbooks.lines_of_sheets(path, content) if any(line.strip() for line in lines)]
+    tests = [sheet for sheet in sheets if TEST_SHEET.match(sheet[0])] or sheets
+    if not tests:
+        raise ResultError(path, "has no sheet with numbers")
+    return [source(name, lines, "\t") for name, lines in sorted(tests, key=lambda sheet: in_order(sheet[0]))]
+
+
+def in_order(name):
+    """Returns a key that puts test 2 before test 10."""
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
+
+
+def source(name, texts, mark):
+    """Returns the Source of lines of text, from the head of the test on, where an instrument has other tables above it."""
+    lines, numerals = tables.split(texts, mark)
+    return Source(name, lines, mark, numerals, facts_of(lines, mark, numerals))
+
+
+# ---- what heads say ----
+
+def facts_of(lines, mark, numerals):
+    """Returns the Facts of a text: those of the instrument that it is of, if that is known."""
+    head = [line.text for line in lines[:HEAD]]
+    given = pairs(head, numerals)
+    if "Tip C0" in given and "Machine Comp" in given:
+        return of_hysitron(given)
+    if "Tip radius" in given and "k" in given:
+        return of_optics11(given)
+    if any("Name of the application" in text for text in head[:3]) or any(text.startswith("Indenter shape correction") for text in head):
+        return Facts("Fischerscope", units={"depth": "um", "load": "mN", "time": "s"})
+    if is_nanotest(lines, mark, numerals):
+        return Facts("NanoTest", units={"depth": "nm", "load": "mN", "time": "s"}, columns=("2", "3", "1"),
+                     notes=("has no names of columns, and is read as a NanoTest's: time in s, depth in nm, load in mN",))
+    return Facts()
+
+
+def pairs(head, numerals):
+    """Returns {name: (number, unit)} of the lines `name (unit): number unit` of a head."""
+    found = {}
+    for match in filter(None, map(PAIR.match, head)):
+        number = numerals.read(match[3])
+        if number is not None:
+            found.setdefault(match[1].strip(), (number, match[2] or match[4]))
+    return found
+
+
+def of_hysitron(given):
+    """Returns the Facts of a Hysitron .hld: its depths have drift and frame in them, its area function is in nm."""
+    coefficients = [given.get(f"Tip C{k}", (0.0, ""))[0] for k in range(6)]
+    usable = given.get("Tip Usable Depth", (0.0, ""))[0]
+    tip = tips.tip_of_function(coefficients, largest=usable) if any(coefficients) else None
+    drift = given.get("Drift Rate", (0.0, ""))[0]
+    frame = 1e3 * given["Machine Comp"][0]  # nm/uN
+    notes = (f"of the file's head: {'the area function, ' * bool(tip)}a drift of {drift:.4g} nm/s and a frame of {frame:.4g} nm/mN",)
+    return Facts("Hysitron", tip, drift, frame, notes=notes)
+
+
+def of_optics11(given):
+    """Returns the Facts of a Piuma or Chiaro: a ball whose radius is in the head; its Indentation is without the cantilever."""
+    radius = given["Tip radius"][0]
+    return Facts("Optics11", tips.make_tip("sphere", radius=radius) if radius > 0 else None, notes=(f"of the file's head: a ball with a radius of {radius:g} um",))
+
+
+def is_nanotest(lines, mark, numerals):
+    """Whether a text is the export of a NanoTest: three columns without names, parted by tabs, a time that begins at zero and does not
+    fall, as rows of the approach have zero, and depths below zero in its first rows."""
+    rows = [[numerals.read(word) for word in line.words] for line in lines if line.text.strip()]
+    if mark != "\t" or len(rows) < tables.LEAST_ROWS or any(len(row) != 3 or None in row for row in rows):
+        return False
+    times = [row[0] for row in rows]
+    return times[0] == 0 and all(a <= b for a, b in zip(times, times[1:])) and min(row[1] for row in rows[:tables.LEAST_ROWS]) < 0

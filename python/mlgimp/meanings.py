@@ -1,0 +1,104 @@
+"""Columns of instruments' files by what their heads mean: which one is the depth, the load and the time, and in which unit."""
+
+import re
+import unicodedata
+from collections import namedtuple
+
+from . import tables
+from .errors import ResultError
+from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, heads_of, is_units, name_and_unit
+
+UNITS_OF = {"depth": DEPTH_UNITS, "load": LOAD_UNITS, "time": TIME_UNITS}
+NAMES = {  # in English, German and French without accents; of several columns that with the earlier name counts
+    "depth": (("displacement into surface",), ("penetration depth", "indentation depth", "penetration", "indentation", "pd", "eindringtiefe", "profondeur de penetration",
+                                               "profondeur d indentation", "enfoncement"),
+              ("depth", "h", "tiefe", "profondeur", "pen depth", "indent disp"),
+              ("displacement", "disp", "weg", "verschiebung", "deplacement", "normal displacement", "indenter displacement", "normal disp")),
+    "load": (("load on sample", "force on surface"), ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "kraft", "last",
+                                                      "normalkraft", "prufkraft", "force normale", "charge", "effort", "force a")),
+    "time": (("time on sample", "time in contact", "test time"), ("time", "t", "zeit", "temps", "elapsed time", "sampling time", "zeit t", "temps t", "time t")),
+}
+SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
+LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones
+
+Found = namedtuple("Found", "line columns notes")
+Found.__doc__ = "The line of the names (its place among the texts), the Columns depth, load and, if there is one, time, and notes on them."
+
+
+def bare(name):
+    """Returns the letters of a name, small, without accents, and with single blanks between words."""
+    letters = "".join(letter for letter in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(letter))
+    return " ".join(re.findall(r"[^\W_]+", letters.replace("ß", "ss")))
+
+
+def rank(what, name):
+    """Returns how well a name means depth, load or time, the least being the best; None where it does not."""
+    words = bare(name).split()
+    if len(words) > 1 and words[-1] in SYMBOLS[what]:
+        words = words[:-1]
+    return next((place for place, names in enumerate(NAMES[what]) if " ".join(words) in names), None)
+
+
+def places_of(what, names, units):
+    """Returns the places of the columns that mean depth, load or time best, of those whose unit is one of it or is not known."""
+    ranks = {place: rank(what, name) for place, (name, unit) in enumerate(zip(names, units)) if not unit or unit in UNITS_OF[what]}
+    ranks = {place: value for place, value in ranks.items() if value is not None}
+    with_unit = {place: value for place, value in ranks.items() if units[place]} or ranks
+    return [place for place, value in with_unit.items() if value == min(with_unit.values())]
+
+
+def find(path, source, asked):
+    """Returns the Found of a Source: the first line that names a depth and a load with rows of numbers below it.
+
+    asked: {"depth": Column, ...} of what the caller names. Raises a ResultError where there is no such line, or where the heads leave open
+    which column or which unit it is.
+    """
+    lines = source.lines
+
+    def is_row(words):
+        return tables.is_row(words, source.numerals)
+    for number, line in enumerate(lines):
+        below = [each for each in lines[number + 1:number + 1 + LOOK_BELOW] if each.text.strip()]
+        rows = [each for each in below if is_row(each.words)]
+        if not rows or len(line.words) < 2 or is_row(line.words):
+            continue
+        heads = heads_of(line, source.mark, len(rows[0].words))
+        pairs = [name_and_unit(word) for word in heads]
+        row_of_units = next((each.words for each in below if is_units(each.words)), [])
+        units = [unit if name else "" for name, unit in pairs]
+        units = [unit or name_and_unit(row_of_units[place])[1] if place < len(row_of_units) else unit for place, unit in enumerate(units)]
+        names = [name or word for (name, _), word in zip(pairs, heads)]
+        places = {what: places_of(what, names, units) for what in NAMES if what not in asked}
+        if all(places.get(what, True) for what in ("depth", "load")):
+            columns, notes = chosen(path, heads, units, places, source.facts.units)
+            return Found(number, [{**columns, **asked}[what] for what in NAMES if what in columns or what in asked], notes)
+    raise ResultError(path, f"no columns of depth and load are known by their names{seen(lines, is_row)}; choose them by --depth and --load COLUMN:UNIT")
+
+
+def seen(lines, is_row):
+    """Returns words for the names above the first row of numbers."""
+    for number, line in enumerate(lines):
+        if is_row(line.words):
+            above = [each for each in lines[:number] if each.text.strip() and len(each.words) > 1 and not is_units(each.words)]
+            return f": there are {', '.join(above[-1].words)[:120]}" if above else f", only numbers 1 to {len(line.words)}"
+    return ", and there is no row of numbers"
+
+
+def chosen(path, heads, units, places, usual):
+    """Returns {"depth": Column, ...} from the places of the names that mean depth, load and perhaps time, and notes."""
+    columns, notes = {}, []
+    for what, found in places.items():
+        if len(found) > 1 and what != "time":
+            several = ", ".join(f"{heads[place]} in column {place + 1}" for place in found)
+            raise ResultError(path, f"{len(found)} columns may be the {what}: {several}; choose one by --{what} COLUMN:UNIT")
+        if not found:
+            continue
+        place = found[0]
+        unit = units[place] or usual.get(what) or {"depth": "um", "load": "mN"}.get(bare(heads[place])) or ("s" if what == "time" else "")
+        if not unit:
+            raise ResultError(path, f"no unit stands above the column {heads[place]}: say it by --{what} {heads[place]}:UNIT, "
+                                    f"UNIT of {', '.join(UNITS_OF[what])}; there are {', '.join(heads)}")
+        if not units[place] and not usual:
+            notes.append(f"no unit stands above the column {heads[place]}: it is taken in {unit}")
+        columns[what] = Column(heads[place], UNITS_OF[what][unit], UNITS_OF[what])
+    return columns, notes

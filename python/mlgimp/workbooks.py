@@ -1,0 +1,71 @@
+"""Sheets of workbooks (.xls, .xlsx), as lines of text with tabs between the columns, as an instrument's text export has them."""
+
+import importlib
+import io
+import zipfile
+
+from .errors import ResultError
+
+OLD, ZIPPED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"  # first bytes of .xls, and of .xlsx and other archives
+PACKAGES = {"xlrd": "python3-xlrd", "openpyxl": "python3-openpyxl"}  # of Debian
+
+
+def is_workbook(content):
+    """Whether a file's bytes are those of a workbook or an archive."""
+    return content.startswith((OLD, ZIPPED))
+
+
+def lines_of_sheets(path, content):
+    """Yields (name, lines of text) for each sheet of a workbook, or for each text in an archive of texts."""
+    try:
+        if content.startswith(OLD):
+            yield from old_sheets(path, content)
+        else:
+            with zipfile.ZipFile(io.BytesIO(content)) as archive:
+                names = archive.namelist()
+            yield from (new_sheets(path, content) if "xl/workbook.xml" in names else texts_in(path, content, names))
+    except ResultError:
+        raise
+    except Exception as problem:  # what the readers raise for a damaged file is of many kinds
+        raise ResultError(path, f"cannot be read as a workbook ({' '.join(str(problem).split())[:80] or type(problem).__name__})") from None
+
+
+def module(path, name):
+    """Returns a module that reads workbooks; a ResultError says which package has it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise ResultError(path, f"is a workbook, and this Python has no module {name}: install {PACKAGES[name]} (or pip install {name}), "
+                                "or export the test as text") from None
+
+
+def old_sheets(path, content):
+    """Yields (name, lines) of the sheets of a .xls."""
+    book = module(path, "xlrd").open_workbook(file_contents=content, on_demand=True, logfile=io.StringIO())
+    for name in book.sheet_names():
+        sheet = book.sheet_by_name(name)
+        yield name, [line_of(sheet.row_values(row)) for row in range(sheet.nrows)]
+        book.unload_sheet(name)
+
+
+def new_sheets(path, content):
+    """Yields (name, lines) of the sheets of a .xlsx."""
+    book = module(path, "openpyxl").load_workbook(io.BytesIO(content), read_only=True, data_only=True)
+    for sheet in book.worksheets:
+        yield sheet.title, [line_of(row) for row in sheet.iter_rows(values_only=True)]
+
+
+def texts_in(path, content, names):
+    """Yields (name, lines) of the texts in an archive."""
+    from .tables import decoded  # which needs nothing of this module
+    texts = [name for name in names if name.lower().endswith((".txt", ".csv", ".dat"))]
+    if not texts:
+        raise ResultError(path, "is an archive without a workbook or texts in it")
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        for name in texts:
+            yield name, decoded(path, archive.read(name)).splitlines()
+
+
+def line_of(cells):
+    """Returns the cells of a row as a line: numbers as Python writes them, nothing for an empty cell."""
+    return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in cells)

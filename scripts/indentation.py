@@ -30,7 +30,6 @@ from matplotlib.ticker import MaxNLocator
 from mlgimp import corrections, load_depth, oliver_pharr, pictures, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
-from mlgimp.oliver_pharr import Constants
 
 SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
@@ -40,7 +39,10 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "C_IT_percent", "%"), ("relaxation R_IT", "R_IT_percent", "%"),
          ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
          ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
-         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"))
+         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"),
+         ("HM", "HM_GPa", "GPa"), ("HMs", "HMs_GPa", "GPa"), ("H_IT", "H_IT_GPa", "GPa"), ("E_IT", "E_IT_GPa", "GPa"),
+         ("E_IT/(1 - nu^2)", "E_IT_plane_strain_GPa", "GPa"), ("eta_IT", "eta_IT_percent", "%"), ("HV", "HV", ""), ("HBW", "HBW", ""), ("HRC", "HRC", ""),
+         ("HRB", "HRB", ""))
 
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
@@ -107,9 +109,8 @@ def add_reading_options(parser):
     group.add_argument("--zero-load", type=number_or((zeros.AUTO,)), default=0, metavar="LOAD", help="what they have for the free tip, in the unit of the column, "
                        "or auto: the median of the rows before the contact (0)")
     group.add_argument("--drift", type=number_or((corrections.AUTO,)), metavar="NM/S", help="thermal drift of the depths, which is taken off, or auto: that of "
-                       "the hold at a tenth of the load (that in the file's head, if it has one)")
-    group.add_argument("--frame-compliance", type=checked(corrections.FRAME), metavar="NM/MN", help="of the frame, times the load taken off the depths (that in "
-                       "the file's head, if it has one)")
+                       "the hold at a tenth of the load")
+    group.add_argument("--frame-compliance", type=checked(corrections.FRAME), metavar="NM/MN", help="of the frame, times the load taken off the depths")
 
 
 def add_tip_options(parser):
@@ -150,8 +151,10 @@ def parse(arguments):
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
     parser.add_argument("--test", type=checked(WHOLE, int), metavar="N", help="of measured files with several tests only this one (all)")
     add_reading_options(parser)
-    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
-                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
+    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers),
+                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97; with --iso 0.4,0.98)")
+    parser.add_argument("--iso", action="store_true", help="by the conventions of ISO 14577: epsilon of the unloading's exponent, beta 1, that window; "
+                        "with HM, HMs, H_IT, E_IT, eta_IT, and HV, HBW, HRC or HRB where tip and test have them")
     parser.add_argument("--epsilon", type=checked(rules["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
     parser.add_argument("--beta", type=checked(rules["beta"]), help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
     parser.add_argument("--poisson", type=checked(rules["poisson"]), help="Poisson's ratio of the specimen (that of the run)")
@@ -337,7 +340,8 @@ def draw_figures(both, shown, by_name):
 def main(arguments=None):
     """Analyses the curves that the command line names."""
     options = parse(arguments)
-    constants = Constants(tuple(options.window), options.epsilon, options.beta, options.poisson, *options.tip_elastic)
+    constants = oliver_pharr.checked_constants(options.iso, window=options.window, epsilon=options.epsilon, beta=options.beta, poisson=options.poisson,
+                                               tip_modulus=options.tip_elastic[0], tip_poisson=options.tip_elastic[1])
     read = [each for path in options.curves for each in read_curves(path, options)]
     analyses = [analysed(each, constants) for each in completed(read, given_tip(options))]
     good = [each for each in analyses if not each.problem]

@@ -8,8 +8,8 @@ from . import checks, drifts, zeros
 from .checks import Rule
 
 Corrections = namedtuple("Corrections", "zero_depth zero_load drift frame", defaults=(0, 0, None, None))
-Corrections.__doc__ = """The zeros of depths and loads, numbers or how they are found (zeros.py); the drift of the depths (nm/s), or "auto"; and
-the compliance of the frame (nm/mN); None of the last two: what the file says."""
+Corrections.__doc__ = """The zeros of depths and loads, numbers or how they are found (zeros.py); the drift of the depths (nm/s), or "auto";
+and the compliance of the frame (nm/mN); None: nothing."""
 
 AUTO = "auto"
 DRIFT = Rule(math.isfinite, f"a number in nm/s, or {AUTO}")

@@ -10,10 +10,9 @@ Source = namedtuple("Source", "name lines mark numerals facts")
 Source.__doc__ = """A text of a file, or a sheet of a workbook, by its name (None where it is the whole file): its Lines, what parts columns, how
 numbers are written, and the Facts of its head."""
 
-Facts = namedtuple("Facts", "instrument tip drift frame units columns notes", defaults=(None, None, None, None, {}, None, ()))
-Facts.__doc__ = """What the head of a file says: the instrument; its Tip; the drift of the depths (nm/s) and the compliance of the frame
-(nm/mN) that are still in them; units of columns that do not say theirs, {"depth": unit}; the numbers of the columns depth, load and
-time of a file without names; and notes. None or nothing where it does not say."""
+Facts = namedtuple("Facts", "instrument tip units columns notes", defaults=(None, None, {}, None, []))
+Facts.__doc__ = """What the head of a file says: the instrument; its Tip; units of columns that do not say theirs, {"depth": unit}; the numbers of
+the columns depth, load and time of a file without names; and notes. None or nothing where it does not say."""
 
 HEAD = 400  # lines in which the head of a file is looked for
 PAIR = re.compile(r"\s*([^:\t]*[^:\t\s(])\s*(?:\(([^)]*)\))?\s*(?::|\t)\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
@@ -60,7 +59,7 @@ def facts_of(lines, mark, numerals):
         return Facts("Fischerscope", units={"depth": "um", "load": "mN", "time": "s"})
     if is_nanotest(lines, mark, numerals):
         return Facts("NanoTest", units={"depth": "nm", "load": "mN", "time": "s"}, columns=("2", "3", "1"),
-                     notes=("has no names of columns, and is read as a NanoTest's: time in s, depth in nm, load in mN",))
+                     notes=["without names of columns it is read as a NanoTest's: time in s, depth in nm, load in mN"])
     return Facts()
 
 
@@ -75,20 +74,22 @@ def pairs(head, numerals):
 
 
 def of_hysitron(given):
-    """Returns the Facts of a Hysitron .hld: its depths have drift and frame in them, its area function is in nm."""
+    """Returns the Facts of a Hysitron .hld, whose area function is in nm.
+
+    Frame and drift are off its displacements already: in a public file these are the displacements of the sensor's voltage by the head's
+    polynomial, less the load times (load cell + 1.0 Machine Comp), less 1.1 Drift Rate times the time, to 0.03 nm.
+    """
     coefficients = [given.get(f"Tip C{k}", (0.0, ""))[0] for k in range(6)]
-    usable = given.get("Tip Usable Depth", (0.0, ""))[0]
-    tip = tips.tip_of_function(coefficients, largest=usable) if any(coefficients) else None
-    drift = given.get("Drift Rate", (0.0, ""))[0]
-    frame = 1e3 * given["Machine Comp"][0]  # nm/uN
-    notes = (f"of the file's head: {'the area function, ' * bool(tip)}a drift of {drift:.4g} nm/s and a frame of {frame:.4g} nm/mN",)
-    return Facts("Hysitron", tip, drift, frame, notes=notes)
+    tip = tips.tip_of_function(coefficients, largest=given.get("Tip Usable Depth", (0.0, ""))[0]) if any(coefficients) else None
+    notes = [f"the file's head has a frame of {1e3 * given['Machine Comp'][0]:.4g} nm/mN and a drift of {given.get('Drift Rate', (0.0, ''))[0]:.4g} nm/s, which are off "
+             "its displacements already"]
+    return Facts("Hysitron", tip, notes=notes + ["its head has an area function, which is that of the tip unless another is given"] * bool(tip))
 
 
 def of_optics11(given):
     """Returns the Facts of a Piuma or Chiaro: a ball whose radius is in the head; its Indentation is without the cantilever."""
     radius = given["Tip radius"][0]
-    return Facts("Optics11", tips.make_tip("sphere", radius=radius) if radius > 0 else None, notes=(f"of the file's head: a ball with a radius of {radius:g} um",))
+    return Facts("Optics11", tips.make_tip("sphere", radius=radius) if radius > 0 else None, notes=[f"its head has a ball with a radius of {radius:g} um, which is the tip unless another is given"])
 
 
 def is_nanotest(lines, mark, numerals):

@@ -140,8 +140,8 @@ def read_measured(path, depth=None, load=None, time=None, *, test=None, zero_dep
     depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column; None: the column whose
     head says so, in the unit that stands there. test: which test of a file with several, from 1 on. zero_depth and zero_load: what the
     file has for the depth where the tip touches, and for the load of the free tip, in its own units, or how they are found, see
-    zeros.py. drift (nm/s, or "auto", see drift.py) and frame_compliance (nm/mN) are taken off the depths; None: as the head of the file
-    says. What was measured on the way to the surface is left out.
+    zeros.py. drift (nm/s, or "auto", see drifts.py) and frame_compliance (nm/mN) are taken off the depths. What was measured on the way
+    to the surface is left out.
     """
     tests = measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance)
     if test is None and len(tests) > 1:
@@ -186,12 +186,10 @@ def tests_of_source(path, name, source, asked, wished):
     columns, lines, notes = columns_of(path, source, asked)
     offsets = {name: zeros.checked(name, getattr(wished, name), column.factor) for name, column in zip(("zero_depth", "zero_load"), columns)}
     tests = tables.tests_of(path, lines, source.mark, source.numerals, columns)
-    facts = source.facts
-    wished = wished._replace(**offsets, drift=facts.drift if wished.drift is None else wished.drift,
-                             frame=facts.frame if wished.frame is None else wished.frame)
+    wished = wished._replace(**offsets)
     names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    notes = [*facts.notes, *notes]
-    return [Test(name, functools.partial(measured_curve, path, name, read, wished, facts.tip, notes)) for name, read in zip(names, tests)]
+    notes = [*source.facts.notes, *notes]
+    return [Test(name, functools.partial(measured_curve, path, name, read, wished, source.facts.tip, notes)) for name, read in zip(names, tests)]
 
 
 def columns_of(path, source, asked):
@@ -213,13 +211,13 @@ def measured_curve(path, name, read, wished, tip, more_notes):
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
     table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
     depths, loads, *times = table.T
-    curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, [*more_notes, *notes])
+    curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, notes)
     curve = corrections.corrected(curve, wished)
     check_order_and_signs(path, curve.depth, curve.load)
     approach = rows_of_approach(curve.depth, curve.load)
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
     return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
-                          notes=curve.notes + left_out)
+                          notes=[*curve.notes, *left_out, *more_notes])
 
 
 def check_order_and_signs(path, depth, load):

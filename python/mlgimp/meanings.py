@@ -72,16 +72,12 @@ def find(path, source, asked):
         if all(places.get(what, True) for what in ("depth", "load")):
             columns, notes = chosen(path, heads, units, places, source.facts.units)
             return Found(number, [{**columns, **asked}[what] for what in NAMES if what in columns or what in asked], notes)
-    raise ResultError(path, f"no columns of depth and load are known by their names{seen(lines, is_row)}; choose them by --depth and --load COLUMN:UNIT")
-
-
-def seen(lines, is_row):
-    """Returns words for the names above the first row of numbers."""
-    for number, line in enumerate(lines):
-        if is_row(line.words):
-            above = [each for each in lines[:number] if each.text.strip() and len(each.words) > 1 and not is_units(each.words)]
-            return f": there are {', '.join(above[-1].words)[:120]}" if above else f", only numbers 1 to {len(line.words)}"
-    return ", and there is no row of numbers"
+    first = next((number for number, line in enumerate(lines) if is_row(line.words)), None)
+    if first is None:
+        raise tables.no_rows(path, lines)
+    above = [line.words for line in lines[:first] if len(line.words) > 1 and not is_units(line.words)]
+    there = ", ".join(above[-1])[:120] if above else f"only numbers 1 to {len(lines[first].words)}"
+    raise ResultError(path, f"no columns of depth and load are known by their names; there are {there}: choose them by --depth and --load COLUMN:UNIT")
 
 
 def chosen(path, heads, units, places, usual):

@@ -168,13 +168,18 @@ def tests_of(path, lines, mark, numerals, wanted):
     are_numbers = [is_row(line.words, numerals) for line in lines]
     widths = [len(line.words) for line, good in zip(lines, are_numbers) if good]
     if not widths:
-        last = [line for line in lines if line.text.strip()][-1]
-        raise ResultError(path, f"has 0 rows of numbers; line {last.number} has {' '.join(last.words)[:60]!r}, and not two numbers")
+        raise no_rows(path, lines)
     table = Table(path, wanted, mark, numerals, mode(widths))
     rows = [good and len(line.words) == table.count for line, good in zip(lines, are_numbers)]
     for are_rows, group in itertools.groupby(zip(rows, lines), key=lambda pair: pair[0]):
         table.add(are_rows, [line for _, line in group])
     return [functools.partial(table.numbers_of, test) for test in table.finished()]
+
+
+def no_rows(path, lines):
+    """Returns the error for Lines of which none is a row of numbers."""
+    last = [line for line in lines if line.text.strip()][-1]
+    return ResultError(path, f"has 0 rows of numbers; line {last.number} has {' '.join(last.words)[:60]!r}, and not two numbers")
 
 
 class Table:

@@ -150,6 +150,8 @@ def pyramid_area(h, tangent, faces, radius, count=200):
 
 def depth_of(tip, area, most):
     """Returns the distance from the end where the tip has an area, at the most `most`; NaN where the area does not grow to it."""
+    if math.isnan(area):
+        return math.nan
     depths = np.linspace(0, most, 4001)
     areas = tip.area(depths)
     beyond = np.flatnonzero(areas >= area)

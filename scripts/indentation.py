@@ -27,7 +27,7 @@ from command import Parser, command, save
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import corrections, load_depth, oliver_pharr, pictures, tips, zeros
+from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 
@@ -123,6 +123,7 @@ def add_tip_options(parser):
     group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM",
                        help="of a rounded cone or pyramid (0)")
     group.add_argument("--faces", type=checked(tips.RULES["faces"], int), metavar="N", help="of a pyramid (4)")
+    group.add_argument("--calibration", metavar="FILE", help="area function of the tip and compliance of the frame, by scripts/calibrate.py")
     group.add_argument("--area-function", type=checked(COEFFICIENTS, load_depth.numbers),
                        metavar="C0,C1,...", help="area C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ... in nm2 of a contact depth h in nm")
 
@@ -131,10 +132,12 @@ def given_tip(options):
     """Returns the Tip of the command line; None where it names none."""
     sizes = {name: getattr(options, name) for name in tips.RULES}
     given = {name: size for name, size in sizes.items() if size is not None}
-    if options.area_function and options.tip:
-        raise Error("--area-function: must stand without --tip")
+    if sum(map(bool, (options.calibration, options.area_function, options.tip))) > 1:
+        raise Error("--area-function, --calibration: must stand without each other and without --tip")
     if given and not options.tip:
         raise Error(f"{spelt(next(iter(given)))}: must stand beside --tip")
+    if options.calibration:
+        return calibration.read(options.calibration)[0]
     if options.area_function:
         return tips.tip_of_function(options.area_function)
     if options.tip is None:
@@ -161,7 +164,10 @@ def parse(arguments):
     parser.add_argument("--tip-elastic", type=checked(TIP_ELASTIC, load_depth.numbers), default=(math.inf, 0.0), metavar="GPA,NU",
                         help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    if options.calibration and options.frame_compliance is None:
+        options.frame_compliance = calibration.read(options.calibration)[1]
+    return options
 
 
 # ---- curves ----

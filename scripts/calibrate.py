@@ -21,6 +21,8 @@ import numpy as np
 from mlgimp import calibration, corrections, load_depth, pictures, tips, zeros
 from mlgimp.errors import Error
 
+ROUGH = 0.05  # of the areas: what a function of few coefficients may miss of a tip
+
 
 def parse(arguments):
     """Returns the options of the command line; which values are allowed calibration.calibrate() says."""
@@ -77,8 +79,12 @@ def main(arguments=None):
     print(folder / "calibration.json")
     draw(found, folder / "calibration.png")
     print(f"area function (nm): {','.join(f'{value:.8g}' for value in found.coefficients)}, misses {100 * found.area_error:.2g} % in {len(found.rows)} depths")
-    stiffness = f" ({1 / found.frame:.4g} N/um)" * (found.frame > 0)
+    stiffness = f" ({1 / found.frame:.4g} N/um)" if found.frame > 0 else ""
     print(f"frame: {found.frame:.4g} +- {found.frame_error:.2g} nm/mN{stiffness}, of {found.shown.sum()} depths with a hardness of {found.hardness:.4g} GPa")
+    if found.area_error > ROUGH:
+        print(f"warning: the function misses {100 * found.area_error:.2g} % of the areas: do all depths count from the surface, and is the specimen the same?")
+    if found.frame == 0 and options.frame_compliance is None:
+        print("warning: no compliance of a frame was found: the depths may be free of it already")
     print(f"contact depths: {found.depths[0]:.4g} to {found.depths[1]:.4g} nm")
 
 

@@ -64,8 +64,10 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     for _ in range(TURNS):
         found = of_unloadings(*unloadings(curves, total, window), reduced, count, None if frame is None else 0.0)
         total += 1e-3 * found.frame
-        if frame is not None or abs(found.frame) <= max(STANDS * total, 1e-2 * found.frame_error):
+        if frame is not None or abs(found.frame) <= max(STANDS * 1e3 * abs(total), 1e-2 * found.frame_error):
             break
+    if total < 0:  # of depths that are free of the frame: no frame pushes
+        return of_unloadings(*unloadings(curves, 0.0, window), reduced, count, 0.0)._replace(frame_error=found.frame_error)
     return found._replace(frame=1e3 * total)
 
 

@@ -21,7 +21,8 @@ LEAST_ROWS = 10  # of the approach, and of the part of the loading that is fitte
 FITTED = 0.02, 0.5  # of the load at the end of the first loading: above what the surface's roughness and the tip's end do to it
 SURE = 5  # standard deviations by which load or stiffness leave the noise: one row in a million does so by chance
 EXACT = 1e-4  # of the largest load: what counts as a contact where there is no noise, as in ISO 14577-1
-WINDOWS = 20  # parts of the rows before the contact, or before the largest load where that is not known yet
+WINDOWS = 20  # parts of the rows before the largest load: in the first the tip is free
+PARTS = 4  # of the rows before the contact: so wide are windows for the stiffness, which begin a quarter of that apart
 EXPONENTS = 1.0, 2.5  # of a loading: a punch has 1, a ball 1.5, a cone 2
 
 Zero = namedtuple("Zero", "depth error how")
@@ -74,31 +75,30 @@ def by_power(curve):
 
 
 def by_threshold(curve):
-    """Returns the Zero where the load leaves that of the free tip for good by SURE times its noise.
+    """Returns the Zero where the load leaves that of the free tip for good, by SURE times its noise.
 
-    The tip has touched before that, which makes the depth too large by what it travels while the load rises through its noise: by that
-    the depth may be off, and by the step between two rows.
+    The tip has touched before that. Under a cone, P ~ h^2, by 1/(sqrt(2) - 1) times what it travels until the load is twice as far away:
+    by that the depth is too large at most, and by the step between two rows.
     """
-    first, level, deviation = first_row_under_load(curve, "threshold")
-    inside = np.flatnonzero(curve.load[:first + 1] <= level + deviation)
-    return Zero(float(curve.depth[first]), float(max(curve.depth[first] - curve.depth[inside[-1] if len(inside) else 0],
-                                                     abs(curve.depth[first] - curve.depth[first - 1]))),
-                f"where the load leaves that of the free tip by {SURE} times its noise")
+    first, clear = first_row_under_load(curve, "threshold", 1)
+    twice, _ = first_row_under_load(curve, "threshold", 2)
+    travel = abs(curve.depth[twice] - curve.depth[first]) / (math.sqrt(2) - 1)
+    return Zero(float(curve.depth[first]), float(max(travel, abs(curve.depth[first] - curve.depth[first - 1]))),
+                f"where the load leaves that of the free tip by {clear:.2g} mN")
 
 
 def by_stiffness(curve):
     """Returns the Zero where the stiffness dP/dh, of lines through windows of rows, leaves that of the free tip by SURE times its noise: the
     middle of the first window from which on it stays above, with half of what that window is wide."""
-    first, *_ = first_row_under_load(curve, "stiffness")
-    width = max(first // WINDOWS, LEAST_ROWS // 2)
+    first, _ = first_row_under_load(curve, "stiffness", 1)
+    width = max(first // PARTS, LEAST_ROWS // 2)
     top = int(np.argmax(cycles.without_spikes(curve.load)))
-    starts = np.arange(0, max(top - width, 1), max(width // 2, 1))
+    starts = np.arange(0, max(top - width, 1), max(width // PARTS, 1))
     slopes = np.array([slope_of(curve.depth[row:row + width], curve.load[row:row + width]) for row in starts])
     free = slopes[starts + width <= first]
-    if len(free) < 4:
+    if len(free) < PARTS:
         raise too_few_rows(curve, "stiffness")
-    least = np.median(free) + SURE * noise_of(free)
-    under = np.flatnonzero(~(slopes > least))
+    under = np.flatnonzero(~(slopes > np.median(free) + SURE * noise_of(free)))
     window = starts[min(under[-1] + 1 if len(under) else 0, len(starts) - 1)]
     depth = curve.depth[window:window + width]
     return Zero(float(np.median(depth)), float(np.ptp(depth) / 2), f"where the stiffness dP/dh leaves that of the free tip by {SURE} times its noise")
@@ -114,18 +114,18 @@ def slope_of(depth, load):
     return float(off @ load) / spread if spread > 0 else 0.0
 
 
-def first_row_under_load(curve, rule):
-    """Returns the first row from which on the load stays above that of the free tip by SURE times its noise, up to the largest load; and
-    that load and its noise (mN)."""
+def first_row_under_load(curve, rule, times):
+    """Returns the first row from which on the load stays above that of the free tip by so many times SURE times its noise, up to the largest
+    load; and how far that is above it (mN)."""
     load = cycles.without_spikes(curve.load)
     top = int(np.argmax(load))
     free = curve.load[:max(top // WINDOWS, LEAST_ROWS)]
-    level, deviation = float(np.median(free)), noise_of(free)
-    under = np.flatnonzero(load[:top + 1] <= level + max(SURE * deviation, EXACT * load[top]))
+    clear = times * max(SURE * noise_of(free), EXACT * (load[top] - np.median(free)))
+    under = np.flatnonzero(load[:top + 1] <= np.median(free) + clear)
     first = int(under[-1]) + 1 if len(under) else 0
     if not LEAST_ROWS <= first < len(load):
         raise too_few_rows(curve, rule)
-    return first, level, deviation
+    return first, float(clear)
 
 
 def too_few_rows(curve, rule):

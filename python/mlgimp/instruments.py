@@ -15,7 +15,7 @@ Facts.__doc__ = """What the head of a file says: the instrument; its Tip; units 
 the columns depth, load and time of a file without names; and notes. None or nothing where it does not say."""
 
 HEAD = 400  # lines in which the head of a file is looked for
-PAIR = re.compile(r"\s*([^:\t]*[^:\t\s(])\s*(?:\(([^)]*)\))?\s*(?::|\t)\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+PAIR = re.compile(r"\s*([^:\t(]*[^:\t\s(])\s*(?:\(([^)]*)\))?\s*(?::|\t)\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
 TEST_SHEET = re.compile(r"\s*test\b", re.I)  # of NanoSuite; its other sheets are tables of results
 
 

@@ -16,7 +16,7 @@ NAMES = {  # in English, German and French without accents; of several columns t
               ("displacement", "disp", "weg", "verschiebung", "deplacement", "normal displacement", "indenter displacement", "normal disp")),
     "load": (("load on sample", "force on surface"), ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "kraft", "last",
                                                       "normalkraft", "prufkraft", "force normale", "charge", "effort", "force a")),
-    "time": (("time on sample", "time in contact", "test time"), ("time", "t", "zeit", "temps", "elapsed time", "sampling time", "zeit t", "temps t", "time t")),
+    "time": (("time on sample", "time in contact", "test time"), ("time", "t", "zeit", "prufzeit", "messzeit", "temps", "elapsed time", "sampling time", "duree")),
 }
 SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
 LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones

@@ -47,6 +47,7 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
 MOST_NAMES = 8  # of curves in a legend
+MOST_FITS = 20  # curves beside each other: of more the fits and tangents would cover them
 
 Analysis = namedtuple("Analysis", "name curve rows fits problem", defaults=(None, (), (), None))
 Analysis.__doc__ = """What is known of a test: its name and Curve, a dict of results for each unloading and its Unloading, None where it
@@ -297,20 +298,21 @@ def draw(analyses, path):
     by_name = sum(len(each.name) for _, each in shown) <= LETTERS
     for number, each in shown:
         name = each.name if by_name else f"{number}: {each.name}"
-        draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}")
+        draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}", with_fits=len(shown) <= MOST_FITS)
     pictures.line_axes(left, "depth (µm)", "load (mN)")
     handles = dict(zip(*left.get_legend_handles_labels()[::-1]))  # one of a label
-    left.legend(handles.values(), handles)
+    if handles:
+        left.legend(handles.values(), handles)
     if several:
         above = figure.add_subplot(grid[0, 1])
         draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name)
     save(figure, path)
 
 
-def draw_curve(axes, colour, each, label):
+def draw_curve(axes, colour, each, label, with_fits):
     """Draws load over depth, for each unloading the power law down to zero load, and the tangent that leads to the contact depth."""
-    axes.plot(each.curve.depth, each.curve.load, color=colour, linestyle="-", linewidth=1.2, label=label)
-    for row, fit in fitted(each):
+    axes.plot(each.curve.depth, each.curve.load, color=colour, linestyle="-", linewidth=1.2 if with_fits else 0.5, label=label)
+    for row, fit in fitted(each) if with_fits else []:
         depth = np.linspace(fit.final_depth, fit.depth, 200)
         axes.plot(depth, oliver_pharr.fitted_load(fit, depth), color="black", linestyle="--", linewidth=1, label="power law")
         if math.isfinite(row["contact_depth_um"]):
@@ -328,7 +330,7 @@ def draw_figures(both, shown, by_name):
         for number, each in shown:
             own = [row for row, _ in fitted(each)]
             places = [row["depth_um"] if over_depth else number for row in own]
-            axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}")
+            axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}", markersize=6 if len(shown) <= MOST_FITS else 2)
         pictures.line_axes(axes, "", name.replace("_GPa", "").replace("_", " ") + " (GPa)")
         axes.set_ylim(0, 1.2 * np.nanmax([row[name] for row in rows]))
         axes.margins(x=0.05)

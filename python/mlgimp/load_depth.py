@@ -183,24 +183,25 @@ def refuse(problem):
 
 def tests_of_source(path, name, source, asked, wished):
     """Returns the Tests of a Source, with the columns that are `asked` for by name, {"depth": Column}, or those that its heads name."""
-    columns, lines, notes = columns_of(path, source, asked)
-    offsets = {name: zeros.checked(name, getattr(wished, name), column.factor) for name, column in zip(("zero_depth", "zero_load"), columns)}
-    tests = tables.tests_of(path, lines, source.mark, source.numerals, columns)
-    wished = wished._replace(**offsets)
+    sets, lines, notes = columns_of(path, source, asked)
+    notes, tests = [*source.facts.notes, *notes], []
+    for columns in sets:
+        offsets = {what: zeros.checked(what, getattr(wished, what), column.factor) for what, column in zip(("zero_depth", "zero_load"), columns)}
+        tests += [(read, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
     names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    notes = [*source.facts.notes, *notes]
-    return [Test(name, functools.partial(measured_curve, path, name, read, wished, source.facts.tip, notes)) for name, read in zip(names, tests)]
+    return [Test(name, functools.partial(measured_curve, path, name, read, own, source.facts.tip, notes)) for name, (read, own) in zip(names, tests)]
 
 
 def columns_of(path, source, asked):
-    """Returns the Columns depth, load and perhaps time of a Source, its Lines from their names on, and notes."""
+    """Returns the Columns depth, load and perhaps time of a Source, a list of them for each of the tests beside each other; its Lines from
+    their names on; and notes."""
     if "depth" in asked and "load" in asked:
-        return list(asked.values()), source.lines, []
+        return [list(asked.values())], source.lines, []
     if source.facts.columns:
         columns = {what: Column(number, meanings.UNITS_OF[what][source.facts.units[what]]) for what, number in zip(meanings.UNITS_OF, source.facts.columns)}
-        return list((columns | asked).values()), source.lines, []
+        return [list((columns | asked).values())], source.lines, []
     found = meanings.find(path, source, asked)
-    return found.columns, source.lines[found.line:], found.notes
+    return found.sets, source.lines[found.line:], found.notes
 
 
 def measured_curve(path, name, read, wished, tip, more_notes):

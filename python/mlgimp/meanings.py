@@ -21,8 +21,9 @@ NAMES = {  # in English, German and French without accents; of several columns t
 SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
 LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones
 
-Found = namedtuple("Found", "line columns notes")
-Found.__doc__ = "The line of the names (its place among the texts), the Columns depth, load and, if there is one, time, and notes on them."
+Found = namedtuple("Found", "line sets notes")
+Found.__doc__ = """The line of the names (its place among the Lines), for each of the tests beside each other, mostly one, the Columns depth, load
+and, if there is one, time, and notes on them."""
 
 
 def bare(name):
@@ -70,8 +71,8 @@ def find(path, source, asked):
         names = [name or word for (name, _), word in zip(pairs, heads)]
         places = {what: places_of(what, names, units) for what in NAMES if what not in asked}
         if all(places.get(what, True) for what in ("depth", "load")):
-            columns, notes = chosen(path, heads, units, places, source.facts.units)
-            return Found(number, [{**columns, **asked}[what] for what in NAMES if what in columns or what in asked], notes)
+            sets, notes = chosen(path, heads, units, places, source.facts.units)
+            return Found(number, [[{**columns, **asked}[what] for what in NAMES if what in columns or what in asked] for columns in sets], notes)
     first = next((number for number, line in enumerate(lines) if is_row(line.words)), None)
     if first is None:
         raise tables.no_rows(path, lines)
@@ -81,20 +82,39 @@ def find(path, source, asked):
 
 
 def chosen(path, heads, units, places, usual):
-    """Returns {"depth": Column, ...} from the places of the names that mean depth, load and perhaps time, and notes."""
-    columns, notes = {}, []
+    """Returns [{"depth": Column, ...} of each test beside the others], mostly one, from the places of the names that mean depth, load and
+    perhaps time, and notes."""
+    tests = tests_beside(places)
     for what, found in places.items():
-        if len(found) > 1 and what != "time":
+        if len(found) > 1 and len(tests) == 1 and what != "time":
             several = ", ".join(f"{heads[place]} in column {place + 1}" for place in found)
             raise ResultError(path, f"{len(found)} columns may be the {what}: {several}; choose one by --{what} COLUMN:UNIT")
-        if not found:
-            continue
-        place = found[0]
+    notes = [f"{len(tests)} tests stand beside each other"] * (len(tests) > 1)
+    unit_of = {}
+    for what, place in tests[0].items():
         unit = units[place] or usual.get(what) or {"depth": "um", "load": "mN"}.get(bare(heads[place])) or ("s" if what == "time" else "")
         if not unit:
             raise ResultError(path, f"no unit stands above the column {heads[place]}: say it by --{what} {heads[place]}:UNIT, "
-                                    f"UNIT of {', '.join(UNITS_OF[what])}; there are {', '.join(heads)}")
+                                    f"UNIT of {', '.join(UNITS_OF[what])}; there are {', '.join(heads)[:200]}")
         if not units[place] and not usual:
             notes.append(f"no unit stands above the column {heads[place]}: it is taken in {unit}")
-        columns[what] = Column(heads[place], UNITS_OF[what][unit], UNITS_OF[what])
-    return columns, notes
+        unit_of[what] = unit
+    return [{what: column(heads, place, what, unit_of[what]) for what, place in test.items()} for test in tests], notes
+
+
+def tests_beside(places):
+    """Returns the places of each test, [{"depth": place, ...}]: of several, where columns of depth and load take turns, with as many of a time
+    or one for all; else of one test."""
+    depths, loads, times = (places.get(what, []) for what in NAMES)
+    count = len(depths)
+    first, second = sorted((depths, loads))
+    if count > 1 and count == len(loads) and all(a < b for a, b in zip(first, second)) and all(a < b for a, b in zip(second, first[1:])):
+        times = times if len(times) == count else count * times[:1]
+        return [{what: found[k] for what, found in (("depth", depths), ("load", loads), ("time", times)) if found} for k in range(count)]
+    return [{what: found[0] for what, found in places.items() if found}]
+
+
+def column(heads, place, what, unit):
+    """Returns the Column of a place, by its name where no other has that."""
+    name = heads[place] if heads.count(heads[place]) == 1 else str(place + 1)
+    return Column(name, UNITS_OF[what][unit], UNITS_OF[what])

@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import checks, cycles, load_depth, oliver_pharr, tips
+from . import checks, corrections, cycles, load_depth, oliver_pharr, tips
 from .checks import Rule
 from .errors import Error, ResultError
 
 EPSILON, BETA = 0.75, 1.0  # of tips by area functions in the analysis, so that it gives the modulus back
 LEAST_TESTS = 3  # depths beside which a line still has a misfit
-SAME_HARDNESS = 0.02  # of the median: depths whose hardness differs by more, as rounded tips make less pressure, say nothing about the frame
+SAME_HARDNESS = 0.005  # of the median: depths whose hardness differs by more, as rounded tips make less pressure, say nothing about the frame,
+SPREAD = 4  # or by more than so many times the median deviation of the deeper half, 2.7 standard deviations of what scatters
 SURE = 1e-3  # of a stiffness: better none is known, as curves are no exact power laws
 TURNS = 50  # of the loops at most; they stand after a few
 ROUGH = 1e-8  # of the largest singular value: combinations of powers that the depths do not tell apart to this are left out
@@ -43,32 +44,39 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
 
     The compliance of frame and contact is 1/S = C_f + sqrt(pi)/(2 beta E_r) A^(-1/2). With a hardness H that does not depend on the depth,
     A = P/H, and 1/S over P^(-1/2) is a line that begins at C_f, whatever the tip is like. Then A = pi/4 (S_c/(beta E_r))^2 of each
-    contact alone, at the depth h - C_f P - epsilon P/S_c. Depths whose P/A differ from the median by more than SAME_HARDNESS are left out
-    of the line, and all is done again until it stands; and again with the unloadings fitted without the compliance that was found, since
+    contact alone, at the depth h - C_f P - epsilon P/S_c. Depths whose P/A differ from the median by more than SAME_HARDNESS and
+    what the deeper ones scatter are left out of the line, and all is done again until it stands; and again with the unloadings fitted without the compliance that was found, since
     a power law and a spring in a row are no power law, until nothing of it is left. The coefficients are those of least squares of A relative to itself.
     """
-    given = {"modulus": (modulus, RULES["modulus"]), "poisson": (poisson, oliver_pharr.POISSON), "tip_modulus": (tip_modulus, oliver_pharr.RULES["tip_modulus"]),
-             "tip_poisson": (tip_poisson, oliver_pharr.POISSON)}
-    modulus, poisson, tip_modulus, tip_poisson = (checks.number(name, *pair) for name, pair in given.items())
-    if reduced_modulus is None:
-        reduced = 1 / ((1 - poisson**2) / modulus + (1 - tip_poisson**2) / tip_modulus)
-    else:
-        reduced = checks.number("reduced_modulus", reduced_modulus, RULES["modulus"])
+    reduced = checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced_modulus)
     count = checks.whole("coefficients", coefficients, 1)
     if not RULES["coefficients"].good(count):
         raise checks.refusal("coefficients", coefficients, RULES["coefficients"].allowed)
     window = oliver_pharr.WINDOW if window is None else checks.several("window", window, oliver_pharr.RULES["window"])
-    frame = None if frame_compliance is None else 1e-3 * checks.number("frame_compliance", frame_compliance, checks.POSITIVE)
     curves = [curve for each in curves for curve in ([each] if isinstance(each, load_depth.Curve) else load_depth.read_tests(each))]
-    total = frame or 0.0
+    if frame_compliance is not None:
+        frame = 1e-3 * checks.number("frame_compliance", frame_compliance, corrections.FRAME)
+        contacts(unloadings(curves, 0.0, window)[3], frame, reduced)  # refuses a compliance that is more than the whole
+        return of_unloadings(*unloadings(curves, frame, window), reduced, count, 0.0)._replace(frame=1e3 * frame)
+    total = 0.0
     for _ in range(TURNS):
-        found = of_unloadings(*unloadings(curves, total, window), reduced, count, None if frame is None else 0.0)
+        found = of_unloadings(*unloadings(curves, total, window), reduced, count)
         total += 1e-3 * found.frame
-        if frame is not None or abs(found.frame) <= max(STANDS * 1e3 * abs(total), 1e-2 * found.frame_error):
+        if abs(found.frame) <= max(STANDS * 1e3 * abs(total), 1e-2 * found.frame_error):
             break
     if total < 0:  # of depths that are free of the frame: no frame pushes
         return of_unloadings(*unloadings(curves, 0.0, window), reduced, count, 0.0)._replace(frame_error=found.frame_error)
     return found._replace(frame=1e3 * total)
+
+
+def checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced):
+    """Returns the reduced modulus (GPa) that is given, or that of specimen and tip."""
+    if reduced is not None:
+        return checks.number("reduced_modulus", reduced, RULES["modulus"])
+    modulus, poisson = checks.number("modulus", modulus, RULES["modulus"]), checks.number("poisson", poisson, oliver_pharr.POISSON)
+    tip_modulus = checks.number("tip_modulus", tip_modulus, oliver_pharr.RULES["tip_modulus"])
+    tip_poisson = checks.number("tip_poisson", tip_poisson, oliver_pharr.POISSON)
+    return 1 / ((1 - poisson**2) / modulus + (1 - tip_poisson**2) / tip_modulus)
 
 
 def unloadings(curves, frame, window):
@@ -86,7 +94,7 @@ def unloadings(curves, frame, window):
     return tests, *np.array(found).T
 
 
-def of_unloadings(tests, depth, load, stiffness, stiffness_error, reduced, count, known_frame):
+def of_unloadings(tests, depth, load, stiffness, stiffness_error, reduced, count, known_frame=None):
     """Returns the Calibration of unloadings [depths] (um, mN, mN/um); the compliance of a frame that is known in um/mN, or None."""
     unsure = np.maximum(stiffness_error / stiffness, SURE)
     shown = load >= np.median(load)  # the deeper half, whose hardness the rounding of the tip changes least
@@ -97,8 +105,9 @@ def of_unloadings(tests, depth, load, stiffness, stiffness_error, reduced, count
             frame, error = line_at_zero(load[shown] ** -0.5, 1 / stiffness[shown], unsure[shown] / stiffness[shown])
         contact, area = contacts(stiffness, frame, reduced)
         hardness = load / area
-        middle = float(np.median(hardness[load >= np.median(load)]))
-        same = np.abs(hardness / middle - 1) <= SAME_HARDNESS
+        deep = hardness[load >= np.median(load)]
+        middle = float(np.median(deep))
+        same = np.abs(hardness / middle - 1) <= max(SAME_HARDNESS, SPREAD * float(np.median(np.abs(deep / middle - 1))))
         shown = same if same.sum() >= LEAST_TESTS else shown
         if abs(frame - before) <= STANDS * abs(frame):
             break

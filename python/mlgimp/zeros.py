@@ -77,13 +77,12 @@ def by_power(curve):
 def by_threshold(curve):
     """Returns the Zero where the load leaves that of the free tip for good, by SURE times its noise.
 
-    The tip has touched before that. Under a cone, P ~ h^2, by 1/(sqrt(2) - 1) times what it travels until the load is twice as far away:
-    by that the depth is too large at most, and by the step between two rows.
+    The tip has touched before that, under a cone, P ~ h^2, by what it travels until the load is four times as far away, else by less: by
+    that the depth is too large at most, and by the step between two rows.
     """
     first, clear = first_row_under_load(curve, "threshold", 1)
-    twice, _ = first_row_under_load(curve, "threshold", 2)
-    travel = abs(curve.depth[twice] - curve.depth[first]) / (math.sqrt(2) - 1)
-    return Zero(float(curve.depth[first]), float(max(travel, abs(curve.depth[first] - curve.depth[first - 1]))),
+    later, _ = first_row_under_load(curve, "threshold", 4)
+    return Zero(float(curve.depth[first]), float(max(abs(curve.depth[later] - curve.depth[first]), abs(curve.depth[first] - curve.depth[first - 1]))),
                 f"where the load leaves that of the free tip by {clear:.2g} mN")
 
 
@@ -123,7 +122,8 @@ def first_row_under_load(curve, rule, times):
     clear = times * max(SURE * noise_of(free), EXACT * (load[top] - np.median(free)))
     under = np.flatnonzero(load[:top + 1] <= np.median(free) + clear)
     first = int(under[-1]) + 1 if len(under) else 0
-    if not LEAST_ROWS <= first < len(load):
+    early, late = (np.median(half) for half in np.array_split(curve.load[:max(first, 2)], 2))
+    if not LEAST_ROWS <= first < len(load) or late - early > FLAT * clear / times:
         raise too_few_rows(curve, rule)
     return first, float(clear)
 

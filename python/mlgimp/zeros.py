@@ -21,6 +21,7 @@ LEAST_ROWS = 10  # of the approach, and of the part of the loading that is fitte
 FITTED = 0.02, 0.5  # of the load at the end of the first loading: above what the surface's roughness and the tip's end do to it
 SURE = 5  # standard deviations by which load or stiffness leave the noise: one row in a million does so by chance
 EXACT = 1e-4  # of the largest load: what counts as a contact where there is no noise, as in ISO 14577-1
+STILL = 0.35  # of SURE times the noise: the same of the rows before the depth's threshold, of which some are under a load below it
 WINDOWS = 20  # parts of the rows before the largest load: in the first the tip is free
 PARTS = 4  # of the rows before the contact: so wide are windows for the stiffness, which begin a quarter of that apart
 EXPONENTS = 1.0, 2.5  # of a loading: a punch has 1, a ball 1.5, a cone 2
@@ -78,17 +79,18 @@ def by_threshold(curve):
     """Returns the Zero where the load leaves that of the free tip for good, by SURE times its noise.
 
     The tip has touched before that, under a cone, P ~ h^2, by what it travels until the load is four times as far away, else by less: by
-    that the depth is too large at most, and by the step between two rows.
+    that the depth is too large at most, and by the step of a row.
     """
     first, clear = first_row_under_load(curve, "threshold", 1)
     later, _ = first_row_under_load(curve, "threshold", 4)
-    return Zero(float(curve.depth[first]), float(max(abs(curve.depth[later] - curve.depth[first]), abs(curve.depth[first] - curve.depth[first - 1]))),
+    return Zero(float(curve.depth[first]), float(abs(curve.depth[later] - curve.depth[first]) + abs(curve.depth[first] - curve.depth[first - 1])),
                 f"where the load leaves that of the free tip by {clear:.2g} mN")
 
 
 def by_stiffness(curve):
     """Returns the Zero where the stiffness dP/dh, of lines through windows of rows, leaves that of the free tip by SURE times its noise: the
-    middle of the first window from which on it stays above, with half of what that window is wide."""
+    middle of the first window from which on it stays above. It may be off by half of what that window is wide, and by what the tip travels
+    until the stiffness is twice as far away, as under a cone, whose stiffness grows with the depth."""
     first, _ = first_row_under_load(curve, "stiffness", 1)
     width = max(first // PARTS, LEAST_ROWS // 2)
     top = int(np.argmax(cycles.without_spikes(curve.load)))
@@ -97,10 +99,12 @@ def by_stiffness(curve):
     free = slopes[starts + width <= first]
     if len(free) < PARTS:
         raise too_few_rows(curve, "stiffness")
-    under = np.flatnonzero(~(slopes > np.median(free) + SURE * noise_of(free)))
-    window = starts[min(under[-1] + 1 if len(under) else 0, len(starts) - 1)]
-    depth = curve.depth[window:window + width]
-    return Zero(float(np.median(depth)), float(np.ptp(depth) / 2), f"where the stiffness dP/dh leaves that of the free tip by {SURE} times its noise")
+    level, clear = np.median(free), SURE * noise_of(free)
+    at, later = (starts[min(under[-1] + 1 if len(under) else 0, len(starts) - 1)]
+                 for under in (np.flatnonzero(~(slopes > level + times * clear)) for times in (1, 2)))
+    depth = curve.depth[at:at + width]
+    return Zero(float(np.median(depth)), float(max(np.ptp(depth) / 2, abs(curve.depth[later] - curve.depth[at]))),
+                f"where the stiffness dP/dh leaves that of the free tip by {clear:.2g} mN/um")
 
 
 RULES = {AUTO: by_power, "power": by_power, "threshold": by_threshold, "stiffness": by_stiffness}  # how a depth is found, by its name
@@ -123,7 +127,7 @@ def first_row_under_load(curve, rule, times):
     under = np.flatnonzero(load[:top + 1] <= np.median(free) + clear)
     first = int(under[-1]) + 1 if len(under) else 0
     early, late = (np.median(half) for half in np.array_split(curve.load[:max(first, 2)], 2))
-    if not LEAST_ROWS <= first < len(load) or late - early > FLAT * clear / times:
+    if not LEAST_ROWS <= first < len(load) or late - early > STILL * clear:
         raise too_few_rows(curve, rule)
     return first, float(clear)
 

@@ -45,8 +45,8 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     The compliance of frame and contact is 1/S = C_f + sqrt(pi)/(2 beta E_r) A^(-1/2). With a hardness H that does not depend on the depth,
     A = P/H, and 1/S over P^(-1/2) is a line that begins at C_f, whatever the tip is like. Then A = pi/4 (S_c/(beta E_r))^2 of each
     contact alone, at the depth h - C_f P - epsilon P/S_c. Depths whose P/A differ from the median by more than SAME_HARDNESS and
-    what the deeper ones scatter are left out of the line, and all is done again until it stands; and again with the unloadings fitted without the compliance that was found, since
-    a power law and a spring in a row are no power law, until nothing of it is left. The coefficients are those of least squares of A relative to itself.
+    what the deeper ones scatter are left out of the line, and all is done again until it stands; and again with the unloadings fitted without
+    the compliance that was found, since a power law and a spring in a row are no power law, until nothing of it is left. The coefficients are those of least squares of A relative to itself.
     """
     reduced = checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced_modulus)
     count = checks.whole("coefficients", coefficients, 1)
@@ -114,7 +114,8 @@ def of_unloadings(tests, depth, load, stiffness, stiffness_error, reduced, count
     contact_depth = depth - frame * load - EPSILON * load / contact
     coefficients, missed = fitted_area(1e3 * contact_depth, 1e6 * area, unsure, count)
     rows = np.column_stack([load, 1e3 * contact_depth, contact, 1e6 * area, hardness])
-    return Calibration(coefficients, missed, 1e3 * frame, 1e3 * error, middle, reduced, (1e3 * contact_depth.min(), 1e3 * contact_depth.max()), shown, rows, tests)
+    depths = 1e3 * contact_depth.min(), 1e3 * contact_depth.max()
+    return Calibration(coefficients, missed, 1e3 * frame, 1e3 * error, middle, reduced, depths, shown, rows, tests)
 
 
 def line_at_zero(x, y, error):
@@ -141,7 +142,8 @@ def fitted_area(depth, area, unsure, count):
     misses as a share of the area. Fewer are taken where there are fewer depths. unsure: the standard errors of the stiffnesses as shares of
     them, of which the areas have twice as much.
 
-    The unknowns are C_k h_max^(2^(1 - k)), and each equation is divided by its area and its error, so that all are of one size. Nothing holds the coefficients above zero: those of sharp tips are below, and tips.tip_of_function looks after small depths.
+    The unknowns are C_k h_max^(2^(1 - k)), and each equation is divided by its area and its error, so that all are of one size. Nothing
+    holds the coefficients above zero: those of sharp tips are below, and tips.tip_of_function looks after small depths.
     """
     if not np.all(depth > 0):
         raise Error(f"a contact depth is not above zero ({depth.min():.3g} nm): do the depths count from the surface?")

@@ -81,15 +81,16 @@ def of_hysitron(given):
     """
     coefficients = [given.get(f"Tip C{k}", (0.0, ""))[0] for k in range(6)]
     tip = tips.tip_of_function(coefficients, largest=given.get("Tip Usable Depth", (0.0, ""))[0]) if any(coefficients) else None
-    notes = [f"the file's head has a frame of {1e3 * given['Machine Comp'][0]:.4g} nm/mN and a drift of {given.get('Drift Rate', (0.0, ''))[0]:.4g} nm/s, which are off "
-             "its displacements already"]
+    frame, drift = 1e3 * given["Machine Comp"][0], given.get("Drift Rate", (0.0, ""))[0]
+    notes = [f"the file's head has a frame of {frame:.4g} nm/mN and a drift of {drift:.4g} nm/s, which are off its displacements already"]
     return Facts("Hysitron", tip, notes=notes + ["its head has an area function, which is that of the tip unless another is given"] * bool(tip))
 
 
 def of_optics11(given):
     """Returns the Facts of a Piuma or Chiaro: a ball whose radius is in the head; its Indentation is without the cantilever."""
     radius = given["Tip radius"][0]
-    return Facts("Optics11", tips.make_tip("sphere", radius=radius) if radius > 0 else None, notes=[f"its head has a ball with a radius of {radius:g} um, which is the tip unless another is given"])
+    tip = tips.make_tip("sphere", radius=radius) if tips.RULES["radius"].good(radius) else None
+    return Facts("Optics11", tip, notes=[f"its head has a ball with a radius of {radius:g} um, which is the tip unless another is given"] * bool(tip))
 
 
 def is_nanotest(lines, mark, numerals):

@@ -10,13 +10,16 @@ from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, heads_of, is_uni
 
 UNITS_OF = {"depth": DEPTH_UNITS, "load": LOAD_UNITS, "time": TIME_UNITS}
 NAMES = {  # in English, German and French without accents; of several columns that with the earlier name counts
-    "depth": (("displacement into surface",), ("penetration depth", "indentation depth", "penetration", "indentation", "pd", "eindringtiefe", "profondeur de penetration",
-                                               "profondeur d indentation", "enfoncement"),
+    "depth": (("displacement into surface",),
+              ("penetration depth", "indentation depth", "penetration", "indentation", "pd", "eindringtiefe", "profondeur de penetration",
+               "profondeur d indentation", "enfoncement"),
               ("depth", "h", "tiefe", "profondeur", "pen depth", "indent disp"),
               ("displacement", "disp", "weg", "verschiebung", "deplacement", "normal displacement", "indenter displacement", "normal disp")),
-    "load": (("load on sample", "force on surface"), ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "kraft", "last",
-                                                      "normalkraft", "prufkraft", "force normale", "charge", "effort", "force a")),
-    "time": (("time on sample", "time in contact", "test time"), ("time", "t", "zeit", "prufzeit", "messzeit", "temps", "elapsed time", "sampling time", "duree")),
+    "load": (("load on sample", "force on surface"),
+             ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "kraft", "last", "normalkraft",
+               "prufkraft", "force normale", "charge", "effort", "force a")),
+    "time": (("time on sample", "time in contact", "test time"),
+             ("time", "t", "zeit", "prufzeit", "messzeit", "temps", "elapsed time", "sampling time", "duree")),
 }
 SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
 LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones

@@ -51,7 +51,8 @@ def without_zero_depth(curve, depth):
     if not isinstance(depth, str):
         return curve._replace(depth=curve.depth - depth)
     found = RULES[depth](curve)
-    return curve._replace(depth=curve.depth - found.depth, notes=[*curve.notes, f"the zero of depths is {found.depth:.4g} um +- {found.error:.2g} um, {found.how}"])
+    note = f"the zero of depths is {found.depth:.4g} um +- {found.error:.2g} um, {found.how}"
+    return curve._replace(depth=curve.depth - found.depth, notes=[*curve.notes, note])
 
 
 def load_of_free_tip(curve):

@@ -25,7 +25,8 @@ def held(seconds=100, rate=RATE, noise=0.2, seed=0, place="unloading", slow=0.0)
     white = random.normal(size=len(time))
     for k in range(1, len(white)):
         white[k] = slow * white[k - 1] + np.sqrt(1 - slow**2) * white[k]
-    return load_depth.Curve("held", time, depth + 1e-3 * rate * time + 1e-3 * noise * white, load + 0.002 * random.normal(size=len(time)), None, None, None, False, [])
+    depth, load = depth + 1e-3 * rate * time + 1e-3 * noise * white, load + 0.002 * random.normal(size=len(time))
+    return load_depth.Curve("held", time, depth, load, None, None, None, False, [])
 
 
 @pytest.mark.parametrize("place", ["unloading", "loading"])
@@ -94,14 +95,15 @@ def test_rules_for_the_depth_of_the_surface(expect, rule, exponent):
 def test_rules_by_the_command(tmp_path, capsys):
     curve = approach(1.5, 0.01)
     (tmp_path / "m.csv").write_text(text_of(curve.depth, curve.load))
-    for rule, words in (("threshold", "where the load leaves that of the free tip by"), ("stiffness", "where the stiffness dP/dh leaves"), ("power", "power law"),
-                        ("auto", "power law")):
+    told = {"threshold": "where the load leaves that of the free tip by", "stiffness": "where the stiffness dP/dh leaves", "power": "power law", "auto": "power law"}
+    for rule, words in told.items():
         main([str(tmp_path / "m.csv"), "--tip", "sphere", "--radius", "10", "--zero-depth", rule])
         assert words in capsys.readouterr().out
     assert "must be a number, or auto, power, threshold, stiffness" in refusal(tmp_path / "m.csv", "--zero-depth", "guess")
     (tmp_path / "n.csv").write_text(text_of(*metal()))
     for rule in ("threshold", "stiffness"):
-        assert f"no zero of depths can be found by its {rule}: there are no 10 rows of a free tip" in refusal(tmp_path / "n.csv", "--tip", "vickers", "--zero-depth", rule)
+        line = refusal(tmp_path / "n.csv", "--tip", "vickers", "--zero-depth", rule)
+        assert f"no zero of depths can be found by its {rule}: there are no 10 rows of a free tip" in line
 
 
 def test_compliance_of_the_frame(tmp_path):

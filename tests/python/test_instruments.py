@@ -61,7 +61,8 @@ def test_what_is_off_a_hysitron_file_already(tmp_path):
 def test_workbook(tmp_path, capsys):
     """All sheets of tests in the order of their numbers, no table of results; an empty and an aborted test say why."""
     file = tmp_path / "m.xlsx"
-    write_xlsx(file, {"Results": RESULTS, "Test 10": nanosuite_rows(0.8), "Test 2": nanosuite_rows(), "Test 3": nanosuite_rows()[:30], "Test 4": [["Segment", "Hardness"]]})
+    write_xlsx(file, {"Results": RESULTS, "Test 10": nanosuite_rows(0.8), "Test 2": nanosuite_rows(), "Test 3": nanosuite_rows()[:30],
+                      "Test 4": [["Segment", "Hardness"]]})
     tests = load_depth.measured_tests(file)
     assert [test.name for test in tests] == ["m.xlsx Test 2", "m.xlsx Test 3", "m.xlsx Test 4", "m.xlsx Test 10"]
     check(tests[0].read())

@@ -5,7 +5,9 @@ After Oliver and Pharr, J. Mater. Res. 7 (1992) 1564 and 19 (2004) 3. Units: um,
 
 import json
 import math
+import os
 from collections import namedtuple
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -46,14 +48,15 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     A = P/H, and 1/S over P^(-1/2) is a line that begins at C_f, whatever the tip is like. Then A = pi/4 (S_c/(beta E_r))^2 of each
     contact alone, at the depth h - C_f P - epsilon P/S_c. Depths whose P/A differ from the median by more than SAME_HARDNESS and
     what the deeper ones scatter are left out of the line, and all is done again until it stands; and again with the unloadings fitted without
-    the compliance that was found, since a power law and a spring in a row are no power law, until nothing of it is left. The coefficients are those of least squares of A relative to itself.
+    the compliance that was found, since a power law and a spring in a row are no power law, until nothing of it is left. The coefficients
+    are those of least squares of A relative to itself.
     """
     reduced = checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced_modulus)
     count = checks.whole("coefficients", coefficients, 1)
     if not RULES["coefficients"].good(count):
         raise checks.refusal("coefficients", coefficients, RULES["coefficients"].allowed)
     window = oliver_pharr.WINDOW if window is None else checks.several("window", window, oliver_pharr.RULES["window"])
-    curves = [curve for each in curves for curve in ([each] if isinstance(each, load_depth.Curve) else load_depth.read_tests(each))]
+    curves = curves_of(curves)
     if frame_compliance is not None:
         frame = 1e-3 * checks.number("frame_compliance", frame_compliance, corrections.FRAME)
         contacts(unloadings(curves, 0.0, window)[3], frame, reduced)  # refuses a compliance that is more than the whole
@@ -67,6 +70,14 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     if total < 0:  # of depths that are free of the frame: no frame pushes
         return of_unloadings(*unloadings(curves, 0.0, window), reduced, count, 0.0)._replace(frame_error=found.frame_error)
     return found._replace(frame=1e3 * total)
+
+
+def curves_of(given):
+    """Returns a list of the Curves that are given, one or several, or those of all tests in files."""
+    several = [given] if isinstance(given, (str, os.PathLike, load_depth.Curve)) else given
+    if not isinstance(several, Iterable):
+        raise checks.refusal("curves", given, "load_depth.Curves or paths of files")
+    return [curve for each in several for curve in ([each] if isinstance(each, load_depth.Curve) else load_depth.read_tests(each))]
 
 
 def checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced):

@@ -15,7 +15,8 @@ Facts.__doc__ = """What the head of a file says: the instrument; its Tip; units 
 the columns depth, load and time of a file without names; and notes. None or nothing where it does not say."""
 
 HEAD = 400  # lines in which the head of a file is looked for
-PAIR = re.compile(r"\s*([^:\t(]*[^:\t\s(])\s*(?:\(([^)]*)\))?\s*(?::|\t)\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+PAIR = re.compile(r"\s*([^:=\t(]*[^:=\t\s(])\s*(?:\(([^)]*)\))?\s*[:=\t]\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
+OWN = re.compile(r"(H|E)_?it.*|HM|HVit|E\*|Er|S|h_?(m|max|c|p|r)|F_?m(ax)?|epsilon|m", re.I)  # results by the names of the norm
 TEST_SHEET = re.compile(r"\s*test\b", re.I)  # of NanoSuite; its other sheets are tables of results
 
 
@@ -49,7 +50,8 @@ def source(name, texts, mark):
 
 def facts_of(lines, mark, numerals):
     """Returns the Facts of a text: those of the instrument that it is of, if that is known."""
-    head = [line.text for line in lines[:HEAD]]
+    first = next((number for number, line in enumerate(lines) if len(line.words) > 2 and tables.is_row(line.words, numerals)), len(lines))
+    head = [line.text for line in lines[:min(first, HEAD)]]
     given = pairs(head, numerals)
     if "Tip C0" in given and "Machine Comp" in given:
         return of_hysitron(given)
@@ -60,7 +62,8 @@ def facts_of(lines, mark, numerals):
     if is_nanotest(lines, mark, numerals):
         return Facts("NanoTest", units={"depth": "nm", "load": "mN", "time": "s"}, columns=("2", "3", "1"),
                      notes=["without names of columns it is read as a NanoTest's: time in s, depth in nm, load in mN"])
-    return Facts()
+    own = ", ".join(f"{name} {number:g} {unit}".rstrip() for name, (number, unit) in given.items() if OWN.fullmatch(name))
+    return Facts(notes=[f"the instrument's own figures: {own}"] * bool(own))
 
 
 def pairs(head, numerals):

@@ -189,7 +189,8 @@ def tests_of_source(path, name, source, asked, wished):
         offsets = {what: zeros.checked(what, getattr(wished, what), column.factor) for what, column in zip(("zero_depth", "zero_load"), columns)}
         tests += [(read, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
     names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    return [Test(name, functools.partial(measured_curve, path, name, read, own, source.facts.tip, notes)) for name, (read, own) in zip(names, tests)]
+    tip, needs_time = source.facts.tip, "time" in asked
+    return [Test(name, functools.partial(measured_curve, path, name, read, own, tip, notes, needs_time)) for name, (read, own) in zip(names, tests)]
 
 
 def columns_of(path, source, asked):
@@ -204,12 +205,15 @@ def columns_of(path, source, asked):
     return found.sets, source.lines[found.line:], found.notes
 
 
-def measured_curve(path, name, read, wished, tip, more_notes):
-    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes, with Corrections."""
+def measured_curve(path, name, read, wished, tip, more_notes, needs_time):
+    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes, with Corrections. needs_time:
+    whether the caller has named the time, which may not fall then; else it is left out where each segment has a clock of its own."""
     table, notes = read()
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if table.shape[1] > 2 else []
-    if len(falls):
+    if len(falls) and needs_time:
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
+    if len(falls):
+        table, notes = table[:, :2], [*notes, f"the time falls in data row {falls[0] + 2} and is left out"]
     table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
     depths, loads, *times = table.T
     curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, notes)

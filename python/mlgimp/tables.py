@@ -6,6 +6,7 @@ import csv
 import functools
 import itertools
 import re
+import sys
 from collections import namedtuple
 from pathlib import Path
 from statistics import mode
@@ -282,9 +283,10 @@ def is_text(line, places):
 
 
 def is_word(text):
-    """Whether a text has letters and is no number, not even one that is not finite."""
+    """Whether a text has letters and is no number, not even one that is not finite; the largest double stands for no value."""
     try:
-        float(text)
+        if float(text) == sys.float_info.max:
+            return True
     except ValueError:
         return re.search(r"[^\W\d_]", usual(text)) is not None
     return False

@@ -7,6 +7,7 @@ import zipfile
 from .errors import ResultError
 
 OLD, ZIPPED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"  # first bytes of .xls, and of .xlsx and other archives
+LARGEST = 1e100  # number of a curve; NanoSuite writes 1.8e308 for a figure that it does not have
 PACKAGES = {"xlrd": "python3-xlrd", "openpyxl": "python3-openpyxl"}  # of Debian
 
 
@@ -67,5 +68,6 @@ def texts_in(path, content, names):
 
 
 def line_of(cells):
-    """Returns the cells of a row as a line: numbers as Python writes them, nothing for an empty cell."""
-    return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in cells)
+    """Returns the cells of a row as a line: numbers as Python writes them, nothing for an empty cell, words for what is no number in a curve."""
+    return "\t".join("" if cell is None else "no value" if isinstance(cell, float) and not abs(cell) < LARGEST else " ".join(str(cell).split())
+                     for cell in cells)

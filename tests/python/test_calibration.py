@@ -75,12 +75,24 @@ def test_depths_without_a_frame():
     assert known.frame == pytest.approx(FRAME) and off(known) < 1e-6
 
 
+def test_curves_of_files(tmp_path):
+    """A path, paths and Curves are the same."""
+    files = write_series(tmp_path)
+    curves = [curve for file in files for curve in mlgimp.read_tests(file)]
+    assert mlgimp.calibrate(files).coefficients == mlgimp.calibrate(curves).coefficients
+    assert len(calibration.curves_of(files[0])) == len(calibration.curves_of(curves[0])) == 1
+    with pytest.raises(mlgimp.Error, match="curves=3: must be load_depth.Curves or paths of files"):
+        mlgimp.calibrate(3)
+
+
 def test_refusals():
     series = [silica(depth) for depth in DEPTHS]
     with pytest.raises(mlgimp.Error, match="at least 3 different depths; there are 2"):
         mlgimp.calibrate([silica(0.1)] * 2)
-    for given, words in (({"modulus": 72e9}, "modulus=.*must be in"), ({"coefficients": 0}, "coefficients=0: must be"), ({"coefficients": 12}, "coefficients=12: must be"),
-                         ({"window": (0.9, 0.2)}, "window=.*LOW < HIGH"), ({"reduced_modulus": -1}, "reduced_modulus=-1: must be"), ({"frame_compliance": 3.4}, "gives way more than")):
+    refused = (({"modulus": 72e9}, "modulus=.*must be in"), ({"coefficients": 0}, "coefficients=0: must be"),
+               ({"coefficients": 12}, "coefficients=12: must be"), ({"window": (0.9, 0.2)}, "window=.*LOW < HIGH"),
+               ({"reduced_modulus": -1}, "reduced_modulus=-1: must be"), ({"frame_compliance": 3.4}, "gives way more than"))
+    for given, words in refused:
         with pytest.raises(mlgimp.Error, match=words):
             mlgimp.calibrate(series, **given)
 

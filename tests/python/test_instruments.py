@@ -199,3 +199,57 @@ def test_another_locale(tmp_path):
     run = subprocess.run([sys.executable, "-c", code, str(tmp_path / "m.txt")], capture_output=True, text=True, check=True,
                          env={**os.environ, "PYTHONPATH": str(harness.ROOT / "python"), "LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"})
     assert float(run.stdout) == pytest.approx(10)
+
+
+def test_tests_beside_each_other(tmp_path):
+    """Columns of depth and load that take turns, the second test with fewer rows."""
+    first, second = columns(), columns(rows=40, scale=0.8)
+    rows = [[f"{value:.6f}" for value in row] for row in np.column_stack([1e3 * first[1], first[2]])]
+    for row, (depth, load) in zip(rows, zip(1e3 * second[1], second[2])):
+        row += [f"{depth:.6f}", f"{load:.6f}"]
+    rows = [row + [""] * (4 - len(row)) for row in rows]
+    heads = [["Specimen: 1", "Specimen: 1", "Specimen: 2", "Specimen: 2"], 2 * ["Displacement Into Surface", "Load On Sample"], 2 * ["nm", "mN"]]
+    (tmp_path / "m.txt").write_text("\n".join("\t".join(row) for row in heads + rows) + "\n")
+    one, two = load_depth.read_tests(tmp_path / "m.txt")
+    np.testing.assert_allclose(one.depth, first[1], atol=1e-6)
+    np.testing.assert_allclose(two.load, second[2], atol=1e-6)
+    assert "2 tests stand beside each other" in one.notes
+
+
+def test_a_clock_for_each_segment(tmp_path):
+    """A time that is found and falls is left out, with a note; one that is named is refused."""
+    time, depth, load = columns()
+    (tmp_path / "m.txt").write_text(table(["Time (s)", "Depth (nm)", "Load (mN)"], [np.where(time > 6, time - 6, time), 1e3 * depth, load]))
+    read = load_depth.read_measured(tmp_path / "m.txt")
+    assert read.time is None and len(read.depth) == len(depth) and any("the time falls in data row 62 and is left out" in note for note in read.notes)
+    with pytest.raises(mlgimp.Error, match="the time falls in data row 62"):
+        load_depth.read_measured(tmp_path / "m.txt", time="Time:s")
+
+
+@pytest.mark.parametrize("letter", ["?", "\N{REPLACEMENT CHARACTER}", "\N{LATIN CAPITAL LETTER A WITH CIRCUMFLEX}\N{MICRO SIGN}"])
+def test_a_mu_that_was_lost(tmp_path, letter):
+    """In programs that write it in one encoding and read it in another."""
+    (tmp_path / "m.txt").write_text(triboscan().replace("\N{MICRO SIGN}", letter))
+    check(load_depth.read_measured(tmp_path / "m.txt"))
+
+
+def test_rows_with_the_largest_double_are_no_rows(tmp_path):
+    rows = nanosuite_rows(end=False)
+    rows.insert(70, [None, 1.7976931348623157e308, 1.7976931348623157e308, 1.0, 0, 0])
+    write_xlsx(tmp_path / "m.xlsx", {"Test 1": rows})
+    assert len(load_depth.read_measured(tmp_path / "m.xlsx").depth) == len(columns()[0])
+
+
+def test_own_figures_of_the_instrument_stand_in_a_note(tmp_path):
+    (tmp_path / "m.txt").write_text(TEXTS["anton_paar.TXT"]())
+    assert "the instrument's own figures: Fm 10 mN, hm 500 nm, Hit 2413.5 MPa, Eit 71.2 GPa" in load_depth.read_measured(tmp_path / "m.txt").notes
+
+
+def test_many_curves(tmp_path, capsys):
+    """A table, a picture and a note for what failed, of a batch."""
+    for number in range(30):
+        (tmp_path / f"t{number:02d}.txt").write_text(triboscan() if number != 7 else triboscan()[:1500])
+    with pytest.raises(SystemExit) as caught:
+        main([*map(str, sorted(tmp_path.glob("t*.txt"))), "--tip", "berkovich"])
+    assert caught.value.code == 2 and capsys.readouterr().out.count("no figures") == 1
+    assert len((tmp_path / "indentation.csv").read_text().splitlines()) == 31 and (tmp_path / "indentation.png").stat().st_size > 10000

@@ -4,10 +4,10 @@ import importlib
 import io
 import zipfile
 
+from . import tables
 from .errors import ResultError
 
 OLD, ZIPPED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"  # first bytes of .xls, and of .xlsx and other archives
-LARGEST = 1e100  # number of a curve; NanoSuite writes 1.8e308 for a figure that it does not have
 PACKAGES = {"xlrd": "python3-xlrd", "openpyxl": "python3-openpyxl"}  # of Debian
 
 
@@ -58,16 +58,16 @@ def new_sheets(path, content):
 
 def texts_in(path, content, names):
     """Yields (name, lines) of the texts in an archive."""
-    from .tables import decoded  # which needs nothing of this module
     texts = [name for name in names if name.lower().endswith((".txt", ".csv", ".dat"))]
     if not texts:
         raise ResultError(path, "is an archive without a workbook or texts in it")
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         for name in texts:
-            yield name, decoded(path, archive.read(name)).splitlines()
+            yield name, tables.decoded(path, archive.read(name)).splitlines()
 
 
 def line_of(cells):
-    """Returns the cells of a row as a line: numbers as Python writes them, nothing for an empty cell, words for what is no number in a curve."""
-    return "\t".join("" if cell is None else "no value" if isinstance(cell, float) and not abs(cell) < LARGEST else " ".join(str(cell).split())
+    """Returns the cells of a row as a line: numbers as Python writes them, nothing for an empty cell, words for what is no number
+    in a curve, as 1.8e308 of NanoSuite."""
+    return "\t".join("" if cell is None else "no value" if isinstance(cell, float) and not abs(cell) < tables.LARGEST else " ".join(str(cell).split())
                      for cell in cells)

@@ -17,7 +17,7 @@ the columns depth, load and time of a file without names; and notes. None or not
 HEAD = 400  # lines in which the head of a file is looked for
 PAIR = re.compile(r"\s*([^:=\t(]*[^:=\t\s(])\s*(?:\(([^)]*)\))?\s*[:=\t]\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(\S*)\s*$")
 OWN = re.compile(r"(H|E)_?it.*|HM|HVit|E\*|Er|S|h_?(m|max|c|p|r)|F_?m(ax)?|epsilon|m", re.I)  # results by the names of the norm
-TEST_SHEET = re.compile(r"\s*test\b", re.I)  # of NanoSuite; its other sheets are tables of results
+TEST_SHEET = re.compile(r"\s*test(?![a-z])", re.I)  # of NanoSuite; its other sheets are tables of results
 
 
 # ---- sheets and texts ----

@@ -207,13 +207,14 @@ def columns_of(path, source, asked):
 
 def measured_curve(path, name, read, wished, tip, more_notes, needs_time):
     """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes, with Corrections. needs_time:
-    whether the caller has named the time, which may not fall then; else it is left out where each segment has a clock of its own."""
+    whether the caller has named the time, which may not fall then; else each segment may have a clock of its own."""
     table, notes = read()
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if table.shape[1] > 2 else []
     if len(falls) and needs_time:
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
     if len(falls):
-        table, notes = table[:, :2], [*notes, f"the time falls in data row {falls[0] + 2} and is left out"]
+        table = np.column_stack([table[:, :2], one_clock(table[:, 2], falls)])
+        notes = [*notes, f"the time begins anew {len(falls)} times, first in data row {falls[0] + 2}, and is taken to go on there"]
     table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
     depths, loads, *times = table.T
     curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, notes)
@@ -223,6 +224,13 @@ def measured_curve(path, name, read, wished, tip, more_notes, needs_time):
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
     return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
                           notes=[*curve.notes, *left_out, *more_notes])
+
+
+def one_clock(time, falls):
+    """Returns times [rows] in which each clock goes on where the one before ended, a step later; falls: the last rows of clocks."""
+    jumps = np.zeros(len(time))
+    jumps[falls + 1] = time[falls] - time[falls + 1] + np.median(np.abs(np.diff(time)))
+    return time + np.cumsum(jumps)
 
 
 def check_order_and_signs(path, depth, load):

@@ -7,6 +7,7 @@ import functools
 import itertools
 import re
 import sys
+import unicodedata
 from collections import namedtuple
 from pathlib import Path
 from statistics import mode
@@ -18,6 +19,7 @@ from .heads import Heads, heads_of
 
 MARKS = (";", "\t", "|", ",", None)  # what may part columns; None: blanks
 SAMPLE = 1000  # lines that are enough to see how a text is written
+BINARY = 0.05  # of a text: control characters, which a third of the bytes of any other file are
 LARGEST = 1e100  # number in a file, whose square is one too
 LEAST_ROWS = 10  # of a test
 JUMP = 3  # times the largest step of the depth between two rows: by more it goes back where another test begins
@@ -44,10 +46,12 @@ def decoded(path, content):
     """Returns bytes as text, in UTF-8, in UTF-16 with or without its mark, or as older programs for Windows write it."""
     for encoding in encodings_of(content):
         try:
-            return content.decode(encoding)
+            text = content.decode(encoding)
         except ValueError:
-            pass
-    raise ResultError(path, "cannot be read as text (no text)")
+            continue
+        if sum(unicodedata.category(letter) == "Cc" and letter not in "\t\n\r" for letter in text[:SAMPLE]) <= BINARY * min(len(text), SAMPLE):
+            return text
+    raise ResultError(path, "cannot be read as text (no text): export the test as text or as a workbook")
 
 
 def encodings_of(content):

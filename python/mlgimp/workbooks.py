@@ -1,26 +1,31 @@
-"""Sheets of workbooks (.xls, .xlsx), as lines of text with tabs between the columns, as an instrument's text export has them."""
+"""Sheets of workbooks (.xls, .xlsx), texts in archives and tables in HDF5 files, as lines of text with tabs between the columns, as an
+instrument's text export has them."""
 
 import importlib
 import io
 import zipfile
 
+import h5py
+
 from . import tables
 from .errors import ResultError
 
-OLD, ZIPPED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"  # first bytes of .xls, and of .xlsx and other archives
+OLD, ZIPPED, HDF5 = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04", b"\x89HDF\r\n\x1a\n"  # first bytes of .xls, of .xlsx and other archives
 PACKAGES = {"xlrd": "python3-xlrd", "openpyxl": "python3-openpyxl"}  # of Debian
 
 
 def is_workbook(content):
-    """Whether a file's bytes are those of a workbook or an archive."""
-    return content.startswith((OLD, ZIPPED))
+    """Whether a file's bytes are those of a workbook, an archive or an HDF5 file."""
+    return content.startswith((OLD, ZIPPED, HDF5))
 
 
 def lines_of_sheets(path, content):
-    """Yields (name, lines of text) for each sheet of a workbook, or for each text in an archive of texts."""
+    """Yields (name, lines of text) for each sheet of a workbook, each text in an archive, or each group with columns in an HDF5 file."""
     try:
         if content.startswith(OLD):
             yield from old_sheets(path, content)
+        elif content.startswith(HDF5):
+            yield from groups(content)
         else:
             with zipfile.ZipFile(io.BytesIO(content)) as archive:
                 names = archive.namelist()
@@ -64,6 +69,23 @@ def texts_in(path, content, names):
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         for name in texts:
             yield name, tables.decoded(path, archive.read(name)).splitlines()
+
+
+def groups(content):
+    """Yields (name, lines) of the groups of an HDF5 file that hold columns, by the name of the outermost group; a unit is an attribute."""
+    found = []
+    with h5py.File(io.BytesIO(content), "r") as file:
+        file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Group) else None)
+        for name in found:
+            columns = {key: item for key, item in file[name].items() if isinstance(item, h5py.Dataset) and item.ndim == 1 and len(item) > 1}
+            if len({len(item) for item in columns.values()}) == 1 and len(columns) > 1:
+                heads = [f"{key} ({text_of(item.attrs['unit'])})" if "unit" in item.attrs else key for key, item in columns.items()]
+                yield name.split("/")[0], [line_of(heads), *map(line_of, zip(*(item[:].tolist() for item in columns.values())))]
+
+
+def text_of(value):
+    """Returns an attribute as text."""
+    return value.decode() if isinstance(value, bytes) else str(value)
 
 
 def line_of(cells):

@@ -90,6 +90,20 @@ def test_archive_of_texts(tmp_path):
     check(curves[1])
 
 
+def test_hdf5(tmp_path):
+    """Groups of columns at any depth, with the unit as an attribute; a group with other things is none."""
+    import h5py
+    time, depth, load = columns()
+    with h5py.File(tmp_path / "m.hdf5", "w") as file:
+        file.create_group("instrument").create_dataset("serial", data=[1, 2, 3])
+        for number in (10, 2):
+            for name, values, unit in (("time", time, "s"), ("displacement", depth, b"um"), ("force", load, "mN")):
+                file.create_dataset(f"test_{number}/data/{name}", data=values).attrs["unit"] = unit
+    curves = load_depth.read_tests(tmp_path / "m.hdf5")
+    assert [curve.name for curve in curves] == ["m.hdf5 test_2", "m.hdf5 test_10"]
+    check(curves[0])
+
+
 def test_old_workbook(tmp_path, monkeypatch):
     """No module here writes .xls: its reader gets one from a stand-in with the same calls."""
     class Sheet:
@@ -134,7 +148,9 @@ def damaged(tmp_path):
     (tmp_path / "cut.xls").write_bytes(workbooks.OLD + struct.pack("<300h", *range(300)))
     write_xlsx(tmp_path / "empty.xlsx", {"Test 1": []})
     write_zip(tmp_path / "pictures.zip", {"a.png": "none"})
-    return {"cut.xlsx": "cannot be read as a workbook", "cut.xls": "cannot be read as a workbook", "empty.xlsx": "has no sheet with numbers",
+    (tmp_path / "cut.hdf5").write_bytes(workbooks.HDF5 + bytes(500))
+    (tmp_path / "binary.hap").write_bytes(bytes(range(128, 256)) * 8)
+    return {"cut.hdf5": "cannot be read as a workbook", "binary.hap": "export the test as text or as a workbook", "cut.xlsx": "cannot be read as a workbook", "cut.xls": "cannot be read as a workbook", "empty.xlsx": "has no sheet with numbers",
             "pictures.zip": "is an archive without a workbook or texts"}
 
 
@@ -217,11 +233,12 @@ def test_tests_beside_each_other(tmp_path):
 
 
 def test_a_clock_for_each_segment(tmp_path):
-    """A time that is found and falls is left out, with a note; one that is named is refused."""
+    """A time that is found and falls goes on, with a note; one that is named is refused."""
     time, depth, load = columns()
     (tmp_path / "m.txt").write_text(table(["Time (s)", "Depth (nm)", "Load (mN)"], [np.where(time > 6, time - 6, time), 1e3 * depth, load]))
     read = load_depth.read_measured(tmp_path / "m.txt")
-    assert read.time is None and len(read.depth) == len(depth) and any("the time falls in data row 62 and is left out" in note for note in read.notes)
+    check(read)
+    assert "the time begins anew 1 times, first in data row 62, and is taken to go on there" in read.notes
     with pytest.raises(mlgimp.Error, match="the time falls in data row 62"):
         load_depth.read_measured(tmp_path / "m.txt", time="Time:s")
 

@@ -216,7 +216,9 @@ def completed(read, given):
             continue
         if curve.cells is None and poisson is not None:
             curve = curve._replace(poisson=poisson, notes=curve.notes + [f"Poisson's ratio is {poisson:g}, that of the run, unless --poisson says another"])
-        yield Analysis(name, curve._replace(name=name, tip=None if curve.plane else tip_of(curve)))
+        own = None if curve.plane else tip_of(curve)
+        told = [f"below {1e3 * own.repaired:.3g} nm the area function is that of no tip, and is continued by a power"] if own and own.repaired else []
+        yield Analysis(name, curve._replace(name=name, tip=own, notes=curve.notes + told))
 
 
 def analysed(each, constants):

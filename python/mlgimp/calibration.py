@@ -185,12 +185,12 @@ def read(path):
     """Returns the Tip and the frame's compliance (nm/mN) of a file that write() has written."""
     try:
         found = json.loads(Path(path).read_text())
-        coefficients, frame, largest = ([float(value) for value in found["area_function_nm"]], float(found["frame_compliance_nm_per_mN"]),
-                                        float(found["contact_depths_nm"][1]))
+        coefficients, frame = [float(value) for value in found["area_function_nm"]], float(found["frame_compliance_nm_per_mN"])
+        least, largest = map(float, found["contact_depths_nm"])
     except OSError as problem:
         raise ResultError(path, f"cannot be read ({problem.strerror})") from None
     except (KeyError, IndexError, TypeError, ValueError):
         raise ResultError(path, "is no calibration: scripts/calibrate.py writes one") from None
-    if not coefficients or not all(map(math.isfinite, [*coefficients, frame])) or not largest > 0:
+    if not coefficients or not all(map(math.isfinite, [*coefficients, frame])) or not 0 < least <= largest < math.inf:
         raise ResultError(path, "is no calibration: its coefficients, compliance and depths must be numbers")
-    return tips.tip_of_function(coefficients, largest=largest * (1 + tips.ROUNDING)), frame
+    return tips.tip_of_function(coefficients, least=least * (1 - tips.ROUNDING), largest=largest * (1 + tips.ROUNDING)), frame

@@ -24,7 +24,6 @@ epsilon of the unloading's exponent and a beta of 1, and the numbers of iso14577
 TOUCH, LATE = 0.005, 0.2  # of the load of a cycle, from which on a tip touches, a cone at 0.07 of the depth; of the depth, which is too late
 RELOADED = 0.02  # of the depth: so much less deep than before, a test in which the tip comes back to the same load does not stop
 UNSEEN = 0.002  # of the work: what may lie before the first row; the first interval of a run of twenty rows has less
-TRUSTED = 3  # times the depth below which an area function is continued: less deep it is that of few rows of its calibration
 STIFFEST = 2000  # GPa, above which no solid is; diamond has 1141
 POISSON = Rule(lambda nu: -1 < nu <= 0.5, "in (-1, 0.5]")
 RULES = {  # for Constants
@@ -216,7 +215,7 @@ def epsilon_and_beta(tip, exponent, poisson, constants):
 
 
 def check_depth(curve, depth):
-    """Refuses a contact depth (um) below the largest to which the tip was calibrated."""
+    """Refuses a contact depth (um) beyond the largest to which the tip was calibrated."""
     if depth > curve.tip.largest:
         raise ResultError(curve.name, f"the contact depth of {1e3 * depth:.4g} nm is beyond {1e3 * curve.tip.largest:.4g} nm, the largest to which the tip "
                                       "was calibrated: its area there is not known")
@@ -323,9 +322,8 @@ def doubts_of_area(curve, row):
     if curve.tip and 0 < row["contact_depth_um"] < curve.tip.ball and row["beta"] != 1:
         yield (f"the contact depth is on the ball at the tip's end, which is {curve.tip.ball:.3g} um high: for a ball beta is 1 and epsilon 0.75, "
                f"here they are {row['beta']:.3g} and {row['epsilon']:.3g}; choose them by --beta and --epsilon")
-    if curve.tip and 0 < row["contact_depth_um"] < TRUSTED * curve.tip.repaired:
-        yield (f"the area function is that of no tip below {1e3 * curve.tip.repaired:.3g} nm, where it is continued by a power, and the contact depth is "
-               f"{1e3 * row['contact_depth_um']:.3g} nm: the area is not sure")
+    if curve.tip:
+        yield from tips.doubts(curve.tip, row["contact_depth_um"])
     if row["area_um2"] <= 0:
         yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
                f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")

@@ -8,11 +8,11 @@ import numpy as np
 from .checks import Rule
 from .errors import Error
 
-Tip = namedtuple("Tip", "name area epsilon beta ball slant repaired largest radius", defaults=(0.0, math.nan, 0.0, math.inf, math.nan))
+Tip = namedtuple("Tip", "name area epsilon beta ball slant repaired least largest radius", defaults=(0.0, math.nan, 0.0, 0.0, math.inf, math.nan))
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
 depth; beta(nu) of the stiffness, nu None where it is not known; how high (um) the ball at its end is, if it is a cone; the area of its
-faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is continued, and the largest
-(um) to which it was calibrated; and the radius (um) of a ball."""
+faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is continued, and the least and
+the largest (um) to which it was calibrated; and the radius (um) of a ball."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
@@ -21,6 +21,7 @@ NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius"
 MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
 LEAST_DEPTH, DEEPEST = 0.1, 2e4  # nm, between which an area function is looked at: less is no contact, and no function is fitted deeper
 ROUNDING = 1e-9
+TRUSTED = 3  # times the depth below which an area function is continued: less deep it is that of few rows of its calibration
 STEEPER = 0.1  # than 2 an exponent may be far from the tip's end: C1 < 0 makes it 2 + |C1|/(C0 h)
 SHARPEST = 1e-3  # um: a smaller radius is none in um
 RULES = {  # for sizes in degrees and um
@@ -83,12 +84,12 @@ def section_radius(h, half_angle, tip_radius):
     return np.where(h < ball_height(half_angle, tip_radius), ball, flank)
 
 
-def tip_of_function(coefficients, largest=math.inf):
+def tip_of_function(coefficients, least=0.0, largest=math.inf):
     """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2.
 
     A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least depth at which p = h A'/A is
     between that of a paraboloid, 1, and that of a cone, 2, and up to ten times which A grows with a p of at most 2 + STEEPER, the tip is
-    A = A(h_m) (h/h_m)^p: A and A' go on, and depth zero stays. largest: depth (nm) up to which the function was calibrated.
+    A = A(h_m) (h/h_m)^p: A and A' go on, and depth zero stays. least, largest: depths (nm) between which the function was calibrated.
     """
     start, power = repaired_from(coefficients, largest)
 
@@ -97,7 +98,16 @@ def tip_of_function(coefficients, largest=math.inf):
         return 1e-6 * np.where(nanometres < start, polynomial(coefficients, max(start, LEAST_DEPTH)) * (nanometres / max(start, LEAST_DEPTH)) ** power,
                                polynomial(coefficients, nanometres))
     return Tip("area function", area, 0.75, lambda nu: 1.0, slant=make_tip("berkovich").slant, repaired=1e-3 * start,
-               largest=1e-3 * largest if largest > 0 else math.inf)
+               least=1e-3 * least, largest=1e-3 * largest if largest > 0 else math.inf)
+
+
+def doubts(tip, depth):
+    """Yields what makes the area of a Tip at a contact depth (um) doubtful."""
+    if 0 < depth < TRUSTED * tip.repaired:
+        yield (f"the area function is that of no tip below {1e3 * tip.repaired:.3g} nm, where it is continued by a power, and the contact depth is "
+               f"{1e3 * depth:.3g} nm: the area is not sure")
+    if 0 < depth < tip.least:
+        yield f"the contact depth is {1e3 * depth:.3g} nm, below {1e3 * tip.least:.3g} nm, the least to which the tip was calibrated: the area is not sure"
 
 
 def polynomial(coefficients, h, derivative=False):

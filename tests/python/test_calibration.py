@@ -114,11 +114,12 @@ def test_commands_close(tmp_path, capsys):
     main([*files, "--calibration", str(tmp_path / "calibration.json"), "--poisson", "0.17", "--tip-elastic", "1141,0.07"])
     for test in json.loads((tmp_path / "indentation.json").read_text())["curves"]:
         [row] = test["cycles"]
+        assert any(re.match(r"below 17\.\d nm the area function is that of no tip, and is continued by a power", note) for note in test["notes"])
         assert row["modulus_GPa"] == pytest.approx(72, rel=2e-4) and row["hardness_GPa"] == pytest.approx(9.5, rel=2e-4)
         assert "a frame with 0.3333 nm/mN is taken off the depths" in test["notes"]
 
 
-def test_files_that_are_no_calibration(tmp_path):
+def test_files_that_are_no_calibration(tmp_path, capsys):
     (tmp_path / "m.csv").write_text(text_of(*metal()))
     for content in ("{}", "[1", '{"area_function_nm": [], "frame_compliance_nm_per_mN": 1, "contact_depths_nm": [1, 2]}',
                     '{"area_function_nm": ["x"], "frame_compliance_nm_per_mN": 1, "contact_depths_nm": [1, 2]}'):
@@ -127,6 +128,9 @@ def test_files_that_are_no_calibration(tmp_path):
     assert "cannot be read" in refusal(tmp_path / "m.csv", "--calibration", tmp_path / "none.json")
     (tmp_path / "c.json").write_text('{"area_function_nm": [24.5], "frame_compliance_nm_per_mN": 0, "contact_depths_nm": [50, 300]}')
     assert "is beyond 300 nm, the largest to which the tip was calibrated" in refusal(tmp_path / "m.csv", "--calibration", tmp_path / "c.json")
+    (tmp_path / "c.json").write_text('{"area_function_nm": [24.5], "frame_compliance_nm_per_mN": 0, "contact_depths_nm": [480, 600]}')
+    main([str(tmp_path / "m.csv"), "--calibration", str(tmp_path / "c.json")])
+    assert "below 480 nm, the least to which the tip was calibrated: the area is not sure" in capsys.readouterr().out
     assert "must stand without each other and without --tip" in refusal(tmp_path / "m.csv", "--calibration", tmp_path / "c.json", "--tip", "vickers")
 
 

@@ -12,16 +12,18 @@ UNITS_OF = {"depth": DEPTH_UNITS, "load": LOAD_UNITS, "time": TIME_UNITS}
 NAMES = {  # in English, German and French without accents; of several columns that with the earlier name counts
     "depth": (("displacement into surface",),
               ("penetration depth", "indentation depth", "penetration", "indentation", "pd", "eindringtiefe", "profondeur de penetration",
-               "profondeur d indentation", "enfoncement"),
+               "profondeur d indentation", "profondeur d enfoncement", "enfoncement", "eindringweg", "indentationstiefe"),
               ("depth", "h", "tiefe", "profondeur", "pen depth", "indent disp"),
-              ("displacement", "disp", "weg", "verschiebung", "deplacement", "normal displacement", "indenter displacement", "normal disp")),
+              ("displacement", "disp", "weg", "verschiebung", "deplacement", "normal displacement", "indenter displacement", "tip displacement", "normal disp")),
     "load": (("load on sample", "force on surface"),
-             ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "kraft", "last", "normalkraft",
-               "prufkraft", "force normale", "charge", "effort", "force a")),
+             ("load", "force", "fn", "f", "p", "normal force", "normal load", "indentation load", "indent load", "indentation force", "test force",
+              "test load", "applied load", "applied force", "kraft", "last", "normalkraft", "prufkraft", "force normale", "force appliquee",
+              "charge", "effort", "force a")),
     "time": (("time on sample", "time in contact", "test time"),
              ("time", "t", "zeit", "prufzeit", "messzeit", "temps", "elapsed time", "sampling time", "duree")),
 }
 SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
+QUALIFIED = {"corrected", "corr", "korrigiert", "corrigee"}  # words that change nothing of what a name means
 LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones
 
 Found = namedtuple("Found", "line sets notes")
@@ -37,7 +39,7 @@ def bare(name):
 
 def rank(what, name):
     """Returns how well a name means depth, load or time, the least being the best; None where it does not."""
-    words = bare(name).split()
+    words = [word for word in bare(name).split() if word not in QUALIFIED]
     if len(words) > 1 and words[-1] in SYMBOLS[what]:
         words = words[:-1]
     return next((place for place, names in enumerate(NAMES[what]) if " ".join(words) in names), None)

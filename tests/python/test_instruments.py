@@ -183,6 +183,17 @@ def test_heads_that_leave_something_open(tmp_path, name):
         load_depth.read_measured(tmp_path / "m.txt")
 
 
+@pytest.mark.parametrize("names", [("Depth (corrected) (nm)", "Normal Force Fn [mN]", "Test time [sec.]"), ("h (nm)", "P (mN)", "t (s)"),
+                                   ("Disp. (nm)", "Force appliqu\N{LATIN SMALL LETTER E WITH ACUTE}e (mN)", "Dur\N{LATIN SMALL LETTER E WITH ACUTE}e (s)"),
+                                   ("Eindringtiefe/nm", "Pr\N{LATIN SMALL LETTER U WITH DIAERESIS}fkraft/mN", "Zeit/s")])
+def test_other_names(tmp_path, names):
+    """Beside columns that sound alike."""
+    time, depth, load = columns()
+    others = ["Raw Displacement (nm)", "Harmonic Load (mN)", "Contact Depth (nm)", "X Position (mm)", "Temperature (C)"]
+    (tmp_path / "m.txt").write_text(table([*others, *names], [*(np.zeros(len(time)) for _ in others), 1e3 * depth, load, time]))
+    check(load_depth.read_measured(tmp_path / "m.txt"))
+
+
 def test_one_column_that_is_named(tmp_path):
     """The others are found beside it."""
     _, depth, load = columns()

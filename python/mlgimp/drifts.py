@@ -12,7 +12,7 @@ LEVELS = 0.02, 0.5  # of the largest load: where the hold for drift is, at a ten
 EARLY = 0.002, 0.3  # the same of a hold before the loading, which carries a preload
 BAND = 0.005, 4  # of the largest load, and times the noise of the load: half the width of what a controller leaves of a hold
 LEAST_ROWS = 10
-STAYS = 10  # times as long as the ramp beside it takes through the band: a hold, and no slow part of a ramp
+STAYS = 10  # times as long as a ramp takes through the band: a hold, and no turn
 STEADY = 0.5  # of the band: more the load must not change in a hold; a ramp that is slow there changes it by twice the band
 SETTLED = 0.8  # of the hold's rows, the last: before that the controller and the specimen, which both follow the change of load, settle
 
@@ -67,14 +67,21 @@ def hold_in(curve, rows, levels, top):
     order = np.flatnonzero(inside)[np.argsort(load[inside], kind="stable")]
     total = np.append(0, np.cumsum(stay[order]))
     last = np.searchsorted(load[order], load[order] + 2 * band, "right")
-    first = int(np.argmax(total[last] - total[:-1]))
-    level = np.median(load[order[first:last[first]]])
-    near = np.flatnonzero(np.abs(load - level) <= band)
-    run = max(np.split(near, np.flatnonzero(np.diff(near) > 1) + 1), key=len)  # the rows that follow each other
-    passing = 2 * band / max(np.median(np.abs(np.diff(load[~inside | (np.abs(load - level) > 2 * band)]))), 1e-12 * top) * np.median(np.diff(time))
-    steady = len(run) >= LEAST_ROWS and abs(np.polyfit(time[run] - time[run[0]], load[run], 1)[0]) * (time[run[-1]] - time[run[0]]) < STEADY * band
-    long_enough = steady and time[run[-1]] - time[run[0]] > min(STAYS * passing, 0.5 * (time[-1] - time[0]))
-    return slice(rows.start + int(run[0]), rows.start + int(run[-1]) + 1) if long_enough else None
+    first = int(np.argmax(total[last] - total[:-1]))  # from this load on the band holds the curve for the longest time
+    near = np.flatnonzero(np.abs(load - np.median(load[order[first:last[first]]])) <= band)
+    run = max(np.split(near, np.flatnonzero(np.diff(near) > 1) + 1), key=len)  # of rows that follow each other
+    return slice(rows.start + int(run[0]), rows.start + int(run[-1]) + 1) if is_hold(time, load, run, band) else None
+
+
+def is_hold(time, load, run, band):
+    """Whether a load (mN) [rows] rests in a run of rows: it has no trend there, and stays in the band for STAYS times as long as it would take
+    through it at the mean rate of the other rows, which a turn does not."""
+    if len(run) < LEAST_ROWS:
+        return False
+    duration = time[run[-1]] - time[run[0]]
+    trend = np.polyfit(time[run] - time[run[0]], load[run], 1)[0] * duration if duration > 0 else math.inf
+    passing = 2 * band * (time[-1] - time[0] - duration) / np.ptp(load)
+    return abs(trend) < STEADY * band and duration > STAYS * passing
 
 
 def of_hold(curve, hold, where):

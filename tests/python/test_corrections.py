@@ -47,7 +47,9 @@ def test_error_of_a_drift_knows_slow_noise(expect):
 
 def test_curves_without_a_hold_for_drift():
     time = np.linspace(0, 30, 799)
-    for curve in (held(seconds=0.5), load_depth.Curve("ramp", time, *metal(), None, None, None, False, [])):
+    turn = np.concatenate([np.linspace(0, 10, 100), np.linspace(10, 1, 90), np.linspace(1, 10, 90), np.linspace(10, 0, 100)])
+    turned = load_depth.Curve("turn", 0.1 * np.arange(380), 0.1 * turn, turn, None, None, None, False, [])
+    for curve in (held(seconds=0.5), turned, load_depth.Curve("ramp", time, *metal(), None, None, None, False, [])):
         assert drifts.find(curve) is None
         with pytest.raises(mlgimp.ResultError, match="no drift can be found: there is no hold"):
             drifts.drift_of(curve)

@@ -18,8 +18,8 @@ from command import Parser, command, save
 
 import numpy as np
 
-from mlgimp import calibration, corrections, load_depth, pictures, tips, zeros
-from mlgimp.errors import Error
+from mlgimp import calibration, corrections, cycles, load_depth, pictures, tips, zeros
+from mlgimp.errors import Error, ResultError
 
 ROUGH = 0.05  # of the areas: what a function of few coefficients may miss of a tip
 
@@ -45,6 +45,22 @@ def parse(arguments):
     return options
 
 
+def curves(options):
+    """Yields the Curves of all files that have an unloading, and prints why others have none."""
+    wished = {"zero_depth": options.zero_depth or 0, "zero_load": options.zero_load or 0, "drift": options.drift}
+    for path in options.files:
+        try:
+            for test in load_depth.measured_tests(path, **wished):
+                try:
+                    curve = test.read()
+                    cycles.find_cycles(curve)
+                    yield curve
+                except ResultError as problem:
+                    print(f"left out: {test.name}: {problem.problem}")
+        except ResultError as problem:
+            print(f"left out: {problem}")
+
+
 @pictures.styled
 def draw(found, path):
     """Writes the picture: the area over the contact depth with its function, what that misses, and hardness over depth."""
@@ -68,9 +84,7 @@ def draw(found, path):
 def main(arguments=None):
     """Calibrates by the files that the command line names."""
     options = parse(arguments)
-    wished = {"zero_depth": options.zero_depth or 0, "zero_load": options.zero_load or 0, "drift": options.drift}
-    curves = [curve for path in options.files for curve in load_depth.read_tests(path, **wished)]
-    found = calibration.calibrate(curves, modulus=options.modulus, poisson=options.poisson, tip_modulus=options.tip_elastic[0],
+    found = calibration.calibrate(list(curves(options)), modulus=options.modulus, poisson=options.poisson, tip_modulus=options.tip_elastic[0],
                                   tip_poisson=options.tip_elastic[1], reduced_modulus=options.reduced_modulus, coefficients=options.coefficients,
                                   window=options.window, frame_compliance=options.frame_compliance)
     folder = Path(options.out) if options.out else Path(options.files[0]).parent

@@ -25,7 +25,7 @@ TURNS = 50  # of the loops at most; they stand after a few
 ROUGH = 1e-8  # of the largest singular value: combinations of powers that the depths do not tell apart to this are left out
 STANDS = 1e-6  # change of the compliance over itself
 RULES = {
-    "modulus": Rule(lambda modulus: 0 < modulus <= oliver_pharr.STIFFEST, f"in (0, {oliver_pharr.STIFFEST}] GPa"),
+    "modulus": Rule(lambda modulus: 0 < modulus <= oliver_pharr.STIFFEST, f"in (0, {oliver_pharr.STIFFEST}] GPa; 72 GPa are 72, not 72e9"),
     "coefficients": Rule(lambda count: 1 <= count <= 9, "a whole number in [1, 9]"),
 }
 
@@ -95,14 +95,26 @@ def unloadings(curves, frame, window):
     and the standard errors of these (mN/um), all [depths]."""
     tests, found = [], []
     for curve in curves:
-        free = curve._replace(tip=None, depth=curve.depth - frame * curve.load)
-        for number, cycle in enumerate(cycles.find_cycles(free), start=1):
-            fit = oliver_pharr.fit_unloading(free, cycle, window)
-            tests.append(f"{curve.name} unloading {number}")
-            found.append((fit.depth, fit.load, fit.stiffness, fit.stiffness_error))
+        for name, *figures in unloadings_of(curve, frame, window):
+            tests.append(name)
+            found.append(figures)
     if len({round(depth, 9) for depth, *_ in found}) < LEAST_TESTS:
         raise Error(f"a calibration needs unloadings from at least {LEAST_TESTS} different depths; there are {len(found)}")
     return tests, *np.array(found).T
+
+
+def unloadings_of(curve, frame, window):
+    """Returns (name, depth, load, stiffness, its error) of the unloadings of a Curve that can be fitted; raises a ResultError where none can."""
+    free, found, problem = curve._replace(depth=curve.depth - frame * curve.load), [], None
+    for number, cycle in enumerate(cycles.find_cycles(free), start=1):
+        try:
+            fit = oliver_pharr.fit_unloading(free, cycle, window)
+            found.append((f"{curve.name} unloading {number}", fit.depth, fit.load, fit.stiffness, fit.stiffness_error))
+        except ResultError as why:
+            problem = why
+    if not found:
+        raise problem
+    return found
 
 
 def of_unloadings(tests, depth, load, stiffness, stiffness_error, reduced, count, known_frame=None):

@@ -119,6 +119,16 @@ def test_commands_close(tmp_path, capsys):
         assert "a frame with 0.3333 nm/mN is taken off the depths" in test["notes"]
 
 
+def test_a_series_with_an_aborted_test(tmp_path, capsys):
+    """It is left out with a line; the others calibrate."""
+    files = write_series(tmp_path)
+    (tmp_path / "silica_3.txt").write_text("\n".join((tmp_path / "silica_3.txt").read_text().splitlines()[:200]))
+    calibrate_main([*files, str(tmp_path / "none.txt")])
+    printed = capsys.readouterr().out
+    assert "left out: silica_3.txt: there is no unloading" in printed and "none.txt: cannot be read as text" in printed
+    assert len(json.loads((tmp_path / "calibration.json").read_text())["tests"]) == 9
+
+
 def test_files_that_are_no_calibration(tmp_path, capsys):
     (tmp_path / "m.csv").write_text(text_of(*metal()))
     for content in ("{}", "[1", '{"area_function_nm": [], "frame_compliance_nm_per_mN": 1, "contact_depths_nm": [1, 2]}',

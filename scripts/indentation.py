@@ -107,8 +107,8 @@ def add_reading_options(parser):
     group.add_argument("--zero-depth", type=number_or(zeros.RULES), default=0, metavar="DEPTH", help="what the files have where the tip touches, in the unit "
                        "of the column, or how it is found: power, where the power law of the first loading begins, which auto means, too; threshold and "
                        "stiffness, where load or stiffness leave their noise (0)")
-    group.add_argument("--zero-load", type=number_or((zeros.AUTO,)), default=0, metavar="LOAD", help="what they have for the free tip, in the unit of the column, "
-                       "or auto: the median of the rows before the contact (0)")
+    group.add_argument("--zero-load", type=number_or((zeros.AUTO,)), default=0, metavar="LOAD", help="what they have for the free tip, in the unit of the "
+                       "column, or auto: the median of the rows before the contact (0)")
     group.add_argument("--drift", type=number_or((corrections.AUTO,)), metavar="NM/S", help="thermal drift of the depths, which is taken off, or auto: that of "
                        "the hold at a tenth of the load")
     group.add_argument("--frame-compliance", type=checked(corrections.FRAME), metavar="NM/MN", help="of the frame, times the load taken off the depths")

@@ -23,7 +23,8 @@ def table(names, values, mark="\t", comma=False):
 def hysitron_hld():
     """Head with the tip, and tables of approach and drift above that of the test, longer than it."""
     time, depth, load = columns()
-    head = ["File Version: Hysitron HighLoad", "Test Type: Indentation", f"Contact Threshold: 250 {MICRO}N", "Disp C1L: 59960 nm/V", "Machine Comp: 0.00033 nm/uN",
+    head = ["File Version: Hysitron HighLoad", "Test Type: Indentation", f"Contact Threshold: 250 {MICRO}N",
+            "Disp C1L: 59960 nm/V", "Machine Comp: 0.00033 nm/uN",
             "Tip Usable Depth: 1000 nm", "Tip C0: 24.5 nm^2/nm^2", "Tip C1: 500 nm^2/nm", *(f"Tip C{k}: 0 nm^2/nm^0.5" for k in range(2, 6)),
             "Drift Rate: 0.05 nm/s", "Sample Approach Data Points: 300"]
     drift = table(["Time_s", "Disp_nm"], [0.1 * np.arange(300), np.linspace(0, 1, 300)])
@@ -42,7 +43,8 @@ def triboscan():
 def nanosuite_rows(scale=1.0, end=True):
     """Rows of a sheet Test 001: names, units, numbers with a marker in the first column, and END."""
     time, depth, load = columns(scale=scale)
-    rows = [["Segment", "Displacement Into Surface", "Load On Sample", "Time On Sample", "Harmonic Contact Stiffness", "Hardness"], [None, "nm", "mN", "s", "N/m", "GPa"]]
+    rows = [["Segment", "Displacement Into Surface", "Load On Sample", "Time On Sample", "Harmonic Contact Stiffness", "Hardness"],
+            [None, "nm", "mN", "s", "N/m", "GPa"]]
     rows += [["Load Segment Type" if k == 0 else None, 1e3 * h, p, t, 1.7976931348623157e308, 1.7976931348623157e308]
              for k, (t, h, p) in enumerate(zip(time, depth, load))]
     return rows + [["END"]] * end
@@ -65,7 +67,8 @@ def fischer(tests=2):
     for number in range(1, tests + 1):
         time, depth, load = columns()
         text += (f"my.hap   01.02.2030  10:0{number}:00\nIndenter shape correction: Hardness\nBlock : 1   Value : {number}\nx=    10.10  y=     6.00\n"
-                 f"HIT\t[N/mm\N{SUPERSCRIPT TWO}]\t   8500.0\n \n20.95%  -  95.33% Fmax     Epsilon = 0.750\n\n" + table("Fht", [load, depth, time], comma=True))
+                 f"HIT\t[N/mm\N{SUPERSCRIPT TWO}]\t   8500.0\n \n20.95%  -  95.33% Fmax     Epsilon = 0.750\n\n"
+                 + table("Fht", [load, depth, time], comma=True))
     return text
 
 
@@ -94,8 +97,8 @@ def optics11():
 
 def german():
     time, depth, load = columns()
-    return table(["Pr\N{LATIN SMALL LETTER U WITH DIAERESIS}fzeit t (s)", "Eindringtiefe h (\N{MICRO SIGN}m)", "Pr\N{LATIN SMALL LETTER U WITH DIAERESIS}fkraft F (mN)"],
-                 [time, depth, load], mark=";", comma=True)
+    u = "\N{LATIN SMALL LETTER U WITH DIAERESIS}"
+    return table([f"Pr{u}fzeit t (s)", f"Eindringtiefe h ({MICRO}m)", f"Pr{u}fkraft F (mN)"], [time, depth, load], mark=";", comma=True)
 
 
 def french():

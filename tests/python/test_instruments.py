@@ -150,7 +150,8 @@ def damaged(tmp_path):
     write_zip(tmp_path / "pictures.zip", {"a.png": "none"})
     (tmp_path / "cut.hdf5").write_bytes(workbooks.HDF5 + bytes(500))
     (tmp_path / "binary.hap").write_bytes(bytes(range(128, 256)) * 8)
-    return {"cut.hdf5": "cannot be read as a workbook", "binary.hap": "export the test as text or as a workbook", "cut.xlsx": "cannot be read as a workbook", "cut.xls": "cannot be read as a workbook", "empty.xlsx": "has no sheet with numbers",
+    return {"cut.hdf5": "cannot be read as a workbook", "binary.hap": "export the test as text or as a workbook",
+            "cut.xlsx": "cannot be read as a workbook", "cut.xls": "cannot be read as a workbook", "empty.xlsx": "has no sheet with numbers",
             "pictures.zip": "is an archive without a workbook or texts"}
 
 

@@ -31,7 +31,8 @@ def test_numbers_of_pyramids(kind, over_depth, over_contact):
     strain = 1 / (1 / reduced - (1 - 0.07**2) / 1141)
     martens = 10 / (over_depth * 0.25)
     expected = {"HM_GPa": martens, "HMs_GPa": martens, "H_IT_GPa": 10 / area, "E_IT_plane_strain_GPa": strain,
-                "E_IT_GPa": (1 - 0.09) * strain, "HV": 94.5 * 10 / area, "eta_IT_percent": 100 * (10 * 0.08 / 2.4) / (10 * 0.5 / 3), "epsilon": epsilon, "beta": 1}
+                "E_IT_GPa": (1 - 0.09) * strain, "HV": 94.5 * 10 / area, "eta_IT_percent": 100 * (10 * 0.08 / 2.4) / (10 * 0.5 / 3),
+                "epsilon": epsilon, "beta": 1}
     for name, value in expected.items():
         assert row[name] == pytest.approx(value, rel=2e-4), name
     assert all(math.isnan(row[name]) for name in ("HBW", "HRC", "HRB"))

@@ -3,7 +3,8 @@
 
     scripts/indentation.py output/cone
     scripts/indentation.py output/cone measured.csv --depth "Displacement:nm" --load "Force:mN"
-    scripts/indentation.py measured.csv --tip berkovich --poisson 0.3 --tip-elastic 1141,0.07
+    scripts/indentation.py export.xlsx other.hld --tip berkovich --poisson 0.3 --tip-elastic 1141,0.07 --iso
+    scripts/indentation.py measured.txt --calibration calibration.json --drift auto --zero-depth power
 
 Writes indentation.json, indentation.csv (a row for each unloading of each curve) and indentation.png. Lengths are in um, loads in mN,
 stresses in GPa, work in nJ; a run's loads and areas are those of the whole tip. A measured curve has the tip that is given, or that

@@ -5,16 +5,16 @@ creep and relaxation from the hold of a curve, without runs.
 usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-test N]
                       [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-runs N] [-ranks N] [-evaluations N]
                       [options of mlgimp, on all runs]
-       scripts/fit.py MEASURED -creep norton|prony -time COLUMN:UNIT [-tip KIND -half_angle DEGREES|-radius UM] [-terms N]
+       scripts/fit.py MEASURED -creep norton|prony [-time COLUMN:UNIT] [-tip KIND -half_angle DEGREES|-radius UM] [-terms N]
                       [-creep_stress PA] [-poisson NU] [-drift NM/S] [-output_dir DIR] [-depth, -load, -test and zeros as above]
 
     scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
     scripts/fit.py hold.csv -creep norton -time Time:s -depth Displacement:nm -load Force:mN -tip berkovich
     scripts/fit.py hold.csv -creep prony -terms 2 -time Time:s -tip sphere -radius 10 -poisson 0.4
 
-MEASURED is a text with columns (scripts/indentation.py says which) or the folder of a run. NAME is an option of the case, with or
-without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio. The case's values are the
-first guess, and constants stay within a factor of 30 of it. -runs are made at the same time, on -ranks ranks each; the search takes
+MEASURED is what scripts/indentation.py reads, or the folder of a run; columns that are not named are those whose heads say so. NAME is
+an option of the case, with or without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio.
+The case's values are the first guess, and constants stay within a factor of 30 of it. -runs are made at the same time, on -ranks ranks each; the search takes
 at most -evaluations steps (30), each of a run and one more for each constant.
 
 The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every evaluation, fit.json with the constants, and fit.png.
@@ -31,7 +31,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
-from mlgimp import checks, creep_fits, fitting, load_depth, tips, zeros
+from mlgimp import checks, corrections, creep_fits, fitting, load_depth, tips, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
@@ -46,8 +46,8 @@ def parse(words):
             raise Error(f"{path}: there is no such file")
     at_once, count = "a whole number >= 1", whole_number_from(1)
     vary = take(passed, "vary", lambda text: text.split(","), None, "names of options")
-    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS, "um")
-    load = take_column(passed, "load", load_depth.LOAD_UNITS, "mN")
+    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS)
+    load = take_column(passed, "load", load_depth.LOAD_UNITS)
     if not vary:
         raise Error("-vary: must be given")
     for name, least in (("ranks", 1), ("runs", None), ("evaluations", 30)):
@@ -71,17 +71,16 @@ def parse_creep(words):
         raise Error(f"{measured}: there is no such file")
     law = take(passed, "creep", str, None, "norton or prony")
     folder = take(passed, "output_dir", str, f"output/fit_{measured.resolve().stem}", "a folder")
-    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS, "um")
-    load = take_column(passed, "load", load_depth.LOAD_UNITS, "mN")
-    time = take(passed, "time", load_depth.column_argument(load_depth.TIME_UNITS), None,
-                f"COLUMN:UNIT with a unit of {', '.join(load_depth.TIME_UNITS)}")
+    depth = take_column(passed, "depth", load_depth.DEPTH_UNITS)
+    load = take_column(passed, "load", load_depth.LOAD_UNITS)
+    time = take_column(passed, "time", load_depth.TIME_UNITS)
     more = {"terms": take(passed, "terms", whole_number_from(1), 1, "a whole number >= 1")}
     more |= {name: take(passed, name, float, None, "a number") for name in ("creep_stress", "poisson")}
     tip = take_tip(passed)
     drift = take(passed, "drift", float, 0.0, "a number in nm/s")
-    if drift and (time is None or measured.is_dir()):
-        raise Error("-drift: needs a measured curve with -time COLUMN:UNIT")
-    curve = load_depth.without_drift(take_curve(measured, passed, depth, load, time), drift)
+    if drift and measured.is_dir():
+        raise Error("-drift: must be left out for a run")
+    curve = corrections.without_drift(take_curve(measured, passed, depth, load, time), drift)
     if passed:
         raise Error(f"-{next(iter(passed))}: must be left out beside -creep")
     return {"measured": curve, "law": law, "tip": tip, **more}, folder
@@ -107,10 +106,9 @@ def zero(text):
     return text if text == zeros.AUTO else float(text)
 
 
-def take_column(passed, name, units, unit):
-    """Takes the column of the measured curve with a name, by default one of that name."""
-    default = load_depth.Column(name, units[unit], units)
-    return take(passed, name, load_depth.column_argument(units), default, f"COLUMN:UNIT with a unit of {', '.join(units)}")
+def take_column(passed, name, units):
+    """Takes the column of the measured curve that is a depth, a load or a time; None, which its heads say, by default."""
+    return take(passed, name, load_depth.column_argument(units), None, f"COLUMN:UNIT with a unit of {', '.join(units)}")
 
 
 @command

@@ -3,7 +3,8 @@
 
     scripts/indentation.py output/cone
     scripts/indentation.py output/cone measured.csv --depth "Displacement:nm" --load "Force:mN"
-    scripts/indentation.py measured.csv --tip berkovich --poisson 0.3 --tip-elastic 1141,0.07
+    scripts/indentation.py export.xlsx other.hld --tip berkovich --poisson 0.3 --tip-elastic 1141,0.07 --iso
+    scripts/indentation.py measured.txt --calibration calibration.json --drift auto --zero-depth power
 
 Writes indentation.json, indentation.csv (a row for each unloading of each curve) and indentation.png. Lengths are in um, loads in mN,
 stresses in GPa, work in nJ; a run's loads and areas are those of the whole tip. A measured curve has the tip that is given, or that
@@ -27,10 +28,9 @@ from command import Parser, command, save
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import load_depth, oliver_pharr, pictures, tips, zeros
+from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
-from mlgimp.oliver_pharr import Constants
 
 SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
@@ -40,11 +40,15 @@ SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "
          ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "C_IT_percent", "%"), ("relaxation R_IT", "R_IT_percent", "%"),
          ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
          ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
-         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"))
+         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"),
+         ("HM", "HM_GPa", "GPa"), ("HMs", "HMs_GPa", "GPa"), ("H_IT", "H_IT_GPa", "GPa"), ("E_IT", "E_IT_GPa", "GPa"),
+         ("E_IT/(1 - nu^2)", "E_IT_plane_strain_GPa", "GPa"), ("eta_IT", "eta_IT_percent", "%"), ("HV", "HV", ""), ("HBW", "HBW", ""), ("HRC", "HRC", ""),
+         ("HRB", "HRB", ""))
 
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
 MOST_NAMES = 8  # of curves in a legend
+MOST_FITS = 20  # curves beside each other: of more the fits and tangents would cover them
 
 Analysis = namedtuple("Analysis", "name curve rows fits problem", defaults=(None, (), (), None))
 Analysis.__doc__ = """What is known of a test: its name and Curve, a dict of results for each unloading and its Unloading, None where it
@@ -76,9 +80,9 @@ def column(units):
     return read
 
 
-def zero(text):
-    """Reads a zero of depths or loads for a command line: a number, or auto."""
-    return text if text == zeros.AUTO else checked(zeros.NUMBER)(text)
+def number_or(words):
+    """Returns a function that reads a number, or one of some words, for a command line."""
+    return lambda text: text if text in words else checked(Rule(math.isfinite, f"a number, or {', '.join(words)}"))(text)
 
 
 def spelt(name, value=""):
@@ -94,6 +98,23 @@ WHOLE = Rule(lambda number: number >= 1, "a whole number >= 1")
 COEFFICIENTS = Rule(lambda numbers: all(map(math.isfinite, numbers)), "C0,C1,...")
 
 
+def add_reading_options(parser):
+    """Adds the options that say what the columns of measured files are, and what is taken off them."""
+    group = parser.add_argument_group("columns of measured files, by default those whose heads say so")
+    group.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), metavar="COLUMN:UNIT", help="name or number of the column, and its unit")
+    group.add_argument("--load", type=column(load_depth.LOAD_UNITS), metavar="COLUMN:UNIT", help="the same of the load")
+    group.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, for creep and relaxation in "
+                       "holds, and for --drift")
+    group.add_argument("--zero-depth", type=number_or(zeros.RULES), default=0, metavar="DEPTH", help="what the files have where the tip touches, in the unit "
+                       "of the column, or how it is found: power, where the power law of the first loading begins, which auto means, too; threshold and "
+                       "stiffness, where load or stiffness leave their noise (0)")
+    group.add_argument("--zero-load", type=number_or((zeros.AUTO,)), default=0, metavar="LOAD", help="what they have for the free tip, in the unit of the "
+                       "column, or auto: the median of the rows before the contact (0)")
+    group.add_argument("--drift", type=number_or((corrections.AUTO,)), metavar="NM/S", help="thermal drift of the depths, which is taken off, or auto: that of "
+                       "the hold at a tenth of the load")
+    group.add_argument("--frame-compliance", type=checked(corrections.FRAME), metavar="NM/MN", help="of the frame, times the load taken off the depths")
+
+
 def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
@@ -104,6 +125,7 @@ def add_tip_options(parser):
     group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM",
                        help="of a rounded cone or pyramid (0)")
     group.add_argument("--faces", type=checked(tips.RULES["faces"], int), metavar="N", help="of a pyramid (4)")
+    group.add_argument("--calibration", metavar="FILE", help="area function of the tip and compliance of the frame, by scripts/calibrate.py")
     group.add_argument("--area-function", type=checked(COEFFICIENTS, load_depth.numbers),
                        metavar="C0,C1,...", help="area C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ... in nm2 of a contact depth h in nm")
 
@@ -112,10 +134,12 @@ def given_tip(options):
     """Returns the Tip of the command line; None where it names none."""
     sizes = {name: getattr(options, name) for name in tips.RULES}
     given = {name: size for name, size in sizes.items() if size is not None}
-    if options.area_function and options.tip:
-        raise Error("--area-function: must stand without --tip")
+    if sum(map(bool, (options.calibration, options.area_function, options.tip))) > 1:
+        raise Error("--area-function, --calibration: must stand without each other and without --tip")
     if given and not options.tip:
         raise Error(f"{spelt(next(iter(given)))}: must stand beside --tip")
+    if options.calibration:
+        return calibration.read(options.calibration)[0]
     if options.area_function:
         return tips.tip_of_function(options.area_function)
     if options.tip is None:
@@ -130,20 +154,12 @@ def parse(arguments):
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("curves", nargs="+", metavar="DIR|FILE", help="result folder of a run, or text with columns of a measured curve")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (default: that of the first curve)")
-    parser.add_argument("--depth", type=column(load_depth.DEPTH_UNITS), default="depth:um", metavar="COLUMN:UNIT",
-                        help="of measured curves: name or number of the column, and its unit (depth:um)")
-    parser.add_argument("--load", type=column(load_depth.LOAD_UNITS), default="load:mN", metavar="COLUMN:UNIT", help="(load:mN)")
-    parser.add_argument("--time", type=column(load_depth.TIME_UNITS), metavar="COLUMN:UNIT", help="to check the order of the rows, for creep and relaxation in "
-                        "holds, and for --drift")
     parser.add_argument("--test", type=checked(WHOLE, int), metavar="N", help="of measured files with several tests only this one (all)")
-    parser.add_argument("--zero-depth", type=zero, default=0, metavar="DEPTH", help="what measured files have where the tip touches, in the unit "
-                        "of --depth, or auto: where the power law of the first loading begins (0)")
-    parser.add_argument("--zero-load", type=zero, default=0, metavar="LOAD", help="what they have for the free tip, in the unit of --load, or "
-                        "auto: the median of the rows before the contact (0)")
-    parser.add_argument("--drift", type=checked(FINITE), default=0, metavar="NM/S",
-                        help="thermal drift of measured depths, which is taken off; needs --time")
-    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers), default=oliver_pharr.WINDOW,
-                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97)")
+    add_reading_options(parser)
+    parser.add_argument("--window", type=checked(rules["window"], load_depth.numbers),
+                        metavar="LOW,HIGH", help="part of the unloading that is fitted, of its load (0.5,0.97; with --iso 0.4,0.98)")
+    parser.add_argument("--iso", action="store_true", help="by the conventions of ISO 14577: epsilon of the unloading's exponent, beta 1, that window; "
+                        "with HM, HMs, H_IT, E_IT, eta_IT, and HV, HBW, HRC or HRB where tip and test have them")
     parser.add_argument("--epsilon", type=checked(rules["epsilon"]), help="of the contact depth h - epsilon P/S (by the tip)")
     parser.add_argument("--beta", type=checked(rules["beta"]), help="of S = 2 beta Er sqrt(A/pi) (by the tip)")
     parser.add_argument("--poisson", type=checked(rules["poisson"]), help="Poisson's ratio of the specimen (that of the run)")
@@ -151,8 +167,8 @@ def parse(arguments):
                         help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)
     options = parser.parse_args(arguments)
-    if options.drift and options.time is None:
-        raise Error("--drift: needs --time COLUMN:UNIT")
+    if options.calibration and options.frame_compliance is None:
+        options.frame_compliance = calibration.read(options.calibration)[1]
     return options
 
 
@@ -172,21 +188,23 @@ def read_curves(path, options):
     if Path(path).is_dir():
         return [attempt(Path(path).resolve().name, lambda: load_depth.read_run(path))]
     try:
-        tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load)
+        tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load, options.drift,
+                                          options.frame_compliance)
         if options.test and options.test > len(tests):
             raise ResultError(path, f"there is no test {options.test}; there are {len(tests)}")
     except ResultError as problem:
         return [Analysis(name, problem=problem)]
-    chosen = [options.test] if options.test else range(1, len(tests) + 1)
-    return [attempt(name + f" test {number}" * (len(tests) > 1), lambda number=number: load_depth.without_drift(tests[number - 1](), options.drift))
-            for number in chosen]
+    return [attempt(*test) for test in (tests[options.test - 1:options.test] if options.test else tests)]
 
 
 def completed(read, given):
-    """Returns Analyses with different names, whose Curves have a tip, `given` or that of the first run, and if they are measured the
-    Poisson's ratio of the runs, where these have the same."""
+    """Returns Analyses with different names, whose Curves have a tip, that of a run or of a file's head, else `given` or that of the
+    first that has one, and if they are measured the Poisson's ratio of the runs, where these have the same. `given` counts more than a file's head."""
     curves = [each.curve for each in read if each.curve]
     tip = given or next((curve.tip for curve in curves if curve.tip), None)
+
+    def tip_of(curve):
+        return (curve.cells is None and given) or curve.tip or tip
     ratios = {curve.poisson for curve in curves if curve.cells is not None}
     poisson = ratios.pop() if len(ratios) == 1 else None
     names = [each.name for each in read]
@@ -199,7 +217,9 @@ def completed(read, given):
             continue
         if curve.cells is None and poisson is not None:
             curve = curve._replace(poisson=poisson, notes=curve.notes + [f"Poisson's ratio is {poisson:g}, that of the run, unless --poisson says another"])
-        yield Analysis(name, curve._replace(name=name, tip=curve.tip or (None if curve.plane else tip)))
+        own = None if curve.plane else tip_of(curve)
+        told = [f"below {1e3 * own.repaired:.3g} nm the area function is that of no tip, and is continued by a power"] if own and own.repaired else []
+        yield Analysis(name, curve._replace(name=name, tip=own, notes=curve.notes + told))
 
 
 def analysed(each, constants):
@@ -281,20 +301,21 @@ def draw(analyses, path):
     by_name = sum(len(each.name) for _, each in shown) <= LETTERS
     for number, each in shown:
         name = each.name if by_name else f"{number}: {each.name}"
-        draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}")
+        draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}", with_fits=len(shown) <= MOST_FITS)
     pictures.line_axes(left, "depth (µm)", "load (mN)")
     handles = dict(zip(*left.get_legend_handles_labels()[::-1]))  # one of a label
-    left.legend(handles.values(), handles)
+    if handles:
+        left.legend(handles.values(), handles)
     if several:
         above = figure.add_subplot(grid[0, 1])
         draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name)
     save(figure, path)
 
 
-def draw_curve(axes, colour, each, label):
+def draw_curve(axes, colour, each, label, with_fits):
     """Draws load over depth, for each unloading the power law down to zero load, and the tangent that leads to the contact depth."""
-    axes.plot(each.curve.depth, each.curve.load, color=colour, linestyle="-", linewidth=1.2, label=label)
-    for row, fit in fitted(each):
+    axes.plot(each.curve.depth, each.curve.load, color=colour, linestyle="-", linewidth=1.2 if with_fits else 0.5, label=label)
+    for row, fit in fitted(each) if with_fits else []:
         depth = np.linspace(fit.final_depth, fit.depth, 200)
         axes.plot(depth, oliver_pharr.fitted_load(fit, depth), color="black", linestyle="--", linewidth=1, label="power law")
         if math.isfinite(row["contact_depth_um"]):
@@ -312,7 +333,7 @@ def draw_figures(both, shown, by_name):
         for number, each in shown:
             own = [row for row, _ in fitted(each)]
             places = [row["depth_um"] if over_depth else number for row in own]
-            axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}")
+            axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}", markersize=6 if len(shown) <= MOST_FITS else 2)
         pictures.line_axes(axes, "", name.replace("_GPa", "").replace("_", " ") + " (GPa)")
         axes.set_ylim(0, 1.2 * np.nanmax([row[name] for row in rows]))
         axes.margins(x=0.05)
@@ -330,7 +351,8 @@ def draw_figures(both, shown, by_name):
 def main(arguments=None):
     """Analyses the curves that the command line names."""
     options = parse(arguments)
-    constants = Constants(tuple(options.window), options.epsilon, options.beta, options.poisson, *options.tip_elastic)
+    constants = oliver_pharr.checked_constants(options.iso, window=options.window, epsilon=options.epsilon, beta=options.beta, poisson=options.poisson,
+                                               tip_modulus=options.tip_elastic[0], tip_poisson=options.tip_elastic[1])
     read = [each for path in options.curves for each in read_curves(path, options)]
     analyses = [analysed(each, constants) for each in completed(read, given_tip(options))]
     good = [each for each in analyses if not each.problem]

@@ -12,6 +12,7 @@ from .needs import need
 
 need("numpy", "scipy", "h5py")  # before the modules that import them
 
+from .calibration import calibrate
 from .creep_fits import fit_creep
 from .errors import Error, ResultError, RunError
 from .fitting import fit
@@ -20,4 +21,5 @@ from .indentation import indent
 from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests", "run"]
+__all__ = ["Error", "ResultError", "RunError", "Results", "calibrate", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
+           "run"]

@@ -61,8 +61,9 @@ class Results:
         """Returns the analysis of each unloading by Oliver and Pharr, a list of dicts: load_mN, depth_um, hardness_GPa, ...
 
         constants: those of oliver_pharr.Constants, as window=(0.5, 0.97), epsilon=0.75, beta=1.03, poisson=0.3, and of a tip that
-        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07. What has no meaning is NaN, `warnings` says what makes the
-        figures doubtful, and `expected_error` by how large a share of itself each may be off because of the `cells`.
+        is not rigid tip_modulus=1141 (GPa), tip_poisson=0.07; iso=True: by the conventions of ISO 14577, with its numbers. What has no
+        meaning is NaN, `warnings` says what makes the figures doubtful, and `expected_error` by how large a share of itself each may
+        be off because of the `cells`.
         """
         return oliver_pharr.analyse(self.curve(), oliver_pharr.checked_constants(**constants))
 

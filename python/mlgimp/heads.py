@@ -9,9 +9,12 @@ DEPTH_UNITS = {"nm": 1e-3, "um": 1.0, "mm": 1e3, "m": 1e6, "A": 1e-4}  # in um
 LOAD_UNITS = {"nN": 1e-6, "uN": 1e-3, "mN": 1.0, "N": 1e3, "kN": 1e6}  # in mN
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in s
 OTHER_UNITS = ("V", "mV", "uV", "Hz", "Pa", "kPa", "MPa", "GPa", "N/m", "mN/um", "nm/s", "um/s", "mN/s", "%", "C", "K", "#", "-")
+LONGER = {"sec": "s", "sec.": "s", "seconds": "s", "micron": "um", "microns": "um",  # other names of units
+          "?N": "uN", "?m": "um", "\N{REPLACEMENT CHARACTER}N": "uN", "\N{REPLACEMENT CHARACTER}m": "um"}  # only mu is a letter that gets lost
 UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS, *OTHER_UNITS}
 SPELT = {"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{LATIN CAPITAL LETTER A WITH RING ABOVE}": "A",
-         "\N{ANGSTROM SIGN}": "A", "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " "}
+         "\N{ANGSTROM SIGN}": "A", "\N{LATIN CAPITAL LETTER A WITH CIRCUMFLEX}": "",  # of a micro sign in UTF-8 that was read as Latin-1
+          "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " "}
 
 Column = namedtuple("Column", "name factor units", defaults=({},))
 Column.__doc__ = """A column of a file: name, or number from 1 on; values x factor are in the units of a Curve; factors by unit, of which
@@ -64,7 +67,9 @@ def name_and_unit(word):
     """Returns what stands in a head before its unit, and the unit: of Depth (nm), Depth/nm, Depth in nm, Depth_nm and Depth, nm."""
     word = plain(word)
     found = next(filter(None, (kind.fullmatch(word) for kind in (BRACKETS, BEHIND, AFTER_BLANK))), None)
-    return (found[1].strip(" ,;:_/"), found[2].strip()) if found else ("", word) if word in UNITS else (word, "")
+    if found:
+        return found[1].strip(" ,;:_/"), LONGER.get(found[2].strip(), found[2].strip())
+    return ("", LONGER.get(word, word)) if word in UNITS or word in LONGER else (word, "")
 
 
 def is_units(words):

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from . import checks, cycles, results, tables, tips, zeros
+from . import checks, corrections, cycles, instruments, meanings, results, tables, tips, zeros
+from .corrections import Corrections
 from .cycles import find_cycles
 from .errors import ResultError
-from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of
+from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
 
 Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time", defaults=(None, None, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
@@ -18,6 +19,9 @@ Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
 these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
 [rows], None of one without it and of a measured curve, whose time is that."""
+
+Test = namedtuple("Test", "name read")
+Test.__doc__ = "A test in a file: its name, and a function without arguments that returns its Curve or raises a ResultError."
 
 FREE = 0.05  # of the largest load: what a tip over the surface may seem to carry
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
@@ -129,60 +133,104 @@ def numbers(text):
 
 # ---- measurements ----
 
-def read_measured(path, depth="depth:um", load="load:mN", time=None, *, test=None, zero_depth=0, zero_load=0):
-    """Returns the Curve of a test in a text with columns, with or without lines of text above, between and below the rows.
+def read_measured(path, depth=None, load=None, time=None, *, test=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+    """Returns the Curve of a test in a text with columns, with or without lines of text above, between and below the rows, or in a sheet
+    of a workbook.
 
-    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. test: which test
-    of a file with several, from 1 on. zero_depth and zero_load: what the file has for the depth where the tip touches, and for the
-    load of the free tip, in its own units, or "auto", see zeros.py. What was measured on the way to the surface is left out.
+    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column; None: the column whose
+    head says so, in the unit that stands there. test: which test of a file with several, from 1 on. zero_depth and zero_load: what the
+    file has for the depth where the tip touches, and for the load of the free tip, in its own units, or how they are found, see
+    zeros.py. drift (nm/s, or "auto", see drifts.py) and frame_compliance (nm/mN) are taken off the depths. What was measured on the way
+    to the surface is left out.
     """
-    tests = measured_tests(path, depth, load, time, zero_depth, zero_load)
+    tests = measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance)
     if test is None and len(tests) > 1:
         raise ResultError(path, f"holds {len(tests)} tests: choose one by its number, test 1 to {len(tests)}")
     number = 1 if test is None else checks.whole("test", test, 1)
     if number > len(tests):
         raise ResultError(path, f"there is no test {number}; there are {len(tests)}")
-    return tests[number - 1]()
+    return tests[number - 1].read()
 
 
-def read_tests(path, depth="depth:um", load="load:mN", time=None, *, zero_depth=0, zero_load=0):
-    """Returns the Curves of all tests in a text with columns; arguments are those of read_measured."""
-    return [read() for read in measured_tests(path, depth, load, time, zero_depth, zero_load)]
+def read_tests(path, depth=None, load=None, time=None, *, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+    """Returns the Curves of all tests in a text with columns or in a workbook; arguments are those of read_measured."""
+    return [test.read() for test in measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance)]
 
 
-def measured_tests(path, depth, load, time=None, zero_depth=0, zero_load=0):
-    """Returns the tests in a text with columns as functions without arguments that return a Curve or raise a ResultError."""
-    columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
-    if columns[0].name == columns[1].name:
-        raise ResultError(path, f"depth and load are the same column, {columns[0].name}")
-    columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
-    given = {"zero_depth": zero_depth, "zero_load": zero_load}
-    given = {name: zeros.checked(name, value, column.factor) for (name, value), column in zip(given.items(), columns)}
-    tests = tables.read_tests(checks.path("path", path), columns)
-    names = [Path(path).name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    return [functools.partial(measured_curve, path, name, read, **given) for name, read in zip(names, tests)]
+def measured_tests(path, depth=None, load=None, time=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+    """Returns the Tests in a file, each with its name and a function without arguments that returns a Curve or raises a ResultError."""
+    given = {"depth": depth, "load": load, "time": time}
+    asked = {name: column_of(name, value, meanings.UNITS_OF[name]) for name, value in given.items() if value is not None}
+    if "depth" in asked and "load" in asked and asked["depth"].name == asked["load"].name:
+        raise ResultError(path, f"depth and load are the same column, {asked['depth'].name}")
+    wished = Corrections(zero_depth, zero_load, corrections.checked_drift(drift), corrections.checked_frame(frame_compliance))
+    sources = instruments.sources(checks.path("path", path))
+    tests = []
+    for source in sources:
+        name = " ".join(filter(None, (Path(path).name, source.name)))
+        try:
+            tests += tests_of_source(path, name, source, asked, wished)
+        except ResultError as problem:
+            if len(sources) == 1:
+                raise
+            tests.append(Test(name, functools.partial(refuse, problem)))
+    return tests
 
 
-def measured_curve(path, name, read, zero_depth, zero_load):
-    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes. Zeros are in um and mN."""
+def refuse(problem):
+    raise problem
+
+
+def tests_of_source(path, name, source, asked, wished):
+    """Returns the Tests of a Source, with the columns that are `asked` for by name, {"depth": Column}, or those that its heads name."""
+    sets, lines, notes = columns_of(path, source, asked)
+    notes, tests = [*source.facts.notes, *notes], []
+    for columns in sets:
+        offsets = {what: zeros.checked(what, getattr(wished, what), column.factor) for what, column in zip(("zero_depth", "zero_load"), columns)}
+        tests += [(read, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
+    names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
+    tip, needs_time = source.facts.tip, "time" in asked
+    return [Test(name, functools.partial(measured_curve, path, name, read, own, tip, notes, needs_time)) for name, (read, own) in zip(names, tests)]
+
+
+def columns_of(path, source, asked):
+    """Returns the Columns depth, load and perhaps time of a Source, a list of them for each of the tests beside each other; its Lines from
+    their names on; and notes."""
+    if "depth" in asked and "load" in asked:
+        return [list(asked.values())], source.lines, []
+    if source.facts.columns:
+        columns = {what: Column(number, meanings.UNITS_OF[what][source.facts.units[what]]) for what, number in zip(meanings.UNITS_OF, source.facts.columns)}
+        return [list((columns | asked).values())], source.lines, []
+    found = meanings.find(path, source, asked)
+    return found.sets, source.lines[found.line:], found.notes
+
+
+def measured_curve(path, name, read, wished, tip, more_notes, needs_time):
+    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes, with Corrections. needs_time:
+    whether the caller has named the time, which may not fall then; else each segment may have a clock of its own."""
     table, notes = read()
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if table.shape[1] > 2 else []
-    if len(falls):
+    if len(falls) and needs_time:
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
+    if len(falls):
+        table = np.column_stack([table[:, :2], one_clock(table[:, 2], falls)])
+        notes = [*notes, f"the time begins anew {len(falls)} times, first in data row {falls[0] + 2}, and is taken to go on there"]
     table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
     depths, loads, *times = table.T
-    curve = Curve(name, times[0] if times else None, depths, loads, None, None, None, False, notes)
-    curve = zeros.without_zeros(curve, zero_depth, zero_load)
+    curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, notes)
+    curve = corrections.corrected(curve, wished)
     check_order_and_signs(path, curve.depth, curve.load)
     approach = rows_of_approach(curve.depth, curve.load)
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
     return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
-                          notes=curve.notes + left_out)
+                          notes=[*curve.notes, *left_out, *more_notes])
 
 
-def without_drift(curve, drift):
-    """Returns a Curve without a drift of the depth (nm/s), which needs its times."""
-    return curve._replace(depth=curve.depth - 1e-3 * drift * (curve.time - curve.time[0])) if drift else curve
+def one_clock(time, falls):
+    """Returns times [rows] in which each clock goes on where the one before ended, a step later; falls: the last rows of clocks."""
+    jumps = np.zeros(len(time))
+    jumps[falls + 1] = time[falls] - time[falls + 1] + np.median(np.abs(np.diff(time)))
+    return time + np.cumsum(jumps)
 
 
 def check_order_and_signs(path, depth, load):

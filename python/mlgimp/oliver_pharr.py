@@ -7,7 +7,7 @@ from collections import namedtuple
 import numpy as np
 from scipy.optimize import curve_fit
 
-from . import checks, cycles, holds, tips
+from . import checks, cycles, holds, iso14577, tips
 from .checks import Rule
 from .errors import Error, ResultError
 
@@ -17,8 +17,9 @@ HARDNESS = (1e-6, 200)  # GPa, of gels and of diamond
 ROUNDING = 1e-4  # of the depth: what a fit's iteration leaves
 EXPONENTS = (1.0, 3.0)  # that the fit may find; contacts of elastic bodies have 1 (flat punch) to 2 (cone)
 
-Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson", defaults=(WINDOW, None, None, None, math.inf, 0.0))
-Constants.__doc__ = "What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default."
+Constants = namedtuple("Constants", "window epsilon beta poisson tip_modulus tip_poisson iso", defaults=(WINDOW, None, None, None, math.inf, 0.0, False))
+Constants.__doc__ = """What the user chose; None: epsilon and beta of the tip, Poisson's ratio of the run. The tip is rigid by default. iso: None means
+epsilon of the unloading's exponent and a beta of 1, and the numbers of iso14577.COLUMNS are found."""
 
 TOUCH, LATE = 0.005, 0.2  # of the load of a cycle, from which on a tip touches, a cone at 0.07 of the depth; of the depth, which is too late
 RELOADED = 0.02  # of the depth: so much less deep than before, a test in which the tip comes back to the same load does not stop
@@ -38,8 +39,8 @@ COLUMNS = ("curve", "cycle", "depth_um", "load_mN", "stiffness_mN_per_um", "stif
            "true_area_um2", "true_hardness_GPa", "true_modulus_GPa", "pile_up_um", "total_work_nJ", "elastic_work_nJ", "plastic_share",
            "warnings", "cells", "expected_error", "hold_start_s", "hold_end_s", "C_IT_percent", "R_IT_percent", "creep_rate_um_per_s",
            "unloading_rate_mN_per_s", "corrected_stiffness_mN_per_um", "corrected_hardness_GPa", "corrected_reduced_modulus_GPa",
-           "corrected_modulus_GPa")
-HELD = COLUMNS[COLUMNS.index("hold_start_s"):]  # what a hold gives
+           "corrected_modulus_GPa", *iso14577.COLUMNS)
+HELD = COLUMNS[COLUMNS.index("hold_start_s"):COLUMNS.index("corrected_modulus_GPa") + 1]  # what a hold gives
 EDGE, AREA = 0.3, 0.6  # of a cell: see expected_errors()
 STIFFER = 1.09  # half widths of the contact: a block of the width L takes 0.545 P/(E* L) from the depth, that is of 1/S = 1/(2 E* a)
 
@@ -52,13 +53,14 @@ PowerLaw = namedtuple("PowerLaw", "load slope exponent error residual raised")
 PowerLaw.__doc__ = "What fit_power_law() finds: P1, S with its standard error, m, root mean square residual, and how far hf was below zero."
 
 
-def checked_constants(**given):
-    """Returns the Constants that a caller gives by name; None stands for what is taken by default."""
+def checked_constants(iso=False, **given):
+    """Returns the Constants that a caller gives by name; None stands for what is taken by default, with iso by the norm."""
     for name in given:
         if name not in RULES:
             raise Error(f"{name}: must be one of {', '.join(RULES)}")
     read = {name: checks.several if name == "window" else checks.number for name in RULES}
-    return Constants(**{name: read[name](name, value, RULES[name]) for name, value in given.items() if value is not None})
+    given = {name: read[name](name, value, RULES[name]) for name, value in given.items() if value is not None}
+    return Constants(**{"window": iso14577.WINDOW if checks.flag("iso", iso) else WINDOW, **given}, iso=iso)
 
 
 def fit_unloading(curve, cycle, window=WINDOW):
@@ -191,16 +193,32 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     row |= dict.fromkeys(names, math.nan)
     true_modulus, pile_up = math.nan, math.nan
     if curve.tip is not None:
-        epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
-        beta = curve.tip.beta(poisson) if constants.beta is None else constants.beta
+        epsilon, beta = epsilon_and_beta(curve.tip, fit.exponent, poisson, constants)
         figures = contact(curve.tip, fit.depth, fit.load, fit.stiffness, epsilon, beta)
+        check_depth(curve, figures[0])
         row |= dict(zip(names, (epsilon, beta, *figures, specimen_modulus(figures[-1], poisson, constants))))
         true_modulus = specimen_modulus(reduced_modulus(fit.stiffness, true_area, beta), poisson, constants)
         pile_up = tips.depth_of(curve.tip, true_area, 3 * fit.depth) - fit.depth
     row |= {"true_area_um2": true_area, "true_hardness_GPa": hardness(fit.load, true_area), "true_modulus_GPa": true_modulus,
             "pile_up_um": pile_up, "total_work_nJ": total, "elastic_work_nJ": elastic, "plastic_share": 1 - elastic / total if total > 0 else math.nan}
     row |= {"warnings": "; ".join(doubts(curve, cycle, fit, row)), **expected_errors(curve, cycle)}
-    return row | held_figures(curve, cycle, fit, row, constants)
+    plane_strain = specimen_modulus(row["reduced_modulus_GPa"], 0.0, constants)
+    norm = iso14577.figures(curve, cycle, fit, row, plane_strain) if constants.iso else dict.fromkeys(iso14577.COLUMNS, math.nan)
+    return row | held_figures(curve, cycle, fit, row, constants) | norm
+
+
+def epsilon_and_beta(tip, exponent, poisson, constants):
+    """Returns epsilon and beta: those that the user chose, else those of the norm or of the Tip."""
+    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(exponent) if constants.iso else tip.epsilon
+    beta = constants.beta if constants.beta is not None else 1.0 if constants.iso else tip.beta(poisson)
+    return epsilon, beta
+
+
+def check_depth(curve, depth):
+    """Refuses a contact depth (um) beyond the largest to which the tip was calibrated."""
+    if depth > curve.tip.largest:
+        raise ResultError(curve.name, f"the contact depth of {1e3 * depth:.4g} nm is beyond {1e3 * curve.tip.largest:.4g} nm, the largest to which the tip "
+                                      "was calibrated: its area there is not known")
 
 
 def held_figures(curve, cycle, fit, row, constants):
@@ -304,6 +322,8 @@ def doubts_of_area(curve, row):
     if curve.tip and 0 < row["contact_depth_um"] < curve.tip.ball and row["beta"] != 1:
         yield (f"the contact depth is on the ball at the tip's end, which is {curve.tip.ball:.3g} um high: for a ball beta is 1 and epsilon 0.75, "
                f"here they are {row['beta']:.3g} and {row['epsilon']:.3g}; choose them by --beta and --epsilon")
+    if curve.tip:
+        yield from tips.doubts(curve.tip, row["contact_depth_um"])
     if row["area_um2"] <= 0:
         yield (f"the contact depth is below zero ({row['contact_depth_um']:.3g} um)" if row["contact_depth_um"] <= 0 else
                f"the area of the tip at the contact depth is not above 0 ({row['area_um2']:.3g} um2): is its function right?")

@@ -6,6 +6,8 @@ import csv
 import functools
 import itertools
 import re
+import sys
+import unicodedata
 from collections import namedtuple
 from pathlib import Path
 from statistics import mode
@@ -17,6 +19,7 @@ from .heads import Heads, heads_of
 
 MARKS = (";", "\t", "|", ",", None)  # what may part columns; None: blanks
 SAMPLE = 1000  # lines that are enough to see how a text is written
+BINARY = 0.05  # of a text: control characters, which a third of the bytes of any other file are
 LARGEST = 1e100  # number in a file, whose square is one too
 LEAST_ROWS = 10  # of a test
 JUMP = 3  # times the largest step of the depth between two rows: by more it goes back where another test begins
@@ -31,18 +34,24 @@ Test.__doc__ = "A test in a file: places of the columns that are asked for, and 
 
 # ---- texts ----
 
-def read_text(path):
-    """Returns a file's text, in UTF-8, in UTF-16 with or without its mark, or as older programs for Windows write it."""
+def read_bytes(path):
+    """Returns what is in a file."""
     try:
-        content = Path(path).read_bytes()
+        return Path(path).read_bytes()
     except OSError as problem:
         raise ResultError(path, f"cannot be read as text ({problem.strerror})") from None
+
+
+def decoded(path, content):
+    """Returns bytes as text, in UTF-8, in UTF-16 with or without its mark, or as older programs for Windows write it."""
     for encoding in encodings_of(content):
         try:
-            return content.decode(encoding)
+            text = content.decode(encoding)
         except ValueError:
-            pass
-    raise ResultError(path, "cannot be read as text (no text)")
+            continue
+        if sum(unicodedata.category(letter) == "Cc" and letter not in "\t\n\r" for letter in text[:SAMPLE]) <= BINARY * min(len(text), SAMPLE):
+            return text
+    raise ResultError(path, "cannot be read as text (no text): export the test as text or as a workbook")
 
 
 def encodings_of(content):
@@ -55,9 +64,9 @@ def encodings_of(content):
     return "utf-8-sig", "cp1252", "latin-1"
 
 
-def read_lines(path):
+def lines_of(path, text):
     """Returns the lines of a text, and what parts their columns. Lines are without blanks around them, and without # or % before."""
-    texts = [line.strip(" \r\0").lstrip("#%") for line in re.split("\r\n|\n|\r", read_text(path))]
+    texts = [line.strip(" \r\0").lstrip("#%") for line in re.split("\r\n|\n|\r", text)]
     sample = [text for text in texts if text.strip()]
     if not sample:
         raise ResultError(path, "is empty")
@@ -142,27 +151,40 @@ def usual(word):
 
 # ---- tests ----
 
-def read_tests(path, wanted):
-    """Returns the tests of a file, each as a function without arguments that returns the numbers in some Columns times their factors,
+def split(texts, mark):
+    """Returns the Lines of texts, and how numbers in them are written, as Numerals."""
+    lines = [Line(number, text, words_of(text, mark)) for number, text in enumerate(texts, start=1)]
+    return lines, Numerals.of([line.words for line in lines])
+
+
+def is_row(words, numerals):
+    """Whether words are a row of numbers: at least two of them are."""
+    return sum(numerals.read(word) is not None for word in words) >= 2
+
+
+def tests_of(path, lines, mark, numerals, wanted):
+    """Returns the tests in a file's Lines, each as a function without arguments that returns the numbers in some Columns times their factors,
     [rows][columns], with a list of notes, or raises a ResultError.
 
     Names and units may stand above the rows, also behind # or %; other columns may hold words, and lines of words may stand between
     and below the rows. Another test begins where behind such lines the depth, which is the first of the columns, jumps back or the
     time, the third, falls, and where the names come again and the depth does not go on from where it was.
     """
-    texts, mark = read_lines(path)
-    lines = [Line(number, text, words_of(text, mark)) for number, text in enumerate(texts, start=1)]
-    numerals = Numerals.of([line.words for line in lines])
-    are_numbers = [sum(numerals.read(word) is not None for word in line.words) >= 2 for line in lines]
+    are_numbers = [is_row(line.words, numerals) for line in lines]
     widths = [len(line.words) for line, good in zip(lines, are_numbers) if good]
     if not widths:
-        last = [line for line in lines if line.text.strip()][-1]
-        raise ResultError(path, f"has 0 rows of numbers; line {last.number} has {' '.join(last.words)[:60]!r}, and not two numbers")
+        raise no_rows(path, lines)
     table = Table(path, wanted, mark, numerals, mode(widths))
-    is_row = [good and len(line.words) == table.count for line, good in zip(lines, are_numbers)]
-    for are_rows, group in itertools.groupby(zip(is_row, lines), key=lambda pair: pair[0]):
+    rows = [good and len(line.words) == table.count for line, good in zip(lines, are_numbers)]
+    for are_rows, group in itertools.groupby(zip(rows, lines), key=lambda pair: pair[0]):
         table.add(are_rows, [line for _, line in group])
     return [functools.partial(table.numbers_of, test) for test in table.finished()]
+
+
+def no_rows(path, lines):
+    """Returns the error for Lines of which none is a row of numbers."""
+    last = [line for line in lines if line.text.strip()][-1]
+    return ResultError(path, f"has 0 rows of numbers; line {last.number} has {' '.join(last.words)[:60]!r}, and not two numbers")
 
 
 class Table:
@@ -265,9 +287,10 @@ def is_text(line, places):
 
 
 def is_word(text):
-    """Whether a text has letters and is no number, not even one that is not finite."""
+    """Whether a text has letters and is no number, not even one that is not finite; the largest double stands for no value."""
     try:
-        float(text)
+        if float(text) == sys.float_info.max:
+            return True
     except ValueError:
         return re.search(r"[^\W\d_]", usual(text)) is not None
     return False

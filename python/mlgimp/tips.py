@@ -8,15 +8,21 @@ import numpy as np
 from .checks import Rule
 from .errors import Error
 
-Tip = namedtuple("Tip", "name area epsilon beta ball", defaults=(0.0,))
+Tip = namedtuple("Tip", "name area epsilon beta ball slant repaired least largest radius", defaults=(0.0, math.nan, 0.0, 0.0, math.inf, math.nan))
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
-depth; beta(nu) of the stiffness, nu None where it is not known; and how high (um) the ball at its end is, if it is a cone."""
+depth; beta(nu) of the stiffness, nu None where it is not known; how high (um) the ball at its end is, if it is a cone; the area of its
+faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is continued, and the least and
+the largest (um) to which it was calibrated; and the radius (um) of a ball."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
 NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",)} | dict.fromkeys(PYRAMIDS, ())
 
 MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
+LEAST_DEPTH, DEEPEST = 0.1, 2e4  # nm, between which an area function is looked at: less is no contact, and no function is fitted deeper
+ROUNDING = 1e-9
+TRUSTED = 3  # times the depth below which an area function is continued: less deep it is that of few rows of its calibration
+STEEPER = 0.1  # than 2 an exponent may be far from the tip's end: C1 < 0 makes it 2 + |C1|/(C0 h)
 SHARPEST = 1e-3  # um: a smaller radius is none in um
 RULES = {  # for sizes in degrees and um
     "half_angle": Rule(lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis"),
@@ -47,17 +53,17 @@ def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4):
     """Returns the Tip of a kind of NEEDS; angles in degrees from the axis, lengths in um."""
     if kind == "sphere":
         return Tip(kind, lambda h: np.pi * np.minimum(np.maximum(h, 0), radius) * (2 * radius - np.minimum(np.maximum(h, 0), radius)),
-                   0.75, lambda nu: 1.0)
+                   0.75, lambda nu: 1.0, radius=radius)
     if kind == "flat_punch":
         return Tip(kind, lambda h: np.pi * radius**2 + 0 * h, 1.0, lambda nu: 1.0)
     if kind in PYRAMIDS:
         faces, half_angle = PYRAMIDS[kind]
-    tangent = math.tan(math.radians(half_angle))
+    tangent, slant = math.tan(math.radians(half_angle)), 1 / math.sin(math.radians(half_angle))
     if kind == "cone":
         return Tip(kind, lambda h: np.pi * section_radius(h, half_angle, tip_radius) ** 2, 0.72, lambda nu: hay(tangent, nu),
-                   ball_height(half_angle, tip_radius))
+                   ball_height(half_angle, tip_radius), slant, radius=tip_radius)
     return Tip(kind, np.vectorize(lambda h: pyramid_area(h, tangent, faces, tip_radius), otypes=[float]), 0.75,
-               lambda nu: BETA_OF_FACES.get(faces, 1.0))
+               lambda nu: BETA_OF_FACES.get(faces, 1.0), slant=slant)
 
 
 def ball_height(half_angle, tip_radius):
@@ -78,12 +84,50 @@ def section_radius(h, half_angle, tip_radius):
     return np.where(h < ball_height(half_angle, tip_radius), ball, flank)
 
 
-def tip_of_function(coefficients):
-    """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2."""
+def tip_of_function(coefficients, least=0.0, largest=math.inf):
+    """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2.
+
+    A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least depth at which p = h A'/A is
+    between that of a paraboloid, 1, and that of a cone, 2, and up to ten times which A grows with a p of at most 2 + STEEPER, the tip is
+    A = A(h_m) (h/h_m)^p: A and A' go on, and depth zero stays. least, largest: depths (nm) between which the function was calibrated.
+    """
+    start, power = repaired_from(coefficients, largest)
+
     def area(h):
         nanometres = np.maximum(1e3 * np.asarray(h, float), 0)
-        return 1e-6 * sum(c * nanometres ** (2.0 ** (1 - k)) for k, c in enumerate(coefficients))
-    return Tip("area function", area, 0.75, lambda nu: 1.0)
+        return 1e-6 * np.where(nanometres < start, polynomial(coefficients, max(start, LEAST_DEPTH)) * (nanometres / max(start, LEAST_DEPTH)) ** power,
+                               polynomial(coefficients, nanometres))
+    return Tip("area function", area, 0.75, lambda nu: 1.0, slant=make_tip("berkovich").slant, repaired=1e-3 * start,
+               least=1e-3 * least, largest=1e-3 * largest if largest > 0 else math.inf)
+
+
+def doubts(tip, depth):
+    """Yields what makes the area of a Tip at a contact depth (um) doubtful."""
+    if 0 < depth < TRUSTED * tip.repaired:
+        yield (f"the area function is that of no tip below {1e3 * tip.repaired:.3g} nm, where it is continued by a power, and the contact depth is "
+               f"{1e3 * depth:.3g} nm: the area is not sure")
+    if 0 < depth < tip.least:
+        yield f"the contact depth is {1e3 * depth:.3g} nm, below {1e3 * tip.least:.3g} nm, the least to which the tip was calibrated: the area is not sure"
+
+
+def polynomial(coefficients, h, derivative=False):
+    """Returns C0 h^2 + C1 h + C2 h^(1/2) + ... in nm^2 at depths h (nm), or its derivative times h."""
+    powers = [2.0 ** (1 - k) for k in range(len(coefficients))]
+    return sum(c * (q if derivative else 1) * h**q for c, q in zip(coefficients, powers))
+
+
+def repaired_from(coefficients, largest):
+    """Returns h_m (nm) and p of tip_of_function(): 0 and 2 where A grows from zero on with p between 1 and 2."""
+    depths = np.geomspace(LEAST_DEPTH, min(largest, DEEPEST) if largest > 0 else DEEPEST, 4000)
+    areas, slopes = polynomial(coefficients, depths), polynomial(coefficients, depths, derivative=True)
+    grows = (areas > 0) & (slopes > 0)
+    power = np.where(grows, slopes / np.where(grows, areas, 1), np.inf)
+    failing = np.append(0, np.cumsum(power > 2 + STEEPER))
+    decade = failing[np.searchsorted(depths, 10 * depths)] - failing[:-1]  # how many fail from a depth to ten times that
+    good = np.flatnonzero((decade == 0) & (power >= 1 - ROUNDING) & (power <= 2 + ROUNDING))
+    if not len(good) or good[0] == 0:
+        return 0.0, 2.0
+    return float(depths[good[0]]), float(power[good[0]])
 
 
 def hay(tangent, nu):
@@ -116,6 +160,8 @@ def pyramid_area(h, tangent, faces, radius, count=200):
 
 def depth_of(tip, area, most):
     """Returns the distance from the end where the tip has an area, at the most `most`; NaN where the area does not grow to it."""
+    if math.isnan(area):
+        return math.nan
     depths = np.linspace(0, most, 4001)
     areas = tip.area(depths)
     beyond = np.flatnonzero(areas >= area)

@@ -230,7 +230,7 @@ def test_a_run_has_its_tip_and_its_times(tmp_path, expect):
 
 WORDS = {
     "no hold": (["up.csv", "-creep", "norton", "-time", "time:s", "-tip", "cone", "-half_angle", "80"], "has no hold"),
-    "no time": (["h.csv", "-creep", "norton", "-tip", "cone", "-half_angle", "80"], "has no time of the test"),
+    "no time": (["n.csv", "-creep", "norton", "-tip", "cone", "-half_angle", "80"], "has no time of the test"),
     "no tip": (["h.csv", "-creep", "norton", "-time", "time:s"], "tip: must be given"),
     "flat punch": (["h.csv", "-creep", "norton", "-time", "time:s", "-tip", "flat_punch", "-radius", "1"], "tip=flat_punch: must be a ball"),
     "unknown tip": (["h.csv", "-creep", "norton", "-time", "time:s", "-tip", "needle"], "-tip needle: must be one of"),
@@ -243,7 +243,7 @@ WORDS = {
     "terms": (["h.csv", "-creep", "prony", "-terms", "0", "-time", "time:s", "-tip", "berkovich"], "-terms 0"),
     "many terms": (["h.csv", "-creep", "prony", "-terms", "9", "-time", "time:s", "-tip", "berkovich"], "terms=9: must be at most 5"),
     "stress": (["h.csv", "-creep", "norton", "-creep_stress", "-1", "-time", "time:s", "-tip", "berkovich"], "creep_stress=-1.0: must be a number > 0"),
-    "drift without times": (["h.csv", "-creep", "norton", "-drift", "1", "-tip", "berkovich"], "-drift: needs"),
+    "drift without times": (["n.csv", "-creep", "norton", "-drift", "1", "-tip", "berkovich"], "a drift needs a column of times"),
     "depth": (["r.csv", "-creep", "norton", "-time", "time:s", "-tip", "sphere", "-radius", "10"], "has a hold of the depth"),
     "other options": (["h.csv", "-creep", "norton", "-time", "time:s", "-tip", "berkovich", "-vary", "E"], "-vary: must be left out"),
     "no file": (["none.csv", "-creep", "norton"], "there is no such file"),
@@ -256,6 +256,7 @@ def test_one_line(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     made, ramp = norton("cone", 5), np.linspace(0, 1, 500)
     written(tmp_path / "h.csv", made)
+    written(tmp_path / "n.csv", made, ("step", "depth", "load"))
     written(tmp_path / "up.csv", curve(ramp, ramp**2, time=10 * ramp))
     written(tmp_path / "r.csv", viscoelastic("ball", held="depth", rows=300))
     words, expected = WORDS[name]

@@ -72,7 +72,7 @@ def test_lines_of_words_between_and_below_the_rows(tmp_path, line, place):
     (tmp_path / "m.csv").write_text("\r\n".join(lines) + "\r\n")
     read = load_depth.read_measured(tmp_path / "m.csv")
     np.testing.assert_allclose(read.load, metal()[1], rtol=1e-8)
-    assert read.notes == [f"left out between or below the rows: 1 line without numbers (line {place + 1}, {line!r})"]
+    assert read.notes[0] == f"left out between or below the rows: 1 line without numbers (line {place + 1}, {line!r})"
 
 
 def test_words_of_segments_in_a_column_of_their_own(tmp_path):
@@ -211,12 +211,14 @@ def test_names_with_units(tmp_path):
 
 
 def test_a_refused_name_comes_with_the_right_ones():
-    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
+    with pytest.raises(mlgimp.Error, match="no unit stands above the column Displacement: .* there are Displacement, Force$"):
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv")
+    with pytest.raises(mlgimp.Error, match="there is no column depth; there are Displacement, Force$"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "depth:um", "load:mN")
     with pytest.raises(mlgimp.Error, match="depth=2: must be a text COLUMN:UNIT"):
         mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", depth=2)
-    with pytest.raises(mlgimp.Error, match="load=None: must be a text COLUMN:UNIT"):
-        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", None)
+    with pytest.raises(mlgimp.Error, match="load=7: must be a text COLUMN:UNIT"):
+        mlgimp.read_measured(harness.ROOT / "examples" / "measured.csv", "1:nm", 7)
 
 
 # ---- several tests in a file ----
@@ -286,7 +288,7 @@ def test_a_batch_with_tests_that_failed(tmp_path, capsys):
     printed = capsys.readouterr().out
     tests = {each["name"]: each for each in json.loads((tmp_path / "indentation.json").read_text())["curves"]}
     rows = {row["curve"]: row for row in csv.DictReader(open(tmp_path / "indentation.csv"))}
-    for name, problem in (("b.csv", "there is no unloading"), ("c.csv", "there is no column depth; there are h, F"), ("none.csv", "cannot be read as text")):
+    for name, problem in (("b.csv", "there is no unloading"), ("c.csv", "no unit stands above the column h"), ("none.csv", "cannot be read as text")):
         assert problem in tests[name]["problem"] and tests[name]["cycles"] == [] and rows[name]["hardness_GPa"] == ""
         assert rows[name]["warnings"].startswith(f"no figures: {problem}") and f"{name}: no figures: {problem}" in printed
     assert list(rows) == list(tests) == ["a.csv", "b.csv", "c.csv", "none.csv", "d.csv"]
@@ -360,9 +362,10 @@ ROWS = GOOD.splitlines(True)[1:]
 MEASURED = {
     "empty": ("", "is empty"), "no numbers": ("depth,load\n", "0 rows"),
     "one column": ("depth\n" + "".join(row.split(",")[0] + "\n" for row in ROWS), "line 800 has '0.42', and not two numbers"),
-    "a clock": (with_clock(GOOD).replace("clock,depth", "depth,h"), "line 2 is no row of numbers: it has '10:00:00' in column 1"),
+    "a clock": (with_clock(GOOD).replace("clock,depth", "depth,h"), "2 columns may be the depth: depth in column 1, h in column 2"),
     "few rows": ("depth,load\n" + "".join(ROWS[::100]), "8 rows"),
-    "no such column": (GOOD.replace("load", "force", 1), "no column load"), "a row that was cut": (GOOD + "0.5\n", "line 801 is no row of numbers: it has nothing in column 2"),
+    "no unit": (GOOD.replace("load", "force", 1), "no unit stands above the column force"),
+    "no such column": (GOOD.replace("load", "torque", 1), "no columns of depth and load are known by their names; there are depth, torque"), "a row that was cut": (GOOD + "0.5\n", "line 801 is no row of numbers: it has nothing in column 2"),
     "not a number": (GOOD + "nan,1\n", "no row of numbers"), "a longer row": (GOOD + "1,2,3\n", "3 columns instead of 2"),
     "only loading": ("depth,load\n" + "".join(ROWS[:400]), "no unloading"), "only unloading": ("depth,load\n" + "".join(ROWS[400:]), "without a loading"),
     "shuffled": ("depth,load\n" + "".join(np.random.default_rng(1).permutation(ROWS)), "order of the test"),

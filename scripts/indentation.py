@@ -124,6 +124,7 @@ def add_tip_options(parser):
     group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")
     group.add_argument("--tip-radius", type=checked(tips.RULES["tip_radius"]), metavar="UM",
                        help="of a rounded cone or pyramid (0)")
+    group.add_argument("--edge-radius", type=checked(tips.RULES["edge_radius"]), metavar="UM", help="of a flat punch with a round edge (0)")
     group.add_argument("--faces", type=checked(tips.RULES["faces"], int), metavar="N", help="of a pyramid (4)")
     group.add_argument("--calibration", metavar="FILE", help="area function of the tip and compliance of the frame, by scripts/calibrate.py")
     group.add_argument("--area-function", type=checked(COEFFICIENTS, load_depth.numbers),

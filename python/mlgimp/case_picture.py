@@ -9,9 +9,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
-from . import fields, results, tips
+from . import fields, load_depth, results, tips
 from .errors import ResultError
-from .load_depth import numbers
 from .pictures import in_si_unit, lab_unit, styled
 
 Case = namedtuple("Case", "options points boxes cell_sizes axes domain")
@@ -35,10 +34,10 @@ def read_case(directory):
     if not options:
         raise ResultError(directory, "there is no summary.json with the options of the case")
     points, (boxes, sizes) = results.all_points(frame.levels), first_boxes(summary, frame.levels)
-    domain = np.array([numbers(options["-domain_lower"]), numbers(options["-domain_upper"])])
+    domain = np.array([load_depth.numbers(options["-domain_lower"]), load_depth.numbers(options["-domain_upper"])])
     if domain.shape[1] == 2:
         return Case(options, points, boxes, sizes, "xy", domain)
-    tip = numbers(options["-indenter_tip"])[1] if options["-indenter"] != "none" else None
+    tip = load_depth.numbers(options["-indenter_tip"])[1] if options["-indenter"] != "none" else None
     return Case(options, *fields.slice_of(points, boxes, tip), sizes, "xz", domain[:, [0, SLICE_OF_3D]])
 
 
@@ -59,7 +58,7 @@ def first_boxes(summary, levels):
 
 def in_plane(case, text):
     """Returns a vector of the options, as text, in the plane of the picture."""
-    values = np.array(numbers(text))
+    values = np.array(load_depth.numbers(text))
     return values if len(values) == 2 else values[[0, SLICE_OF_3D]]
 
 
@@ -76,7 +75,13 @@ def half_widths(options, heights):
         width[heights > size("radius")] = size("radius")  # the shaft
         return width, width
     if kind == "flat_punch":
-        width = np.full(len(heights), size("width") / 2 if options["-geometry"] == "plane_strain" else size("radius"))
+        edge = float(options.get("-indenter_edge_radius", 0))
+        whole = size("width") / 2 if options["-geometry"] == "plane_strain" else size("radius")
+        width = whole - edge + np.sqrt(tips.bulge(heights, edge))
+        return width, width
+    if kind in ("area_function", "profile", "height_map", "knoop"):
+        tip = load_depth.tip_of_run(options)
+        width = 1e-6 * np.sqrt(tip.area(1e6 * heights) / np.pi) if tip else 0 * heights
         return width, width
     faces, angle = tips.PYRAMIDS.get(kind) or (int(size("faces")) if kind == "pyramid" else 0, size("half_angle"))
     width = tips.section_radius(heights, angle, float(options.get("-indenter_tip_radius", 0)))
@@ -90,7 +95,7 @@ def outline(case, top):
     """Returns the corners [n][2] (m) of the part of the indenter below a height, on its side of a side of symmetry."""
     tip = in_plane(case, case.options["-indenter_tip"])
     if case.options["-indenter"] == "polygon":
-        corners = np.array(numbers(case.options["-indenter_vertices"])).reshape(-1, 2)
+        corners = np.array(load_depth.numbers(case.options["-indenter_vertices"])).reshape(-1, 2)
         return corners + tip - corners[np.argmin(corners[:, 1])]
     heights = (top - tip[1]) * np.linspace(0, 1, 200) ** 2
     left, right = half_widths(case.options, heights)
@@ -171,7 +176,7 @@ def draw_loads(axes, case, window, factor):
     entries, length = [], 0.09 * max(window[1] - window[0], window[3] - window[2])
     for name in filter(None, case.options["-loads"].split(",")):
         body, side = case.options[f"-{name}_body"], case.options[f"-{name}_side"]
-        largest = max(numbers(case.options[f"-{name}_pressures"]), key=abs)
+        largest = max(load_depth.numbers(case.options[f"-{name}_pressures"]), key=abs)
         kind = "pressure" if largest > 0 else "tension"
         entries.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label=f"{kind}, up to {in_si_unit(abs(largest), 'Pa')}"))
         own = case.points["body"] == case.options["-bodies"].split(",").index(body)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import checks, corrections, cycles, instruments, meanings, results, tables, tips, zeros
+from . import checks, corrections, cycles, instruments, meanings, results, tables, tip_files, tips, zeros
 from .corrections import Corrections
 from .cycles import find_cycles
 from .errors import ResultError
@@ -108,14 +108,31 @@ def room_beside_tip(options):
 
 
 def tip_of_run(options):
-    """Returns the Tip of a run's options; None where they are not known."""
+    """Returns the Tip of a run's options; None where they are not known, or where its file is no longer there."""
     kind = options.get("-indenter")
+    if kind == "area_function":
+        return tip_of_area(options)
+    try:
+        if kind == "profile":
+            return tip_files.tip_of_profile(options["-indenter_profile"])
+        if kind == "height_map":
+            size = options.get("-indenter_map_size")
+            return tip_files.tip_of_map(options["-indenter_map"], numbers(size) if size else None)
+    except ResultError:
+        return None
     if kind not in tips.NEEDS:
         return None
-    given = {name: options.get(f"-indenter_{name}") for name in ("half_angle", "radius", "tip_radius", "faces")}
+    given = {name: options.get(f"-indenter_{name}") for name in ("half_angle", "radius", "tip_radius", "edge_radius", "faces")}
     sizes = {name: float(text) for name, text in given.items() if text is not None}
-    sizes |= {name: 1e6 * sizes[name] for name in ("radius", "tip_radius") if name in sizes}
+    sizes |= {name: 1e6 * sizes[name] for name in ("radius", "tip_radius", "edge_radius") if name in sizes}
     return tips.make_tip(kind, **sizes | ({"faces": int(sizes["faces"])} if "faces" in sizes else {}))
+
+
+def tip_of_area(options):
+    """Returns the Tip of the area function of a run's options, whose units are SI."""
+    in_metres, range_m = numbers(options["-indenter_area_coefficients"]), options.get("-indenter_area_depths")
+    coefficients = [c * 10.0 ** (9 * (2 - 2.0 ** (1 - k))) for k, c in enumerate(in_metres)]
+    return tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
 
 
 def poisson_of_run(options):

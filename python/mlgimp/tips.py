@@ -15,20 +15,23 @@ faces over the projected one, NaN of balls and punches; of an area function the 
 the largest (um) to which it was calibrated; and the radius (um) of a ball."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
+KNOOP = 172.5, 130.0  # between opposite edges
 BETA_OF_FACES = {3: 1.034, 4: 1.012}  # King, Int. J. Solids Struct. 23 (1987) 1657
-NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",)} | dict.fromkeys(PYRAMIDS, ())
+NEEDS = {"cone": ("half_angle",), "sphere": ("radius",), "flat_punch": ("radius",), "pyramid": ("half_angle",),
+         "knoop": ()} | dict.fromkeys(PYRAMIDS, ())
 
-MAY_HAVE = {"cone": ("tip_radius",), "pyramid": ("tip_radius", "faces")} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
+MAY_HAVE = {"cone": ("tip_radius",), "flat_punch": ("edge_radius",), "pyramid": ("tip_radius", "faces"), "knoop": ("tip_radius",)} | dict.fromkeys(PYRAMIDS, ("tip_radius",))  # too
 LEAST_DEPTH, DEEPEST = 0.1, 2e4  # nm, between which an area function is looked at: less is no contact, and no function is fitted deeper
 ROUNDING = 1e-9
 TRUSTED = 3  # times the depth below which an area function is continued: less deep it is that of few rows of its calibration
-STEEPER = 0.1  # than 2 an exponent may be far from the tip's end: C1 < 0 makes it 2 + |C1|/(C0 h)
+STEEPEST = 2.05  # exponent that a calibration may leave: C1 < 0 makes it 2 + |C1|/(C0 h); docs/decisions.md, kMaxPower
 SHARPEST = 1e-3  # um: a smaller radius is none in um
 RULES = {  # for sizes in degrees and um
     "half_angle": Rule(lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis"),
     "radius": Rule(lambda radius: SHARPEST <= radius < math.inf, f"a number >= {SHARPEST} in um; 5e-6 m are 5"),
     "tip_radius": Rule(lambda radius: radius == 0 or SHARPEST <= radius < math.inf,
                        f"0 or a number >= {SHARPEST} in um; 1e-7 m are 0.1"),
+    "edge_radius": Rule(lambda radius: radius == 0 or SHARPEST <= radius < math.inf, f"0 or a number >= {SHARPEST} in um"),
     "faces": Rule(lambda count: count >= 3, "a whole number >= 3"),
 }
 
@@ -49,21 +52,30 @@ def check_sizes(kind, given, spelt=as_keyword):
             raise Error(f"{spelt(name)}: must be {'given' if needs else 'left out'} for {spelt('tip', kind)}")
 
 
-def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4):
+def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4, edge_radius=0):
     """Returns the Tip of a kind of NEEDS; angles in degrees from the axis, lengths in um."""
     if kind == "sphere":
-        return Tip(kind, lambda h: np.pi * np.minimum(np.maximum(h, 0), radius) * (2 * radius - np.minimum(np.maximum(h, 0), radius)),
-                   0.75, lambda nu: 1.0, radius=radius)
+        return Tip(kind, lambda h: np.pi * bulge(h, radius), 0.75, lambda nu: 1.0, radius=radius)
     if kind == "flat_punch":
-        return Tip(kind, lambda h: np.pi * radius**2 + 0 * h, 1.0, lambda nu: 1.0)
+        return Tip(kind, lambda h: np.pi * (radius - edge_radius + np.sqrt(bulge(h, edge_radius))) ** 2, 1.0, lambda nu: 1.0)
     if kind in PYRAMIDS:
         faces, half_angle = PYRAMIDS[kind]
+    sectors = sectors_of_rhombus(*KNOOP) if kind == "knoop" else None
+    if sectors:
+        half_angle = math.degrees(math.atan(sectors[0][1] * math.cos(sectors[0][2])))
     tangent, slant = math.tan(math.radians(half_angle)), 1 / math.sin(math.radians(half_angle))
     if kind == "cone":
         return Tip(kind, lambda h: np.pi * section_radius(h, half_angle, tip_radius) ** 2, 0.72, lambda nu: hay(tangent, nu),
                    ball_height(half_angle, tip_radius), slant, radius=tip_radius)
-    return Tip(kind, np.vectorize(lambda h: pyramid_area(h, tangent, faces, tip_radius), otypes=[float]), 0.75,
+    sectors = sectors or sectors_of(faces, tangent)
+    return Tip(kind, np.vectorize(lambda h: pyramid_area(h, sectors, tip_radius), otypes=[float]), 0.75,
                lambda nu: BETA_OF_FACES.get(faces, 1.0), slant=slant)
+
+
+def bulge(h, radius):
+    """Returns the square of the half width (um^2) of a ball of a radius at a height h (um) over its end, at most that of the radius."""
+    height = np.clip(h, 0, radius)
+    return height * (2 * radius - height)
 
 
 def ball_height(half_angle, tip_radius):
@@ -87,11 +99,11 @@ def section_radius(h, half_angle, tip_radius):
 def tip_of_function(coefficients, least=0.0, largest=math.inf):
     """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2.
 
-    A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least depth at which p = h A'/A is
-    between that of a paraboloid, 1, and that of a cone, 2, and up to ten times which A grows with a p of at most 2 + STEEPER, the tip is
-    A = A(h_m) (h/h_m)^p: A and A' go on, and depth zero stays. least, largest: depths (nm) between which the function was calibrated.
+    A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least depth down to which p = h A'/A is
+    between that of a paraboloid, 1, and STEEPEST, that of a cone, 2, and a little more, the tip is A = A(h_m) (h/h_m)^p, as in the
+    program: A and A' go on, and depth zero stays. least, largest: depths (nm) between which the function was calibrated.
     """
-    start, power = repaired_from(coefficients, largest)
+    start, power = repaired_from(coefficients, least, largest)
 
     def area(h):
         nanometres = np.maximum(1e3 * np.asarray(h, float), 0)
@@ -116,18 +128,19 @@ def polynomial(coefficients, h, derivative=False):
     return sum(c * (q if derivative else 1) * h**q for c, q in zip(coefficients, powers))
 
 
-def repaired_from(coefficients, largest):
-    """Returns h_m (nm) and p of tip_of_function(): 0 and 2 where A grows from zero on with p between 1 and 2."""
-    depths = np.geomspace(LEAST_DEPTH, min(largest, DEEPEST) if largest > 0 else DEEPEST, 4000)
+def repaired_from(coefficients, least, largest):
+    """Returns h_m (nm) and p of tip_of_function(): 0 and 2 where A grows so from zero on."""
+    deepest = min(largest, DEEPEST) if largest > 0 else DEEPEST
+    depths = np.geomspace(deepest, max(least, LEAST_DEPTH), 4000)
     areas, slopes = polynomial(coefficients, depths), polynomial(coefficients, depths, derivative=True)
-    grows = (areas > 0) & (slopes > 0)
-    power = np.where(grows, slopes / np.where(grows, areas, 1), np.inf)
-    failing = np.append(0, np.cumsum(power > 2 + STEEPER))
-    decade = failing[np.searchsorted(depths, 10 * depths)] - failing[:-1]  # how many fail from a depth to ten times that
-    good = np.flatnonzero((decade == 0) & (power >= 1 - ROUNDING) & (power <= 2 + ROUNDING))
-    if not len(good) or good[0] == 0:
+    power = np.where(areas > 0, slopes / np.where(areas > 0, areas, 1), np.nan)
+    good = (power >= 1 - ROUNDING) & (power <= STEEPEST)
+    first = int(np.argmax(good))
+    failing = np.flatnonzero(~good[first:])
+    if not good[first] or not len(failing) and least <= LEAST_DEPTH:
         return 0.0, 2.0
-    return float(depths[good[0]]), float(power[good[0]])
+    last = first + (failing[0] if len(failing) else len(depths)) - 1
+    return float(depths[last]), float(power[last])
 
 
 def hay(tangent, nu):
@@ -140,22 +153,37 @@ def hay(tangent, nu):
     return np.pi * (np.pi / 4 + 0.15483073 * inward) / (np.pi / 2 - 0.83119312 * inward) ** 2
 
 
-def pyramid_area(h, tangent, faces, radius, count=200):
-    """Returns the area of the section at distance h from the end of a pyramid that is widened by a radius.
+def sectors_of(faces, tangent):
+    """Returns the sectors of the section of a regular pyramid: [(corners, distance of a corner from the axis at the height 1, angle
+    from a corner to the middle of its side)]."""
+    return [(faces, tangent / math.cos(math.pi / faces), math.pi / faces)]
+
+
+def sectors_of_rhombus(long_edges, short_edges):
+    """Returns those of a pyramid over a rhombus by the angles between opposite edges (degrees)."""
+    a, b = (math.tan(math.radians(angle / 2)) for angle in (long_edges, short_edges))
+    face = math.atan2(1 / b, 1 / a)  # of the normal of a side, from the long diagonal
+    return [(2, a, face), (2, b, math.pi / 2 - face)]
+
+
+def pyramid_area(h, sectors, radius, count=200):
+    """Returns the area of the section at distance h from the end of a pyramid with these sectors that is widened by a radius.
 
     The section is convex, so that its area is half the integral of H^2 - H'^2, H its support function: over the angle psi from
     a corner that of a pyramid with its apex a radius higher is k(psi) c, to which the ball adds.
     """
     if h <= 0:
         return 0.0
-    psi = (np.arange(count) + 0.5) * math.pi / faces / count
-    corner = tangent / math.cos(math.pi / faces)
-    k, slope, c = corner * np.cos(psi), -corner * np.sin(psi), h - radius
-    root = np.sqrt(1 + k**2)
-    on_edges = c >= -k * radius / root  # else on the ball at the apex
-    support = np.where(on_edges, k * c + radius * root, math.sqrt(max(radius**2 - c**2, 0)))
-    change = np.where(on_edges, slope * (c + radius * k / root), 0)
-    return math.pi * np.mean(support**2 - change**2)
+    area, c = 0.0, h - radius
+    for corners, corner, reach in sectors:
+        psi = (np.arange(count) + 0.5) * reach / count
+        k, slope = corner * np.cos(psi), -corner * np.sin(psi)
+        root = np.sqrt(1 + k**2)
+        on_edges = c >= -k * radius / root  # else on the ball at the apex
+        support = np.where(on_edges, k * c + radius * root, math.sqrt(max(radius**2 - c**2, 0)))
+        change = np.where(on_edges, slope * (c + radius * k / root), 0)
+        area += corners * reach * np.mean(support**2 - change**2)
+    return area
 
 
 def depth_of(tip, area, most):

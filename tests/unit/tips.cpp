@@ -65,13 +65,15 @@ TEST(Tips, AreaFunctionOfAVendor)
   for (int k = 0; k < 5; ++k) EXPECT_NEAR(ConeAngle(*area, depths[k]), angles[k], 1e-3) << depths[k];
   const double begin = area->Begin(), little = 1e-6 * begin;
   EXPECT_GT(begin, 16e-9);
-  EXPECT_LT(begin, 20e-9);
+  EXPECT_LT(begin, 17e-9);
   EXPECT_NEAR(area->Area(begin - little) / area->Area(begin + little), 1, 1e-5) << "areas meet";
   EXPECT_NEAR(area->Slope(begin - little) / area->Slope(begin + little), 1, 1e-5) << "slopes meet";
   double grows = 1;
   for (double depth = 1e-11; depth < 5e-6; depth *= 1.01) grows = std::min(grows, area->Slope(depth));
   EXPECT_GT(grows, 0);
   EXPECT_FALSE(AreaFunction::Create(FromNanometres({24.5, -1e5}), 0, 1e-6)) << "it has no area below 4 um";
+  EXPECT_NEAR(AreaFunction::Create(FromNanometres({24.5, -50}), 0, 1e-6)->Begin() / (50 / 24.5 * 21e-9), 1, 1e-2)
+      << "p is 2.05 there";
   EXPECT_FALSE(AreaFunction::Create({-24.5}, 0, 1e-6));
 }
 

@@ -11,7 +11,8 @@ namespace mlgimp
 
 /// A(h) = C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) + ..., Oliver and Pharr, J. Mater. Res. 7 (1992) 1564. A fitted function is no
 /// tip down to h = 0, where its last terms rule: below the least depth h_m down to which it falls by a power p = h A'/A between
-/// that of a paraboloid, 1, and that of a cone, 2, it goes on as A_m (h/h_m)^p, which keeps A, A' and the place of the end.
+/// that of a paraboloid, 1, and that of a cone, 2, or a little more, it goes on as A_m (h/h_m)^p, which keeps A, A' and the place
+/// of the end.
 class AreaFunction
 {
 public:

@@ -37,8 +37,8 @@ std::optional<AreaFunction> AreaFunction::Create(const std::vector<double> &coef
     const double area = function.Fitted(depth), power = depth * function.FittedSlope(depth) / area;
     const bool is_tip = area > 0 && power >= 1 - kPower && power <= kMaxPower;
     if (function.begin_ > 0 && !is_tip) break;
+    if (is_tip) function.begin_ = depth, function.area_ = area, function.power_ = power;
     function.goes_on_ = is_tip && k == kDepths && least < lowest;
-    if (is_tip && power <= 2 + kPower) function.begin_ = depth, function.area_ = area, function.power_ = power;
   }
   if (function.begin_ == 0) return {};
   return function;

@@ -94,14 +94,16 @@ def load_depth(history, title):
 
 
 @styled
-def compared(measured, runs):
-    """Returns the picture of a measured load_depth.Curve as dots, and of runs, a list of (label, Curve, colour)."""
-    figure, axes = plt.subplots(figsize=(6.8, 4.8), layout="constrained")
-    axes.plot(measured.depth, measured.load, ".", color="C0", markersize=2, linestyle="none", label=measured.name)
-    for label, curve, colour in runs:
-        axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.3, label=label)
-    line_axes(axes, "depth (µm)", "load (mN)")
-    axes.legend()
+def compared(tests):
+    """Returns the picture of tests beside each other, a list of (measured load_depth.Curve, runs): the curve as dots, and of the runs, a
+    list of (label, Curve, colour), lines."""
+    figure, beside = plt.subplots(1, len(tests), figsize=(6.8 * len(tests), 4.8), layout="constrained", squeeze=False)
+    for axes, (measured, runs) in zip(beside[0], tests):
+        axes.plot(measured.depth, measured.load, ".", color="C0", markersize=2, linestyle="none", label=measured.name)
+        for label, curve, colour in runs:
+            axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.3, label=label)
+        line_axes(axes, "depth (µm)", "load (mN)")
+        axes.legend()
     return figure
 
 

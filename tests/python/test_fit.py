@@ -8,7 +8,7 @@ import pytest
 
 import fit
 import harness
-from mlgimp import fitting
+from mlgimp import fit_profiles, fitting
 from mlgimp.errors import Error
 from made_curves import CONE_OPTIONS, curve
 from test_scripts import HISTORY
@@ -143,13 +143,13 @@ def test_what_the_program_warns_of(fitted, monkeypatch):
     assert "of the best run: -damping 1: near" in lines and not any("far" in line for line in lines), lines
 
 
-def test_profile_does_not_depend_on_rows(expect):
-    """Ten times as many rows, and a run that ends before the unloading does."""
-    few, many = (curve(*law(TRUTH, rows=rows)) for rows in (200, 2000))
-    edges = fitting.edges_of(many)
-    expect("rows", np.max(np.abs(fitting.profile(few, edges) / fitting.profile(many, edges) - 1)), at_most=0.01)
-    shallow = curve(*law(TRUTH, depth=0.48, rows=2000))
-    expect("a loading that ends early", np.max(np.abs((fitting.profile(shallow, edges) / fitting.profile(many, edges))[:fitting.PARTS] - 1)), at_most=0.02)
+def test_values_do_not_depend_on_rows(expect):
+    """A test with a tenth of the rows of a run, and a run that ends before the test does."""
+    test, run = (curve(*law(TRUTH, rows=rows), is_run=rows > 1000) for rows in (200, 2000))
+    target = fit_profiles.target_of(test)
+    expect("rows", np.max(np.abs(fit_profiles.compared(run, None, target) - target.values)) / target.scale, at_most=1e-3)
+    shallow = curve(*law(TRUTH, depth=0.48, rows=2000), is_run=True)
+    expect("a loading that ends early", np.max(np.abs(fit_profiles.compared(shallow, None, target) / target.values - 1)[target.groups[0]]), at_most=0.02)
 
 
 # ---- refusals ----

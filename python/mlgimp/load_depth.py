@@ -10,14 +10,15 @@ import numpy as np
 from . import checks, cycles, results, tables, tips, zeros
 from .cycles import find_cycles
 from .errors import ResultError
-from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of
+from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, column_argument, column_of
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time", defaults=(None, None, None))
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness", defaults=(None,) * 4)
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
 these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
-[rows], None of one without it and of a measured curve, whose time is that."""
+[rows], None of one without it and of a measured curve, whose time is that; and the stiffness of the contact (mN/um) that an
+instrument measures all the time by small oscillations [rows], NaN where it has none, or None."""
 
 FREE = 0.05  # of the largest load: what a tip over the surface may seem to carry
 SHUFFLED = 0.5  # von Neumann's ratio, mean square of steps over variance, is 2 for rows in random order
@@ -129,14 +130,14 @@ def numbers(text):
 
 # ---- measurements ----
 
-def read_measured(path, depth="depth:um", load="load:mN", time=None, *, test=None, zero_depth=0, zero_load=0):
+def read_measured(path, depth="depth:um", load="load:mN", time=None, *, test=None, zero_depth=0, zero_load=0, stiffness=None):
     """Returns the Curve of a test in a text with columns, with or without lines of text above, between and below the rows.
 
-    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. test: which test
+    depth, load, time and stiffness: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column. test: which test
     of a file with several, from 1 on. zero_depth and zero_load: what the file has for the depth where the tip touches, and for the
     load of the free tip, in its own units, or "auto", see zeros.py. What was measured on the way to the surface is left out.
     """
-    tests = measured_tests(path, depth, load, time, zero_depth, zero_load)
+    tests = measured_tests(path, depth, load, time, zero_depth, zero_load, stiffness)
     if test is None and len(tests) > 1:
         raise ResultError(path, f"holds {len(tests)} tests: choose one by its number, test 1 to {len(tests)}")
     number = 1 if test is None else checks.whole("test", test, 1)
@@ -145,39 +146,39 @@ def read_measured(path, depth="depth:um", load="load:mN", time=None, *, test=Non
     return tests[number - 1]()
 
 
-def read_tests(path, depth="depth:um", load="load:mN", time=None, *, zero_depth=0, zero_load=0):
+def read_tests(path, depth="depth:um", load="load:mN", time=None, *, zero_depth=0, zero_load=0, stiffness=None):
     """Returns the Curves of all tests in a text with columns; arguments are those of read_measured."""
-    return [read() for read in measured_tests(path, depth, load, time, zero_depth, zero_load)]
+    return [read() for read in measured_tests(path, depth, load, time, zero_depth, zero_load, stiffness)]
 
 
-def measured_tests(path, depth, load, time=None, zero_depth=0, zero_load=0):
+def measured_tests(path, depth, load, time=None, zero_depth=0, zero_load=0, stiffness=None):
     """Returns the tests in a text with columns as functions without arguments that return a Curve or raise a ResultError."""
     columns = [column_of("depth", depth, DEPTH_UNITS), column_of("load", load, LOAD_UNITS)]
     if columns[0].name == columns[1].name:
         raise ResultError(path, f"depth and load are the same column, {columns[0].name}")
     columns += [column_of("time", time, TIME_UNITS)] if time is not None else []
+    columns += [column_of("stiffness", stiffness, STIFFNESS_UNITS)] if stiffness is not None else []
     given = {"zero_depth": zero_depth, "zero_load": zero_load}
     given = {name: zeros.checked(name, value, column.factor) for (name, value), column in zip(given.items(), columns)}
     tests = tables.read_tests(checks.path("path", path), columns)
     names = [Path(path).name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    return [functools.partial(measured_curve, path, name, read, **given) for name, read in zip(names, tests)]
+    others = [name for name, column in (("time", time), ("stiffness", stiffness)) if column is not None]
+    return [functools.partial(measured_curve, path, name, read, others, **given) for name, read in zip(names, tests)]
 
 
-def measured_curve(path, name, read, zero_depth, zero_load):
-    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes. Zeros are in um and mN."""
+def measured_curve(path, name, read, others, zero_depth, zero_load):
+    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, and what `others` names] and notes. Zeros are in um and mN."""
     table, notes = read()
-    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if table.shape[1] > 2 else []
+    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if "time" in others else []
     if len(falls):
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
-    table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
-    depths, loads, *times = table.T
-    curve = Curve(name, times[0] if times else None, depths, loads, None, None, None, False, notes)
+    table = table[np.append(True, np.any(np.diff(np.nan_to_num(table), axis=0) != 0, axis=1))]
+    curve = Curve(name, None, *table.T[:2], None, None, None, False, notes)._replace(**dict(zip(others, table.T[2:])))
     curve = zeros.without_zeros(curve, zero_depth, zero_load)
     check_order_and_signs(path, curve.depth, curve.load)
     approach = rows_of_approach(curve.depth, curve.load)
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
-    return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
-                          notes=curve.notes + left_out)
+    return curve._replace(notes=curve.notes + left_out, **{each: getattr(curve, each)[approach:] for each in ("depth", "load", *others)})
 
 
 def without_drift(curve, drift):

@@ -45,7 +45,7 @@ def standard(curve, fit, given=Inputs()):
     left = math.sqrt(max((fit.residual * fit.load) ** 2 - (fit.stiffness * depth) ** 2, 0))
     load = max(load, left) if given.load_uN is None else 1e-3 * given.load_uN
     depth = depth if given.depth_nm is None else 1e-3 * given.depth_nm
-    seen = int(np.argmax(curve.load > SEEN * load))
+    seen = int(np.argmax(cycles.without_spikes(curve.load) > SEEN * load))
     default = Inputs(0.0 if is_run else 1e3 * max(curve.depth[seen], 0) / math.sqrt(3), 0.0 if is_run else FRAME, 0.0 if is_run else AREA,
                      0.0 if is_run else POISSON, 1e3 * depth, 1e3 * load)
     return Inputs(*(own if value is None else value for own, value in zip(default, given)))
@@ -61,26 +61,33 @@ def checked_inputs(**given):
 
 # ---- draws ----
 
-def noisy_fits(curve, fit, inputs, random, count):
-    """Returns depths (um), loads (mN) and stiffnesses (mN/um) at the start of the unloading [count]: fits of the fitted law with noise of
-    depth and load on each row."""
+def noisy_starts(curve, fit, inputs, random, count):
+    """Returns depths (um), loads (mN) and stiffnesses (mN/um) at the start of the unloading [count], drawn from the noise of each row."""
     depth, load = 1e-3 * inputs.depth_nm, 1e-3 * inputs.load_uN
-    rows = curve.depth[fit.rows]
-    law = oliver_pharr.fitted_load(fit, rows)
-    resting = len(held_rows(curve, fit))
-    tops = fit.depth + depth / math.sqrt(resting) * random.normal(size=count), fit.load + load / math.sqrt(resting) * random.normal(size=count)
-    found = np.empty(count)
-    for k in range(count):
-        places = rows + depth * random.normal(size=len(rows)) - tops[0][k]
-        travel = -places.min()
-        shares = (law + load * random.normal(size=len(rows))) / tops[1][k]
-        found[k] = oliver_pharr.fit_power_law(places / travel, shares, tops[0][k] / travel).slope / travel * tops[1][k]
-    return *tops, found
+    rows = len(np.arange(len(curve.load))[cycle_of(curve, fit).hold])
+    tops, loads = (value + noise / math.sqrt(rows) * random.normal(size=count) for value, noise in ((fit.depth, depth), (fit.load, load)))
+    slope, deviation = noise_of_stiffness(curve.depth[fit.rows] - fit.depth, fit, depth, load)
+    return tops, loads, fit.stiffness + slope * (tops - fit.depth) + deviation * random.normal(size=count)
 
 
-def held_rows(curve, fit):
-    """Returns the rows over which load and depth at the start of an Unloading are means."""
-    return np.arange(len(curve.load))[cycle_of(curve, fit).hold]
+def noise_of_stiffness(depth, fit, of_depth, of_load):
+    """Returns dS/dh (mN/um^2) of an Unloading's law at its start, and the standard deviation of S (mN/um) by the noise of the fitted rows.
+
+    depth [rows]: of these rows from the start (um, below zero); of_depth (um), of_load (mN): noise of each. The fit of
+    P = P1 u^m, u = 1 + S d/(m P1), is linear in the noise as far as this is small: its normal equations give dS = g (dP - P'(h) dh). m counts as free where it is at its
+    limit, as another noise would free it.
+    """
+    exponent, stiffness = fit.exponent, fit.stiffness
+    load = stiffness * (fit.depth - fit.final_depth) / exponent  # P1
+    u = np.maximum(1 + stiffness * depth / (exponent * load), 1e-9)
+    by = np.column_stack([u**exponent - stiffness * depth / load * u ** (exponent - 1), depth * u ** (exponent - 1),
+                          load * u**exponent * np.log(u) - stiffness * depth / exponent * u ** (exponent - 1)])  # of P1, S and m
+    free = np.eye(3)
+    if fit.raised > 0:  # hf is held at zero, S = m P1/h
+        free = np.array([[1, exponent / fit.depth, 0], [0, 0, 0], [0, load / fit.depth, 1]]).T
+    weights = (free @ np.linalg.pinv(by @ free))[1]
+    deviation = np.linalg.norm(weights * np.hypot(of_load, stiffness * u ** (exponent - 1) * of_depth))
+    return stiffness**2 * (exponent - 1) / (exponent * load), float(deviation)
 
 
 def cycle_of(curve, fit):
@@ -145,7 +152,7 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
     poisson = curve.poisson if constants.poisson is None else constants.poisson
     nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "zero": 0.0, "compliance": 0.0, "area": 0.0, "poisson": poisson}
     stiffnesses = windows_fits(curve, fit, constants.window)
-    depth, load, noisy = noisy_fits(curve, fit, inputs, random, count)
+    depth, load, noisy = noisy_starts(curve, fit, inputs, random, count)
     ratios = random.choice(stiffnesses, count) / fit.stiffness
     sources = [
         ("noise", f"{inputs.depth_nm:.3g} nm, {inputs.load_uN:.3g} uN of each row", {"depth": depth, "load": load, "stiffness": noisy}),

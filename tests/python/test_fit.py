@@ -245,6 +245,23 @@ def test_an_imprint_counts_too(cones, monkeypatch):
     assert depths[-1] == 1 and abs(alone / 6e8 - 1) > 0.02 and abs(both.values[0] / 6e8 - 1) < abs(alone / 6e8 - 1), (alone, both.values)
 
 
+def test_command_of_two_tests(cones, tmp_path, capsys):
+    """Pairs of curve and case, and an imprint of the second."""
+    for angle, test in zip(ANGLES, noisy_tests(1)):
+        np.savetxt(tmp_path / f"{angle}.csv", np.column_stack([test.depth, test.load]), delimiter=",", header="depth,load", comments="")
+    pairs = [str(tmp_path / f"{angle}.{kind}") for angle in ANGLES for kind in ("csv", "opts")]
+    fit.main([*pairs, "-vary", "E,yield_stress,hardening_exponent", "-output_dir", str(tmp_path / "out")])
+    found = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert found["runs"] == len(list((tmp_path / "out").glob("run_*_[12]"))) <= 40 and len(found["forecast"]["standard_errors"]) == 3
+    assert all(each["lower"] <= TRUTH[name] <= each["upper"] for name, each in found["constants"].items())
+    assert "by noise and first slopes" in capsys.readouterr().out and (tmp_path / "out" / "fit.png").stat().st_size > 1000
+    for words, line in ((["-profile", "a.csv"], "one name for each of the 2 tests"), (["-profile", ",none.csv"], "none.csv")):
+        with pytest.raises(SystemExit, match=line):
+            fit.main([*pairs, "-vary", "E", *words])
+    with pytest.raises(SystemExit, match="must be given, several tests one after the other"):
+        fit.main([*pairs[:3], "-vary", "E"])
+
+
 @pytest.mark.parametrize("given, line", [
     ({"measured": []}, "case="), ({"case": ["a.opts"]}, "a list with a case for each of the 2 curves"),
     ({"measured": "m.csv"}, "case=.*the path of an options file"), ({"profile": "p"}, "profile=.*a list with an imprint"),

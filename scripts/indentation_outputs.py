@@ -66,7 +66,8 @@ def found_of(analyses, constants, options):
             over = csm.over_depth(each.curve, each.rows, constants)
             if over is not None:
                 tables[each.name] = over
-                summaries[each.name] = csm.summary(over, options.csm_range and [1e-3 * end for end in options.csm_range])
+                deep = csm.UNLOADED if each.curve.stiffness is None else csm.DEEP
+                summaries[each.name] = csm.summary(over, options.csm_range and [1e-3 * end for end in options.csm_range], deep)
         if options.uncertainty and each.rows:
             known[each.name] = uncertainty_of(each, constants, options)
     if options.csm and not tables:

@@ -18,7 +18,8 @@ P/S^2 = pi H/(4 beta^2 Er^2) is constant in a homogeneous half space (Joslin and
 
 UNITS = ("um", "mN", "mN_per_um", "um", "um2", "GPa", "GPa", "GPa", "um2_per_mN")
 COLUMNS = tuple(f"{name if name != 'ratio' else 'load_over_squared_stiffness'}_{unit}" for name, unit in zip(OverDepth._fields, UNITS))
-DEEP = 0.5, 0.95  # of the largest depth, where means are taken by default: above, tip and contact point matter; below, the test slows down
+DEEP = 0.5, 0.95  # of the largest depth, where means are taken by default: above, tip and contact point matter; below, a hold adds rows
+UNLOADED = 0.5, 1.0  # the same of unloadings, of which the last is from the largest depth
 RANGE = Rule(lambda ends: len(ends) == 2 and 0 <= ends[0] < ends[1] < math.inf, "LOW,HIGH in nm with 0 <= LOW < HIGH")
 LEAST = 3  # unloadings, from which on figures over the depth are more than single ones
 
@@ -56,9 +57,9 @@ def over_depth(curve, rows, constants=oliver_pharr.Constants()):
     return of_unloadings(found) if len(found) >= LEAST else None
 
 
-def summary(found, ends=None):
-    """Returns a dict: means and standard deviations of hardness, moduli and P/S^2 between two depths (um), by default the deeper half."""
-    low, high = (share * found.depth.max() for share in DEEP) if ends is None else ends
+def summary(found, ends=None, deep=DEEP):
+    """Returns a dict: means and standard deviations of hardness, moduli and P/S^2 between two depths (um), by default shares of the largest."""
+    low, high = (share * found.depth.max() for share in deep) if ends is None else ends
     rows = (found.depth >= low) & (found.depth <= high)
     if not rows.any():
         raise Error(f"no row lies between the depths of {1e3 * low:g} and {1e3 * high:g} nm; the largest is {1e3 * found.depth.max():.4g} nm")
@@ -81,23 +82,6 @@ def draw(tables):
     """Returns the picture of {name of a curve: OverDepth}: hardness, modulus and P/S^2 over the depth, as a matplotlib Figure."""
     need("matplotlib")  # only where something is drawn
     from . import pictures
-    return pictures.styled(draw_panels)(pictures, tables)
-
-
-def draw_panels(pictures, tables):
-    """Draws the three panels of draw()."""
-    figure, panels = pictures.plt.subplots(3, 1, sharex=True, figsize=(6.8, 8.4), layout="constrained")
     modulus = "modulus" if all(np.isfinite(found.modulus).any() for found in tables.values()) else "reduced_modulus"
-    labels = {"hardness": "hardness (GPa)", modulus: modulus.replace("_", " ") + " (GPa)", "ratio": "P/S² (µm²/mN)"}
-    for axes, (name, label) in zip(panels, labels.items()):
-        for number, (curve, found) in enumerate(tables.items()):
-            few = len(found.depth) < 40
-            axes.plot(found.depth, getattr(found, name), color=f"C{number}", linestyle="-" if few else "none", marker="o" if few else ".",
-                      markersize=4 if few else 2, label=curve)
-        pictures.line_axes(axes, "", label)
-        deep = np.concatenate([getattr(found, name)[found.depth >= DEEP[0] / 5 * found.depth.max()] for found in tables.values()])
-        axes.set_ylim(0, 1.3 * np.nanmax(deep))  # where the tip has hardly touched, figures may be any
-    panels[-1].set_xlabel("depth (µm)")
-    if len(tables) > 1:
-        panels[0].legend()
-    return figure
+    panels = {"hardness (GPa)": "hardness", f"{modulus.replace('_', ' ')} (GPa)": modulus, "P/S² (µm²/mN)": "ratio"}
+    return pictures.over_depth([(name, found.depth, {label: getattr(found, of) for label, of in panels.items()}) for name, found in tables.items()])

@@ -3,7 +3,7 @@
 from functools import cached_property
 from pathlib import Path
 
-from . import checks, load_depth, oliver_pharr, results
+from . import checks, imprint, load_depth, oliver_pharr, results
 from .errors import Error
 from .needs import need
 
@@ -71,7 +71,6 @@ class Results:
 
         pixel: its width in um, by default half a finest cell. out: a folder, into which surface.gsf (Gwyddion) and surface.csv are written.
         """
-        from . import imprint
         image = imprint.height_map(self.folder, frame, pixel)
         if out is not None:
             imprint.write(checks.path("out", out), image, f"imprint of {results.case_name(self.folder)}")

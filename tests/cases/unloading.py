@@ -97,16 +97,17 @@ def measured(run, random):
     return load_depth.Curve("measured", None, depth + noise[0], load + noise[1], None, run.tip, run.poisson, False, [])
 
 
-def remembered(execute, folder):
-    """execute() of the program that keeps what runs of a case with the same constants gave."""
+def remembered(execute):
+    """execute() of the program that copies what a run of a case with the same constants gave before."""
     known = {}
 
     def run(options, ranks):
         key = tuple(sorted((name, str(value)) for name, value in options.items() if name != "output_dir"))
-        if key not in known:
-            execute({**options, "output_dir": folder / f"known_{len(known)}"}, ranks)
-            known[key] = folder / f"known_{len(known)}"
-        shutil.copytree(known[key], options["output_dir"], dirs_exist_ok=True)
+        if key in known:
+            shutil.copytree(known[key], options["output_dir"], dirs_exist_ok=True)
+        else:
+            execute(options, ranks)
+            known[key] = options["output_dir"]
     return run
 
 
@@ -125,7 +126,7 @@ def verify_constants_of_two_tips(study):
         program.execute({"options_file": folder / f"true_{angle}.opts", "frames": 0, "output_dir": folder / f"true_{angle}"})
         cases.append(folder / f"case_{angle}.opts")
         runs.append(load_depth.read_run(folder / f"true_{angle}"))
-    own, fitting.execute = fitting.execute, remembered(program.execute, folder)
+    own, fitting.execute = fitting.execute, remembered(program.execute)
     try:
         found = [fitting.fit([measured(run, random) for run in runs], cases, list(POWER), output_dir=folder / f"fit_{seed}")
                  for seed in range(DRAWS) for random in [numpy.random.default_rng(seed)]]

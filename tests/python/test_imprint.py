@@ -76,6 +76,14 @@ def test_right_is_right_and_up_is_up(tmp_path, expect):
     expect("the matrix", float(np.max(np.abs(table - 1e-6 * image.height)) / 3e-7), at_most=1e-8)
 
 
+@pytest.mark.parametrize("title", ["a", "ab", "abc", "abcd"])
+def test_headers_of_all_lengths(tmp_path, title):
+    """One to four zeros lie between the header and the numbers, which begin at a multiple of four bytes."""
+    image = imprint.HeightMap(np.arange(3.0), np.arange(2.0)[::-1], np.arange(6.0).reshape(2, 3))
+    imprint.write_gsf(tmp_path / "s.gsf", image, title)
+    assert np.allclose(read_gsf(tmp_path / "s.gsf")[1], 1e-6 * image.height)
+
+
 def test_planes_are_exact(tmp_path, expect):
     """Between the corners heights are linear: those of a plane are exact at each pixel, whatever the patches."""
     corners = quads((-3e-6, -2e-6), (5e-6, 4e-6), 7)

@@ -1,7 +1,6 @@
 """What scripts/indentation.py writes when it is asked to, beside its tables: figures over the depth, uncertainties, curves as instruments
 write them, a page."""
 
-import argparse
 import math
 import re
 import shlex
@@ -58,6 +57,8 @@ def check(options):
 
 def found_of(analyses, constants, options):
     """Returns what is Found of Analyses with a curve."""
+    if options.other_cells and not any(each.curve and each.curve.cells is not None for each in analyses):
+        raise Error("--other-cells: must stand beside a run")
     tables, summaries, known = {}, {}, {}
     for each in analyses:
         if not each.curve:

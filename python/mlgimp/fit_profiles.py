@@ -9,7 +9,7 @@ from .errors import Error
 
 PARTS = 30  # of the loading, and of the unloading
 LEAST_DEPTH, LEAST_LOAD = 0.1, 0.2  # of the largest: where the loading begins to count, and where the unloading ends to
-LEAST_ROWS = 5  # of the measured unloading
+LEAST_ROWS = 5  # of the measured loading, and of the unloading
 CLEAR = 3  # times the noise: so far from the turn, rows of the loading and of the unloading do not mix
 END = 1 / 3  # of a run's unloading: the straight line through it goes on where the run ends before the measurement
 FINEST = 1e-3  # of the largest load: how well a mean is known at best, as loads of runs waver by that with the cells
@@ -58,18 +58,20 @@ def target_of(curve, imprint=None):
     """
     cycle = largest_cycle(curve)
     top, load = np.mean(curve.depth[cycle.hold]), np.mean(curve.load[cycle.hold])
-    up, down = np.arange(cycle.begin, cycle.start + 1), np.arange(cycle.start, cycle.end + 1)
-    if np.count_nonzero(curve.load[down] >= LEAST_LOAD * load) <= LEAST_ROWS or top <= 0:
-        raise Error(f"{curve.name}: must have a largest depth > 0, and {LEAST_ROWS} rows of its unloading "
-                    f"above {LEAST_LOAD:g} of the load")
+    if top <= 0:
+        raise Error(f"{curve.name}: must have a largest depth > 0, not {top:.3g} um")
     if curve.depth[:cycle.start + 1].min() > LEAST_DEPTH * top:
         raise Error(f"{curve.name}: must begin at less than {LEAST_DEPTH:g} of its largest depth {top:.3g} um, "
                     f"not at {curve.depth[0]:.3g} um")
     of_load, of_depth = cycles.noise(curve.load), cycles.noise(curve.depth)
+    up, down = np.arange(cycle.begin, cycle.start + 1), np.arange(cycle.start, cycle.end + 1)
     deeper = np.maximum.accumulate(cycles.without_spikes(curve.depth)[up])
     weaker = np.minimum.accumulate(cycles.without_spikes(curve.load)[down])
     up = parts_of(up, deeper, LEAST_DEPTH * top, top - min(CLEAR * of_depth, top / PARTS))
     down = parts_of(down, weaker, LEAST_LOAD * load, load - min(CLEAR * of_load, load / PARTS))
+    if min(len(up.rows), len(down.rows)) < LEAST_ROWS:
+        raise Error(f"{curve.name}: must have {LEAST_ROWS} rows of its loading above {LEAST_DEPTH:g} of the depth, and {LEAST_ROWS} rows of its unloading "
+                    f"above {LEAST_LOAD:g} of the load; there are {len(up.rows)} and {len(down.rows)}")
     values, error = [], []
     for parts in (up, down):
         values.append(means(parts, curve.load[parts.rows]))

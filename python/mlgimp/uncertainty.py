@@ -29,6 +29,7 @@ GRID = 5  # windows along each of these that are fitted; draws are from them
 SEEN = 3  # times the noise of the load, at which a contact is seen
 ORDER = 1  # of the error with the cells: loads and areas of contacts whose rim lies within a cell
 LEAST_RATIO = 1.2  # of the cells of two runs whose difference says something about either
+ANOTHER = 0.05  # difference of depths above which two runs are two tests; cells change the depth under load control by less
 RULES = {name: Rule(lambda value: 0 <= value < math.inf, "a number >= 0") for name in Inputs._fields}
 DRAWS = Rule(lambda count: 100 <= count <= 100000, "a whole number in [100, 100000]")
 
@@ -131,6 +132,8 @@ def errors_of_cells(row, other=None):
         raise Error("the run on other cells: both must be runs whose cells in the contact are known")
     if not max(own, others) >= LEAST_RATIO * min(own, others):
         raise Error(f"the run on other cells: must have {LEAST_RATIO} times as many cells in the contact, or as few; there are {others:.3g} and {own:.3g}")
+    if abs(other["depth_um"] / row["depth_um"] - 1) > ANOTHER:
+        raise Error(f"the run on other cells: must be of the same test; it is {other['depth_um']:.4g} um deep, not {row['depth_um']:.4g} um")
     part = own**-ORDER / abs(own**-ORDER - others**-ORDER)
     return np.array([abs(other[name] / row[name] - 1) * part for name in QUANTITIES]), f"{own:.3g} cells, against {others:.3g}"
 

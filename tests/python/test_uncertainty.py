@@ -101,12 +101,14 @@ def test_inputs_by_default():
 
 def test_cells_of_two_runs(expect):
     """An error of first order: 4 % on 4 cells and 2 % on 8 differ by 2 %, so that the finer has 2 % left, the coarser 4."""
-    rows = [dict.fromkeys(QUANTITIES, 1 + 0.16 / cells) | {"cells": cells} for cells in (4, 8)]
+    rows = [dict.fromkeys(QUANTITIES, 1 + 0.16 / cells) | {"cells": cells, "depth_um": 0.2} for cells in (4, 8)]
     coarse, fine = (uncertainty.errors_of_cells(*pair)[0][0] for pair in (rows, rows[::-1]))
     expect("the coarser", float(coarse), near=0.04, tolerance=2e-3)
     expect("the finer", float(fine), near=0.02, tolerance=1e-3)
     with pytest.raises(Error, match="1.2 times as many cells"):
         uncertainty.errors_of_cells(rows[0], rows[0] | {"cells": 4.5})
+    with pytest.raises(Error, match="must be of the same test; it is 0.3 um deep, not 0.2 um"):
+        uncertainty.errors_of_cells(rows[0], rows[1] | {"depth_um": 0.3})
     run = curve(*metal(lowest=0.1), is_run=True)
     found = found_of(run, Inputs(), draws=5000)
     share = next(share for share in found.shares if share.source == "cells")
@@ -142,7 +144,7 @@ def test_command(tmp_path, capsys):
     (["--u-area", "2"], "--u-area: needs --uncertainty"), (["--uncertainty", "10"], "a whole number in [100, 100000]"),
     (["--uncertainty", "--u-zero", "-1"], "a number >= 0"), (["--uncertainty", "--u-zero", "nan"], "a number >= 0"),
     (["--other-cells", "run"], "--other-cells: needs --uncertainty"), (["--uncertainty", "--seed", "-1"], "--seed -1"),
-    (["--uncertainty", "--u-zero", "1e6"], "there is no contact")])
+    (["--uncertainty", "--u-zero", "1e6"], "there is no contact"), (["--uncertainty", "--other-cells", "run"], "must stand beside a run")])
 def test_refusals(tmp_path, words, line):
     (tmp_path / "m.csv").write_text(GOOD)
     assert line in refusal(tmp_path / "m.csv", "--area-function", "24.5", *words)

@@ -294,7 +294,8 @@ def doubts(fit):
             yield f"{one.name} went to its limit {fit.values[k]:.4g}"
         for other in range(k):
             if abs(fit.correlation[k, other]) > ALIKE:
-                yield (f"{found[other].name} and {one.name} cannot be told apart by this curve: "
+                curves = "this curve" if len(fit.targets) == 1 else "these curves"
+                yield (f"{found[other].name} and {one.name} cannot be told apart by {curves} but for what their intervals say: "
                        f"their errors correlate by {fit.correlation[k, other]:.3f}; hold one, or add a test with another tip")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import checks, cycles, oliver_pharr
 from .checks import Rule
-from .errors import Error
+from .errors import Error, ResultError
 
 Inputs = namedtuple("Inputs", "zero_nm compliance_nm_per_mN area_percent poisson depth_nm load_uN", defaults=(None,) * 6)
 Inputs.__doc__ = """Standard uncertainties of what goes into an analysis: contact point, frame compliance, area of the tip, Poisson's ratio, and
@@ -65,7 +65,8 @@ def checked_inputs(**given):
 def noisy_starts(curve, fit, inputs, random, count):
     """Returns depths (um), loads (mN) and stiffnesses (mN/um) at the start of the unloading [count], drawn from the noise of each row."""
     depth, load = 1e-3 * inputs.depth_nm, 1e-3 * inputs.load_uN
-    rows = len(np.arange(len(curve.load))[cycle_of(curve, fit).hold])
+    hold = cycle_of(curve, fit).hold
+    rows = hold.stop - hold.start
     tops, loads = (value + noise / math.sqrt(rows) * random.normal(size=count) for value, noise in ((fit.depth, depth), (fit.load, load)))
     slope, deviation = noise_of_stiffness(curve.depth[fit.rows] - fit.depth, fit, depth, load)
     return tops, loads, fit.stiffness + slope * (tops - fit.depth) + deviation * random.normal(size=count)
@@ -98,12 +99,12 @@ def cycle_of(curve, fit):
 
 def windows_fits(curve, fit, window):
     """Returns the stiffnesses (mN/um) of fits in windows around the one that was chosen, those that have enough rows."""
-    found = []
+    found, cycle = [], cycle_of(curve, fit)
     for low in np.clip(np.linspace(-WINDOW[0], WINDOW[0], GRID) + window[0], 0, 1):
         for high in np.clip(np.linspace(-WINDOW[1], WINDOW[1], GRID) + window[1], 0, 1):
             try:
-                found.append(oliver_pharr.fit_unloading(curve, cycle_of(curve, fit), (low, high)).stiffness)
-            except oliver_pharr.ResultError:
+                found.append(oliver_pharr.fit_unloading(curve, cycle, (low, high)).stiffness)
+            except ResultError:
                 pass
     return np.array(found or [fit.stiffness])
 

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 FIRST = 0.1  # of a logarithm: how far the first runs lie from the guess; slopes of curves with waves need that much
 REGION = 0.5  # of a logarithm: how far the next run may lie at first; the surface of the first runs is a plane
-GROWS, SHRINKS = 1.6, 0.5  # of the region after a run that is better or worse than the best one
+GROWS, SHRINKS = 1.6, 0.5  # of the region after a step to its edge that is better, and of a step that is worse, which the region becomes
 EXACT = 0.03  # of the third order at the region's edge: what a run that is the centre may be missed by
 STRAIGHT = 1e-2  # weight of the penalty on curvatures over that of a residual: runs waver by a tenth of what a curvature adds in the region
 LINEAR = 1e-8  # the same on slopes, which keeps the equations regular alone
@@ -136,8 +136,11 @@ class Search:
         """Makes the run at a Solution, and gives the region another size by it."""
         before = self.best()
         self.add([found.x])
-        at_edge = np.abs(found.x - before).max() > 0.9 * self.region
-        self.region *= SHRINKS if self.best() is before else GROWS if at_edge else 1
+        step = np.abs(found.x - before).max()
+        if self.best() is before:
+            self.region = SHRINKS * step  # not of the region, or steps that waves make worse would go on until it is small
+        elif step > 0.9 * self.region:
+            self.region *= GROWS
 
     def is_near(self, found, place):
         """Whether a Solution is where a run is already, by its standard errors."""

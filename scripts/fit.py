@@ -1,21 +1,27 @@
 #!/usr/bin/env python3
-"""Finds the constants of a material from a measured load-depth curve: least squares over runs of a case, several at once; or those of
+"""Finds the constants of a material from measured load-depth curves: least squares over runs of their cases, several at once; or those of
 creep and relaxation from the hold of a curve, without runs.
 
-usage: scripts/fit.py MEASURED options/CASE.opts -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT] [-test N]
-                      [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-runs N] [-ranks N] [-evaluations N]
-                      [options of mlgimp, on all runs]
+usage: scripts/fit.py MEASURED options/CASE.opts [MEASURED options/CASE.opts ...] -vary NAME,... [-depth COLUMN:UNIT] [-load COLUMN:UNIT]
+                      [-test N] [-zero_depth DEPTH|auto] [-zero_load LOAD|auto] [-profile FILE,... [-profile_radius COLUMN:UNIT] [-profile_height COLUMN:UNIT]]
+                      [-runs N] [-ranks N] [-evaluations N] [options of mlgimp, on all runs]
        scripts/fit.py MEASURED -creep norton|prony [-time COLUMN:UNIT] [-tip KIND -half_angle DEGREES|-radius UM] [-terms N]
                       [-creep_stress PA] [-poisson NU] [-drift NM/S] [-output_dir DIR] [-depth, -load, -test and zeros as above]
 
     scripts/fit.py measured.csv options/cone_load.opts -vary E,yield_stress -depth Displacement:nm -load Force:mN
+    scripts/fit.py cone.csv cone.opts sharp.csv sharp.opts -vary E,yield_stress,hardening_exponent
     scripts/fit.py hold.csv -creep norton -time Time:s -depth Displacement:nm -load Force:mN -tip berkovich
     scripts/fit.py hold.csv -creep prony -terms 2 -time Time:s -tip sphere -radius 10 -poisson 0.4
 
 MEASURED is what scripts/indentation.py reads, or the folder of a run; columns that are not named are those whose heads say so. NAME is
-an option of the case, with or without the name of the material or body before it; E and nu stand for youngs_modulus and poissons_ratio.
-The case's values are the first guess, and constants stay within a factor of 30 of it. -runs are made at the same time, on -ranks ranks each; the search takes
-at most -evaluations steps (30), each of a run and one more for each constant.
+an option of the case, with or without the name of the material or body before it; E and nu stand for youngs_modulus and
+poissons_ratio. The case's values are the first guess, and constants stay within a factor of 30 of it. -runs are made at the same time,
+on -ranks ranks each; after the first runs, one more than constants, which tell how well the test will determine these, the search takes
+at most -evaluations steps (30), each of a run.
+
+Several tests, as under two tips, each have a curve and a case; the first case is the first guess, and a step is a run of each.
+-profile names the heights over the radius that are left after unloading, one file for each test, empty where there is none;
+-profile_radius and -profile_height are its columns (radius:um, height:um), from the tip's axis and over the undeformed surface.
 
 The folder output/fit_CASE/ (or -output_dir) gets the runs, fit.csv with every evaluation, fit.json with the constants, and fit.png.
 
@@ -25,24 +31,27 @@ of E_0 (1 - sum g_k (1 - exp(-t/tau_k))), from a hold of the load or of the dept
 times and Poisson's ratio. -drift takes thermal drift off the depths. The folder output/fit_MEASURED/ gets fit.json, fit.csv with the
 hold and the fit, and fit.png.
 """
+import itertools
+import re
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import command, save, take, whole_number_from
 
-from mlgimp import checks, corrections, creep_fits, fitting, load_depth, tips, zeros
+from mlgimp import checks, corrections, creep_fits, fitting, imprint, load_depth, tips, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
 
 def parse(words):
     """The arguments of fitting.fit that the command line asks for."""
-    if len(words) < 2:
-        raise Error("MEASURED and options/CASE.opts must be given; -help tells more")
-    measured, file, passed = Path(words[0]), Path(words[1]), of_words(words[2:])
-    for path in (measured, file):
-        if not path.exists():
+    paths = list(itertools.takewhile(lambda word: not re.match(r"-[A-Za-z]", word), words))
+    if len(paths) < 2 or len(paths) % 2:
+        raise Error("MEASURED and options/CASE.opts must be given, several tests one after the other; -help tells more")
+    passed = of_words(words[len(paths):])
+    for path in paths:
+        if not Path(path).exists():
             raise Error(f"{path}: there is no such file")
     at_once, count = "a whole number >= 1", whole_number_from(1)
     vary = take(passed, "vary", lambda text: text.split(","), None, "names of options")
@@ -52,16 +61,29 @@ def parse(words):
         raise Error("-vary: must be given")
     for name, least in (("ranks", 1), ("runs", None), ("evaluations", 30)):
         passed[name] = take(passed, name, count, least, at_once)
-    return {"measured": take_curve(measured, passed, depth, load), "case": file, "vary": vary, **passed}
+    profiles = take_profiles(passed, len(paths) // 2)
+    measured = take_curves([Path(path) for path in paths[::2]], passed, depth, load)
+    cases = [Path(path) for path in paths[1::2]]
+    if len(cases) == 1:
+        return {"measured": measured[0], "case": cases[0], "vary": vary, "profile": profiles[0], **passed}
+    return {"measured": measured, "case": cases, "vary": vary, "profile": profiles, **passed}
 
 
-def take_curve(measured, passed, depth, load, time=None):
-    """Takes which test of a file and which zeros, and returns the Curve of a file or of a run."""
+def take_profiles(passed, count):
+    """Takes the files of imprints, and returns as many Imprints, None where there is no file."""
+    radius, height = (take_column(passed, f"profile_{name}", load_depth.DEPTH_UNITS) or f"{name}:um" for name in ("radius", "height"))
+    files = take(passed, "profile", lambda text: text.split(","), [""] * count, "names of files")
+    if len(files) != count:
+        raise Error(f"-profile {','.join(files)}: must have one name for each of the {count} tests, empty where there is none")
+    return [imprint.read_profile(file, radius, height) if file else None for file in files]
+
+
+def take_curves(measured, passed, depth, load, time=None):
+    """Takes which test of the files and which zeros, and returns the Curves of files or of runs."""
     test = take(passed, "test", whole_number_from(1), None, "a whole number >= 1")
     offsets = {name: take(passed, name, zero, 0, "a number, or auto") for name in ("zero_depth", "zero_load")}
-    if measured.is_dir():
-        return load_depth.read_run(measured)
-    return load_depth.read_measured(measured, depth, load, time, test=test, **offsets)
+    return [load_depth.read_run(path) if path.is_dir() else load_depth.read_measured(path, depth, load, time, test=test, **offsets)
+            for path in measured]
 
 
 def parse_creep(words):
@@ -80,7 +102,8 @@ def parse_creep(words):
     drift = take(passed, "drift", float, 0.0, "a number in nm/s")
     if drift and measured.is_dir():
         raise Error("-drift: must be left out for a run")
-    curve = corrections.without_drift(take_curve(measured, passed, depth, load, time), drift)
+    [curve] = take_curves([measured], passed, depth, load, time)
+    curve = corrections.without_drift(curve, drift)
     if passed:
         raise Error(f"-{next(iter(passed))}: must be left out beside -creep")
     return {"measured": curve, "law": law, "tip": tip, **more}, folder

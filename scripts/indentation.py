@@ -6,7 +6,8 @@
     scripts/indentation.py export.xlsx other.hld --tip berkovich --poisson 0.3 --tip-elastic 1141,0.07 --iso
     scripts/indentation.py measured.txt --calibration calibration.json --drift auto --zero-depth power
 
-Writes indentation.json, indentation.csv (a row for each unloading of each curve) and indentation.png. Lengths are in um, loads in mN,
+Writes indentation.json, indentation.csv (a row for each unloading of each curve) and indentation.png; by options hardness and modulus
+over the depth, uncertainties, the curves as instruments write them, and a page. Lengths are in um, loads in mN,
 stresses in GPa, work in nJ; a run's loads and areas are those of the whole tip. A measured curve has the tip that is given, or that
 of the first run, and its Poisson's ratio. docs/indentation.md explains the figures.
 
@@ -24,6 +25,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
+import indentation_outputs as outputs
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -167,9 +169,11 @@ def parse(arguments):
     parser.add_argument("--tip-elastic", type=checked(TIP_ELASTIC, load_depth.numbers), default=(math.inf, 0.0), metavar="GPA,NU",
                         help="modulus and Poisson's ratio of a tip that is not rigid")
     add_tip_options(parser)
+    outputs.add_options(parser, checked, column)
     options = parser.parse_args(arguments)
     if options.calibration and options.frame_compliance is None:
         options.frame_compliance = calibration.read(options.calibration)[1]
+    outputs.check(options)
     return options
 
 
@@ -190,7 +194,7 @@ def read_curves(path, options):
         return [attempt(Path(path).resolve().name, lambda: load_depth.read_run(path))]
     try:
         tests = load_depth.measured_tests(path, options.depth, options.load, options.time, options.zero_depth, options.zero_load, options.drift,
-                                          options.frame_compliance)
+                                          options.frame_compliance, options.stiffness)
         if options.test and options.test > len(tests):
             raise ResultError(path, f"there is no test {options.test}; there are {len(tests)}")
     except ResultError as problem:
@@ -230,7 +234,7 @@ def analysed(each, constants):
     try:
         rows, fits = zip(*oliver_pharr.analysed(each.curve, constants))
     except ResultError as problem:
-        return Analysis(each.name, problem=problem)
+        return each._replace(problem=problem)
     return each._replace(rows=rows, fits=fits)
 
 
@@ -249,8 +253,8 @@ def flat(row):
             for name, value in {**row, **errors}.items() if name != "expected_error"}
 
 
-def write_tables(folder, analyses):
-    """Writes indentation.csv and indentation.json."""
+def write_tables(folder, analyses, found):
+    """Writes indentation.csv and indentation.json, of outputs.Found too."""
     rows = [flat(row) for each in analyses for row in each.rows or [{"curve": each.name, "warnings": f"no figures: {each.problem.problem}"}]]
     with open(folder / "indentation.csv", "w", newline="") as file:
         known = [name for name in oliver_pharr.COLUMNS if name != "expected_error"]
@@ -259,7 +263,7 @@ def write_tables(folder, analyses):
         writer.writerows(rows)
     described = [{"name": each.name, "tip": each.curve.tip.name if each.curve and each.curve.tip else None,
                   "notes": each.curve.notes if each.curve else [], "problem": each.problem.problem if each.problem else None,
-                  "cycles": [without_nan(row) for row in each.rows]} for each in analyses]
+                  "cycles": [without_nan(row) for row in each.rows], **without_nan(outputs.described(each.name, found))} for each in analyses]
     (folder / "indentation.json").write_text(json.dumps({"curves": described}, indent=2) + "\n")
 
 
@@ -357,19 +361,22 @@ def main(arguments=None):
     read = [each for path in options.curves for each in read_curves(path, options)]
     analyses = [analysed(each, constants) for each in completed(read, given_tip(options))]
     good = [each for each in analyses if not each.problem]
-    if not good:
+    found = outputs.found_of(analyses, constants, options)
+    if not good and not found.over_depth:
         raise analyses[0].problem
     first = Path(options.curves[0])
     folder = Path(options.out) if options.out else first if first.is_dir() else first.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        write_tables(folder, analyses)
+        write_tables(folder, analyses, found)
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
     draw(analyses, folder / "indentation.png")
+    outputs.write(folder, analyses, found, options, SHOWN)
     for each in analyses:
         print_figures(each)
+        outputs.print_figures(each.name, found)
     return 0 if len(good) == len(analyses) else 2
 
 

@@ -21,7 +21,7 @@ from command import Parser, command
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from mlgimp import imprint, load_depth, tip_files
+from mlgimp import height_maps, load_depth
 from mlgimp.errors import Error, ResultError
 
 PIXELS = 256  # of an STL along its longer side, by default
@@ -73,18 +73,18 @@ def refuse(path):
 
 
 def map_of_triangles(triangles, pixel, down):
-    """Returns the imprint.HeightMap (um) of the outermost surface of a tip of triangles (um) that points up, or down."""
+    """Returns the height_maps.HeightMap (um) of the outermost surface of a tip of triangles (um) that points up, or down."""
     lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     step = pixel or max(upper[:2] - lower[:2]) / PIXELS
     x, y = (np.arange(low + step / 2, high, step) for low, high in zip(lower[:2], upper[:2]))
     sign = np.array([1, 1, -1 if down else 1])
-    heights = sign[2] * imprint.highest(sign * triangles, x, y[::-1])
-    return imprint.HeightMap(x, y[::-1], np.where(np.isnan(heights), lower[2] if not down else upper[2], heights))
+    heights = sign[2] * height_maps.highest(sign * triangles, x, y[::-1])
+    return height_maps.HeightMap(x, y[::-1], np.where(np.isnan(heights), lower[2] if not down else upper[2], heights))
 
 
 def turned_over(image):
     """Returns the map of a tip that points down of one that points up, turned about the x axis."""
-    return imprint.HeightMap(image.x, -image.y[::-1], -image.height[::-1])
+    return height_maps.HeightMap(image.x, -image.y[::-1], -image.height[::-1])
 
 
 @command
@@ -95,7 +95,7 @@ def main(arguments=None):
         triangles = load_depth.DEPTH_UNITS[options.unit] * triangles_of(options.source)
         image = map_of_triangles(triangles, options.pixel and 1e-3 * options.pixel, options.down)
     else:
-        image = tip_files.read_map(options.source, options.size and [1e-6 * length for length in options.size])
+        image = height_maps.read_map(options.source, options.size)
     image = image if options.down else turned_over(image)
     height = gaussian_filter(image.height, options.smooth) if options.smooth else image.height
     lowest = np.unravel_index(np.argmin(height), height.shape)
@@ -103,7 +103,7 @@ def main(arguments=None):
         raise Error(f"{options.source}: its lowest place is on its rim: {'leave --down out' if options.down else 'give --down'} where the tip points the other way")
     image = image._replace(height=height - height.min())
     try:
-        imprint.write_gsf(options.map, image, f"tip of {Path(options.source).name}")
+        height_maps.write_gsf(options.map, image, f"tip of {Path(options.source).name}")
     except OSError as problem:
         raise ResultError(options.map, f"cannot be written ({problem.strerror})") from None
     print(f"{options.map}: {len(image.x)} x {len(image.y)} pixels of {1e3 * (image.x[1] - image.x[0]):.4g} nm; the tip is known up to "

@@ -3,7 +3,7 @@
 from functools import cached_property
 from pathlib import Path
 
-from . import checks, load_depth, oliver_pharr, results
+from . import checks, imprint, load_depth, oliver_pharr, results
 from .errors import Error
 from .needs import need
 
@@ -66,6 +66,16 @@ class Results:
         be off because of the `cells`.
         """
         return oliver_pharr.analyse(self.curve(), oliver_pharr.checked_constants(**constants))
+
+    def imprint(self, frame=None, *, pixel=None, out=None):
+        """Returns the imprint in a frame, by default the last one, as an imprint.HeightMap: places x, y and heights in um.
+
+        pixel: its width in um, by default half a finest cell. out: a folder, into which surface.gsf (Gwyddion) and surface.csv are written.
+        """
+        image = imprint.height_map(self.folder, frame, pixel)
+        if out is not None:
+            imprint.write(checks.path("out", out), image, f"imprint of {results.case_name(self.folder)}")
+        return image
 
     def plot(self, *names, frame=None, window=None, out=None):
         """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.

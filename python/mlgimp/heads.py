@@ -8,10 +8,11 @@ from .errors import Error, ResultError
 DEPTH_UNITS = {"nm": 1e-3, "um": 1.0, "mm": 1e3, "m": 1e6, "A": 1e-4}  # in um
 LOAD_UNITS = {"nN": 1e-6, "uN": 1e-3, "mN": 1.0, "N": 1e3, "kN": 1e6}  # in mN
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}  # in s
-OTHER_UNITS = ("V", "mV", "uV", "Hz", "Pa", "kPa", "MPa", "GPa", "N/m", "mN/um", "nm/s", "um/s", "mN/s", "%", "C", "K", "#", "-")
+STIFFNESS_UNITS = {"N/m": 1e-3, "mN/um": 1.0, "uN/nm": 1.0, "N/mm": 1.0, "kN/m": 1.0, "mN/nm": 1e3, "N/um": 1e3, "MN/m": 1e3}  # in mN/um
+OTHER_UNITS = ("V", "mV", "uV", "Hz", "Pa", "kPa", "MPa", "GPa", "nm/s", "um/s", "mN/s", "%", "C", "K", "#", "-")
 LONGER = {"sec": "s", "sec.": "s", "seconds": "s", "micron": "um", "microns": "um",  # other names of units
           "?N": "uN", "?m": "um", "\N{REPLACEMENT CHARACTER}N": "uN", "\N{REPLACEMENT CHARACTER}m": "um"}  # only mu is a letter that gets lost
-UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS, *OTHER_UNITS}
+UNITS = {*DEPTH_UNITS, *LOAD_UNITS, *TIME_UNITS, *STIFFNESS_UNITS, *OTHER_UNITS}
 SPELT = {"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{LATIN CAPITAL LETTER A WITH RING ABOVE}": "A",
          "\N{ANGSTROM SIGN}": "A", "\N{LATIN CAPITAL LETTER A WITH CIRCUMFLEX}": "",  # of a micro sign in UTF-8 that was read as Latin-1
           "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " "}

@@ -11,14 +11,17 @@ from . import checks, corrections, cycles, instruments, meanings, results, table
 from .corrections import Corrections
 from .cycles import find_cycles
 from .errors import ResultError
-from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
+from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time", defaults=(None, None, None))
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic",
+                   defaults=(None,) * 5)
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
 these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
-[rows], None of one without it and of a measured curve, whose time is that."""
+[rows], None of one without it and of a measured curve, whose time is that; and the stiffness of the contact (mN/um) that an
+instrument measures all the time by small oscillations [rows], NaN where it has none, or None; and of a run
+with an elastic tip its modulus (GPa) and Poisson's ratio, or None."""
 
 Test = namedtuple("Test", "name read")
 Test.__doc__ = "A test in a file: its name, and a function without arguments that returns its Curve or raises a ResultError."
@@ -48,14 +51,20 @@ def read_run(directory):
         raise ResultError(Path(directory) / "summary.json", "its options are not those of a run") from None
     first = np.append(True, history["time"][1:] > np.maximum.accumulate(history["time"])[:-1])  # where a restart has written rows twice
     history = {name: values[first] for name, values in history.items()}
-    middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
     load = "load_quasi_static" if "load_quasi_static" in history else "load"
+    if "measured_depth" in history:  # an instrument's, without its frame
+        frame = parts / float(options.get("-indenter_stiffness", math.inf))
+        history = {**history, "depth": history["measured_depth"] - frame * history[load]}
+    middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
     area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
     curve = Curve(Path(directory).resolve().name, middle["time"], 1e6 * middle["depth"], 1e3 * parts * history[load][1:], area,
                   None if plane else tip, poisson, plane, list(notes_on(options, parts, plane)))
     half = history.get("contact_half_width", np.full(len(history["time"]), np.nan))[1:]
     cells = half / results.finest_cells(summary, history["time"][1:])
     curve = curve._replace(cells=cells, block=room / np.where(half > 0, half, np.nan))
+    if "-indenter_youngs_modulus" in options:
+        elastic = 1e-9 * float(options["-indenter_youngs_modulus"]), float(options.get("-indenter_poissons_ratio", 0))
+        curve = curve._replace(tip_elastic=elastic, notes=[*curve.notes, "depths have the compression of the elastic tip, which the specimen's modulus is without"])
     if "test_time" in history:
         curve = curve._replace(test_time=(history["test_time"][1:] + history["test_time"][:-1]) / 2)
     return curve._replace(notes=curve.notes + list(notes_on_waves(curve)))
@@ -150,17 +159,17 @@ def numbers(text):
 
 # ---- measurements ----
 
-def read_measured(path, depth=None, load=None, time=None, *, test=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+def read_measured(path, depth=None, load=None, time=None, *, test=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None, stiffness=None):
     """Returns the Curve of a test in a text with columns, with or without lines of text above, between and below the rows, or in a sheet
     of a workbook.
 
-    depth, load and time: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column; None: the column whose
+    depth, load, time and stiffness: "COLUMN:UNIT" with the name or number of the column, as "Displacement:nm", or a Column; None: the column whose
     head says so, in the unit that stands there. test: which test of a file with several, from 1 on. zero_depth and zero_load: what the
     file has for the depth where the tip touches, and for the load of the free tip, in its own units, or how they are found, see
     zeros.py. drift (nm/s, or "auto", see drifts.py) and frame_compliance (nm/mN) are taken off the depths. What was measured on the way
     to the surface is left out.
     """
-    tests = measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance)
+    tests = measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance, stiffness)
     if test is None and len(tests) > 1:
         raise ResultError(path, f"holds {len(tests)} tests: choose one by its number, test 1 to {len(tests)}")
     number = 1 if test is None else checks.whole("test", test, 1)
@@ -169,14 +178,14 @@ def read_measured(path, depth=None, load=None, time=None, *, test=None, zero_dep
     return tests[number - 1].read()
 
 
-def read_tests(path, depth=None, load=None, time=None, *, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+def read_tests(path, depth=None, load=None, time=None, *, zero_depth=0, zero_load=0, drift=None, frame_compliance=None, stiffness=None):
     """Returns the Curves of all tests in a text with columns or in a workbook; arguments are those of read_measured."""
-    return [test.read() for test in measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance)]
+    return [test.read() for test in measured_tests(path, depth, load, time, zero_depth, zero_load, drift, frame_compliance, stiffness)]
 
 
-def measured_tests(path, depth=None, load=None, time=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None):
+def measured_tests(path, depth=None, load=None, time=None, zero_depth=0, zero_load=0, drift=None, frame_compliance=None, stiffness=None):
     """Returns the Tests in a file, each with its name and a function without arguments that returns a Curve or raises a ResultError."""
-    given = {"depth": depth, "load": load, "time": time}
+    given = {"depth": depth, "load": load, "time": time, "stiffness": stiffness}
     asked = {name: column_of(name, value, meanings.UNITS_OF[name]) for name, value in given.items() if value is not None}
     if "depth" in asked and "load" in asked and asked["depth"].name == asked["load"].name:
         raise ResultError(path, f"depth and load are the same column, {asked['depth'].name}")
@@ -204,10 +213,12 @@ def tests_of_source(path, name, source, asked, wished):
     notes, tests = [*source.facts.notes, *notes], []
     for columns in sets:
         offsets = {what: zeros.checked(what, getattr(wished, what), column.factor) for what, column in zip(("zero_depth", "zero_load"), columns)}
-        tests += [(read, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
+        others = [next(what for what, units in meanings.UNITS_OF.items() if column.units is units) for column in columns[2:]]
+        tests += [(read, others, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
     names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
     tip, needs_time = source.facts.tip, "time" in asked
-    return [Test(name, functools.partial(measured_curve, path, name, read, own, tip, notes, needs_time)) for name, (read, own) in zip(names, tests)]
+    return [Test(name, functools.partial(measured_curve, path, name, read, others, own, tip, notes, needs_time))
+            for name, (read, others, own) in zip(names, tests)]
 
 
 def columns_of(path, source, asked):
@@ -222,25 +233,24 @@ def columns_of(path, source, asked):
     return found.sets, source.lines[found.line:], found.notes
 
 
-def measured_curve(path, name, read, wished, tip, more_notes, needs_time):
-    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, perhaps time s] and notes, with Corrections. needs_time:
-    whether the caller has named the time, which may not fall then; else each segment may have a clock of its own."""
+def measured_curve(path, name, read, others, wished, tip, more_notes, needs_time):
+    """Returns the Curve of a test that read() gives: [rows][depth um, load mN, and what `others` names] and notes, with Corrections.
+    needs_time: whether the caller has named the time, which may not fall then; else each segment may have a clock of its own."""
     table, notes = read()
-    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if table.shape[1] > 2 else []
+    falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if "time" in others else []
     if len(falls) and needs_time:
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
     if len(falls):
-        table = np.column_stack([table[:, :2], one_clock(table[:, 2], falls)])
+        table = np.column_stack([table[:, :2], one_clock(table[:, 2], falls), table[:, 3:]])
         notes = [*notes, f"the time begins anew {len(falls)} times, first in data row {falls[0] + 2}, and is taken to go on there"]
-    table = table[np.append(True, np.any(np.diff(table, axis=0) != 0, axis=1))]
-    depths, loads, *times = table.T
-    curve = Curve(name, times[0] if times else None, depths, loads, None, tip, None, False, notes)
+    table = table[np.append(True, np.any(np.diff(np.nan_to_num(table), axis=0) != 0, axis=1))]
+    curve = Curve(name, None, *table.T[:2], None, tip, None, False, notes)._replace(**dict(zip(others, table.T[2:])))
     curve = corrections.corrected(curve, wished)
     check_order_and_signs(path, curve.depth, curve.load)
     approach = rows_of_approach(curve.depth, curve.load)
     left_out = [f"{approach} rows of the approach, with depths below zero and hardly a load, are left out"] * (approach > 0)
-    return curve._replace(time=times[0][approach:] if times else None, depth=curve.depth[approach:], load=curve.load[approach:],
-                          notes=[*curve.notes, *left_out, *more_notes])
+    return curve._replace(notes=[*curve.notes, *left_out, *more_notes],
+                          **{each: getattr(curve, each)[approach:] for each in ("depth", "load", *others)})
 
 
 def one_clock(time, falls):

@@ -1,4 +1,5 @@
-"""Columns of instruments' files by what their heads mean: which one is the depth, the load and the time, and in which unit."""
+"""Columns of instruments' files by what their heads mean: which one is the depth, the load, the time and the
+stiffness, and in which unit."""
 
 import re
 import unicodedata
@@ -6,9 +7,9 @@ from collections import namedtuple
 
 from . import tables
 from .errors import ResultError
-from .heads import DEPTH_UNITS, LOAD_UNITS, TIME_UNITS, Column, heads_of, is_units, name_and_unit
+from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, heads_of, is_units, name_and_unit
 
-UNITS_OF = {"depth": DEPTH_UNITS, "load": LOAD_UNITS, "time": TIME_UNITS}
+UNITS_OF = {"depth": DEPTH_UNITS, "load": LOAD_UNITS, "time": TIME_UNITS, "stiffness": STIFFNESS_UNITS}
 NAMES = {  # in English, German and French without accents; of several columns that with the earlier name counts
     "depth": (("displacement into surface",),
               ("penetration depth", "indentation depth", "penetration", "indentation", "pd", "eindringtiefe", "profondeur de penetration",
@@ -22,14 +23,15 @@ NAMES = {  # in English, German and French without accents; of several columns t
               "charge", "effort", "force a")),
     "time": (("time on sample", "time in contact", "test time"),
              ("time", "t", "zeit", "prufzeit", "messzeit", "temps", "elapsed time", "sampling time", "duree")),
+    "stiffness": (("harmonic contact stiffness",), ("contact stiffness", "dynamic contact stiffness", "kontaktsteifigkeit", "raideur de contact")),
 }
-SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}}  # which may stand behind a name: Load F, Depth h
+SYMBOLS = {"depth": {"h", "pd"}, "load": {"f", "p", "fn"}, "time": {"t"}, "stiffness": {"s"}}  # which may stand behind a name: Load F, Depth h
 QUALIFIED = {"corrected", "corr", "korrigiert", "corrigee"}  # words that change nothing of what a name means
 LOOK_BELOW = 4  # lines below the names in which a row of numbers must come: one of units, and blank ones
 
 Found = namedtuple("Found", "line sets notes")
 Found.__doc__ = """The line of the names (its place among the Lines), for each of the tests beside each other, mostly one, the Columns depth, load
-and, if there is one, time, and notes on them."""
+and, if there are some, time and stiffness, and notes on them."""
 
 
 def bare(name):
@@ -76,6 +78,8 @@ def find(path, source, asked):
         units = [unit or name_and_unit(row_of_units[place])[1] if place < len(row_of_units) else unit for place, unit in enumerate(units)]
         names = [name or word for (name, _), word in zip(pairs, heads)]
         places = {what: places_of(what, names, units) for what in NAMES if what not in asked}
+        if any(not units[place] for place in places.get("stiffness", [])) or len(places.get("stiffness", [])) > 1:
+            del places["stiffness"]  # it must be named
         if all(places.get(what, True) for what in ("depth", "load")):
             sets, notes = chosen(path, heads, units, places, source.facts.units)
             return Found(number, [[{**columns, **asked}[what] for what in NAMES if what in columns or what in asked] for columns in sets], notes)
@@ -111,7 +115,7 @@ def chosen(path, heads, units, places, usual):
 def tests_beside(places):
     """Returns the places of each test, [{"depth": place, ...}]: of several, where columns of depth and load take turns, with as many of a time
     or one for all; else of one test."""
-    depths, loads, times = (places.get(what, []) for what in NAMES)
+    depths, loads, times = (places.get(what, []) for what in ("depth", "load", "time"))
     count = len(depths)
     first, second = sorted((depths, loads))
     if count > 1 and count == len(loads) and all(a < b for a, b in zip(first, second)) and all(a < b for a, b in zip(second, first[1:])):

@@ -121,25 +121,33 @@ def fitted_load(fit, depth):
 
 
 def contact(tip, depth, load, stiffness, epsilon, beta):
-    """Returns contact depth (um), area (um^2), hardness and reduced modulus (GPa) of Oliver and Pharr, J. Mater. Res. 7 (1992) 1564."""
+    """Returns contact depth (um), area (um^2), hardness and reduced modulus (GPa) of Oliver and Pharr, J. Mater. Res. 7 (1992) 1564.
+
+    Here and below each number may be an array, of which all have one shape; what has no meaning is NaN.
+    """
     contact_depth = depth - epsilon * load / stiffness
-    area = float(tip.area(contact_depth))
+    area = np.asarray(tip.area(contact_depth), float)[()]
     return contact_depth, area, hardness(load, area), reduced_modulus(stiffness, area, beta)
 
 
 def hardness(load, area):
-    return load / area if area > 0 else math.nan
+    return load / above_zero(area)
 
 
 def reduced_modulus(stiffness, area, beta):
     """Returns Er (GPa) of S = 2 beta Er sqrt(A/pi)."""
-    return math.sqrt(math.pi / area) * stiffness / (2 * beta) if area > 0 else math.nan
+    return np.sqrt(np.pi / above_zero(area)) * stiffness / (2 * beta)
 
 
 def specimen_modulus(reduced, poisson, constants):
     """Returns E (GPa) of 1/Er = (1 - nu^2)/E + (1 - nu_tip^2)/E_tip; NaN without a Poisson's ratio, or where the tip gives way more than both."""
-    compliance = 1 / reduced - (1 - constants.tip_poisson**2) / constants.tip_modulus
-    return (1 - poisson**2) / compliance if poisson is not None and compliance > 0 else math.nan
+    poisson = math.nan if poisson is None else poisson
+    return (1 - poisson**2) / above_zero(1 / reduced - (1 - constants.tip_poisson**2) / constants.tip_modulus)
+
+
+def above_zero(values):
+    """Returns numbers with NaN for those that are not above zero."""
+    return np.where(np.asarray(values) > 0, values, math.nan)[()]
 
 
 def work(curve, cycle, fit):
@@ -160,7 +168,7 @@ def analyse(curve, constants=Constants()):
 def analysed(curve, constants=Constants()):
     """Returns a list of pairs for the unloadings of a Curve: the dict of results and the Unloading. One that cannot be fitted has NaN
     and None, and a warning that says why; where that are all, the error is that of the largest load."""
-    pairs, problems = [], []
+    constants, pairs, problems = constants_of(curve, constants), [], []
     for number, cycle in enumerate(cycles.find_cycles(curve), start=1):
         try:
             fit = fit_unloading(curve, cycle, constants.window)
@@ -171,6 +179,13 @@ def analysed(curve, constants=Constants()):
     if len(problems) == len(pairs):
         raise max(problems)[-1]
     return pairs
+
+
+def constants_of(curve, constants):
+    """Returns Constants with the tip of a run, where that is elastic and no other is given."""
+    if curve.tip_elastic is None or constants.tip_modulus < math.inf:
+        return constants
+    return constants._replace(tip_modulus=curve.tip_elastic[0], tip_poisson=curve.tip_elastic[1])
 
 
 def left_out(curve, number, cycle, problem):

@@ -14,6 +14,8 @@ Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the 
 
 LABORATORY = {"m": Unit(1e6, "µm"), "N": Unit(1e3, "mN")}  # what is used where numbers stay readable
 READABLE = 0.1, 2e4  # the largest number on an axis
+FEW = 40  # rows, below which points are joined
+SHALLOW = 0.1  # of the largest depth: where a tip has hardly touched, figures may be any, and no axis follows them
 DOTS_PER_INCH = 160
 STYLE = {
     "figure.dpi": DOTS_PER_INCH, "font.size": 12, "axes.titlesize": 13, "axes.titlepad": 10,
@@ -94,14 +96,33 @@ def load_depth(history, title):
 
 
 @styled
-def compared(measured, runs):
-    """Returns the picture of a measured load_depth.Curve as dots, and of runs, a list of (label, Curve, colour)."""
-    figure, axes = plt.subplots(figsize=(6.8, 4.8), layout="constrained")
-    axes.plot(measured.depth, measured.load, ".", color="C0", markersize=2, linestyle="none", label=measured.name)
-    for label, curve, colour in runs:
-        axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.3, label=label)
-    line_axes(axes, "depth (µm)", "load (mN)")
-    axes.legend()
+def compared(tests):
+    """Returns the picture of tests beside each other, a list of (measured load_depth.Curve, runs): the curve as dots, and of the runs, a
+    list of (label, Curve, colour), lines."""
+    figure, beside = plt.subplots(1, len(tests), figsize=(6.8 * len(tests), 4.8), layout="constrained", squeeze=False)
+    for axes, (measured, runs) in zip(beside[0], tests):
+        axes.plot(measured.depth, measured.load, ".", color="C0", markersize=2, linestyle="none", label=measured.name)
+        for label, curve, colour in runs:
+            axes.plot(curve.depth, curve.load, color=colour, linestyle="-", linewidth=1.3, label=label)
+        line_axes(axes, "depth (µm)", "load (mN)")
+        axes.legend()
+    return figure
+
+
+@styled
+def over_depth(curves):
+    """Returns the picture of figures over the depth in panels: curves is a list of (name, depths [rows] um, {label of a panel: values [rows]})."""
+    figure, panels = plt.subplots(len(curves[0][2]), 1, sharex=True, figsize=(6.8, 8.4), layout="constrained")
+    for axes, label in zip(panels, curves[0][2]):
+        for number, (name, depth, values) in enumerate(curves):
+            style = {"marker": "o", "markersize": 4} if len(depth) < FEW else {"marker": ".", "markersize": 2, "linestyle": "none"}
+            axes.plot(depth, values[label], color=f"C{number}", label=name, **style)
+        line_axes(axes, "", label)
+        deep = np.concatenate([values[label][depth >= SHALLOW * depth.max()] for _, depth, values in curves])
+        axes.set_ylim(0, 1.3 * np.nanmax(deep))
+    panels[-1].set_xlabel("depth (µm)")
+    if len(curves) > 1:
+        panels[0].legend()
     return figure
 
 

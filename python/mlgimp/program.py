@@ -20,6 +20,7 @@ PROJECT = Path(__file__).resolve().parents[2]  # the folder that the package lie
 # For Open MPI in containers and on machines with few cores; what the user has set counts more.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # Open MPI 4, 5
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}  # one process needs no daemon of Open MPI, whose folder another run may take away
 BAR, LEAST_BAR = 30, 5  # characters that a bar has, and less than which it is left out
 MONITOR = re.compile(r"depth (\S+) m  load (\S+) N .* (\d+) %  (\d+) s left")  # of the program's progress line
 
@@ -76,7 +77,7 @@ def execute(options, ranks=1, progress=False, tell=lambda line: None):
 
     try:
         process = subprocess.Popen([*start, find_program(), *words], bufsize=0, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, env={**ENVIRONMENT, **os.environ})
+                                   stderr=subprocess.PIPE, env={**ENVIRONMENT, **(ALONE if ranks == 1 else {}), **os.environ})
     except OSError as problem:
         raise Error(f"{problem.filename}: cannot be started ({problem.strerror})") from None
     status = watch(process, progress, keep)

@@ -5,6 +5,7 @@ import codecs
 import csv
 import functools
 import itertools
+import math
 import re
 import sys
 import unicodedata
@@ -15,7 +16,7 @@ from statistics import mode
 import numpy as np
 
 from .errors import ResultError
-from .heads import Heads, heads_of
+from .heads import STIFFNESS_UNITS, TIME_UNITS, Heads, heads_of
 
 MARKS = (";", "\t", "|", ",", None)  # what may part columns; None: blanks
 SAMPLE = 1000  # lines that are enough to see how a text is written
@@ -192,6 +193,7 @@ class Table:
 
     def __init__(self, path, wanted, mark, numerals, count):
         self.path, self.wanted, self.mark, self.numerals, self.count = path, wanted, mark, numerals, count
+        self.time = next((place for place, column in enumerate(wanted) if column.units is TIME_UNITS), None)
         self.tests, self.names, self.above = [], None, []
         self.unnamed = []  # (rows, lines of words above them) of what stands before the first names
         self.step, self.deepest, self.last = 0.0, 0.0, None  # of the depth in the present test; and the numbers of its last row
@@ -235,7 +237,7 @@ class Table:
         if values is None or self.last is None:
             return bool(named)
         back, far = self.last[0] - values[0], JUMP * self.step
-        jumps = len(self.tests[-1].lines) >= LEAST_ROWS and (back > far or len(values) > 2 and values[2] < self.last[2])
+        jumps = len(self.tests[-1].lines) >= LEAST_ROWS and (back > far or self.time is not None and values[self.time] < self.last[self.time])
         goes_on = abs(back) <= far and values[0] > SURFACE * self.deepest
         return jumps or bool(named) and not goes_on
 
@@ -251,8 +253,11 @@ class Table:
         return self.tests
 
     def values_of(self, line, places=None):
-        """Returns the numbers of a Line in some places, by default those of the present test; None for what is none."""
-        return [self.numerals.read(line.words[place]) if place < len(line.words) else None for place in places or self.tests[-1].places]
+        """Returns the numbers of a Line in some places, by default those of the present test; None for what is none, but NaN for a stiffness,
+        which instruments have in some rows alone."""
+        values = [self.numerals.read(line.words[place]) if place < len(line.words) else None for place in places or self.tests[-1].places]
+        return [math.nan if value is None and column.units is STIFFNESS_UNITS and len(line.words) == self.count else value
+                for value, column in zip(values, self.wanted)]
 
     def numbers_of(self, test):
         """Returns the numbers of a Test times the factors of the columns, [rows][columns], and notes on what is left out."""

@@ -2,13 +2,15 @@
 import json
 import math
 import pathlib
+import shutil
 import tempfile
 
 import numpy
 
 import fit
 import harness
-from mlgimp import load_depth, oliver_pharr, tips
+from mlgimp import fit_profiles, fitting, indentation, load_depth, oliver_pharr, program, tips
+from mlgimp.options import write_options
 
 # Lengths in cells of the finer level, E* = 1: a cone of 70.3 degrees on a block of 100 x 80, to a contact radius of 7 cells. It moves
 # with ramps, in 20 passages of a wave through the block, rests for 8, and goes back to 30 % of its depth in 20.
@@ -78,3 +80,64 @@ def verify_constants_from_a_curve(study):
     for name, limit in (("m_youngs_modulus", 0.02), ("m_yield_stress", 0.05)):
         study.expect(name, found["constants"][name]["value"] / METAL[name], near=1, tolerance=limit)
     study.expect("misfit, of the largest load", found["misfit"], at_most=0.005)
+
+
+POWER = {"youngs_modulus": 70e9, "yield_stress": 600e6, "hardening_exponent": 0.15}  # a metal that hardens
+GUESS = {"youngs_modulus": 90e9, "yield_stress": 450e6, "hardening_exponent": 0.2}
+DRAWS, ROWS = 10, 400  # of the noise; of a measured curve
+
+
+def measured(run, random):
+    """A curve of a run as an instrument with noise of 0.5 % of the load and 0.2 % of the depth gives it, at even depths up and down."""
+    cycle = fit_profiles.largest_cycle(run)
+    top, lowest = run.depth[cycle.start], numpy.flatnonzero(run.load >= 0.12 * run.load.max())[-1]
+    up, down = numpy.linspace(0.01, 1, ROWS // 2) * top, numpy.linspace(top, run.depth[lowest], ROWS // 2)[1:]
+    depth, load = numpy.append(up, down), numpy.append(fit_profiles.loads_up(run, cycle, up), fit_profiles.loads_down(run, cycle, down))
+    noise = random.normal(size=(2, len(depth))) * [[0.002 * top], [0.005 * load.max()]]
+    return load_depth.Curve("measured", None, depth + noise[0], load + noise[1], None, run.tip, run.poisson, False, [])
+
+
+def remembered(execute):
+    """execute() of the program that copies what a run of a case with the same constants gave before."""
+    known = {}
+
+    def run(options, ranks):
+        key = tuple(sorted((name, str(value)) for name, value in options.items() if name != "output_dir"))
+        if key in known:
+            shutil.copytree(known[key], options["output_dir"], dirs_exist_ok=True)
+        else:
+            execute(options, ranks)
+            known[key] = options["output_dir"]
+    return run
+
+
+def verify_constants_of_two_tips(study):
+    """Three constants from two cones
+
+    Modulus, yield stress and exponent of hardening from curves of the program under cones of 60 and 70.3 degrees, 5 cells under the contact,
+    with noise of 0.5 % of the load and 0.2 % of the depth, ten draws of it; the first guess is off by 25 to 33 %.
+    """
+    folder = pathlib.Path(tempfile.mkdtemp(dir=harness.scratch()))
+    cases, runs = [], []
+    for angle in (60, 70.3):
+        common = {"tip": "cone", "half_angle": angle, "depth": 200e-9, "cells": 5, "block": 10, "tolerance": 0.1, "hardening": "power"}
+        for name, constants in (("case", GUESS), ("true", POWER)):
+            write_options(folder / f"{name}_{angle}.opts", indentation.indentation_options("j2", **common, **constants))
+        program.execute({"options_file": folder / f"true_{angle}.opts", "frames": 0, "output_dir": folder / f"true_{angle}"})
+        cases.append(folder / f"case_{angle}.opts")
+        runs.append(load_depth.read_run(folder / f"true_{angle}"))
+    own, fitting.execute = fitting.execute, remembered(program.execute)
+    try:
+        found = [fitting.fit([measured(run, random) for run in runs], cases, list(POWER), output_dir=folder / f"fit_{seed}")
+                 for seed in range(DRAWS) for random in [numpy.random.default_rng(seed)]]
+    finally:
+        fitting.execute = own
+    truth = numpy.array(list(POWER.values()))
+    held = numpy.array([(each.lower <= truth) & (truth <= each.upper) for each in found])
+    for name, count, errors in zip(POWER, held.sum(axis=0), numpy.array([each.values / truth - 1 for each in found]).T):
+        study.expect(f"{name.replace('_', ' ')}: intervals of 95 % that hold the truth, of {DRAWS}", int(count), at_least=9)
+        study.figure(f"{name.replace('_', ' ')}: root mean square error", 100 * float(numpy.sqrt(numpy.mean(errors**2))), "%")
+    study.expect("most runs of a fit, both tips", max(len(each.rows) * 2 for each in found), at_most=40)
+    study.expect("largest misfit, of the largest load", max(each.misfit for each in found), at_most=0.015)
+    study.table("Fits", ["draw", *(name.replace("_", " ") for name in POWER), "runs"],
+                [[seed, *(f"{value / true - 1:+.3f}" for value, true in zip(each.values, truth)), 2 * len(each.rows)] for seed, each in enumerate(found)])

@@ -1,6 +1,7 @@
 """Checks scripts/fit.py with a law in place of the program: constants and their intervals, what cannot be told apart, refusals."""
 import csv
 import json
+import math
 import re
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 import fit
 import harness
-from mlgimp import fitting
+from mlgimp import fit_profiles, fitting
 from mlgimp.errors import Error
 from made_curves import CONE_OPTIONS, curve
 from test_scripts import HISTORY
@@ -43,7 +44,7 @@ def written_by(model):
     def execute(options, ranks):
         depth, load = model({**TRUTH, **options}, rows=1000)
         folder = options["output_dir"]
-        folder.mkdir()
+        folder.mkdir(exist_ok=True)
         columns = dict.fromkeys(HISTORY, np.zeros(len(depth))) | {"time": np.arange(len(depth)) * 1e-9, "depth": 1e-6 * depth,
                                                                  "load": 1e-3 * np.append(0, (load[1:] + load[:-1]) / 2)}
         np.savetxt(folder / "history.csv", np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
@@ -143,13 +144,133 @@ def test_what_the_program_warns_of(fitted, monkeypatch):
     assert "of the best run: -damping 1: near" in lines and not any("far" in line for line in lines), lines
 
 
-def test_profile_does_not_depend_on_rows(expect):
-    """Ten times as many rows, and a run that ends before the unloading does."""
-    few, many = (curve(*law(TRUTH, rows=rows)) for rows in (200, 2000))
-    edges = fitting.edges_of(many)
-    expect("rows", np.max(np.abs(fitting.profile(few, edges) / fitting.profile(many, edges) - 1)), at_most=0.01)
-    shallow = curve(*law(TRUTH, depth=0.48, rows=2000))
-    expect("a loading that ends early", np.max(np.abs((fitting.profile(shallow, edges) / fitting.profile(many, edges))[:fitting.PARTS] - 1)), at_most=0.02)
+def test_values_do_not_depend_on_rows(expect):
+    """A test with a tenth of the rows of a run, and a run that ends before the test does."""
+    test, run = (curve(*law(TRUTH, rows=rows), is_run=rows > 1000) for rows in (200, 2000))
+    target = fit_profiles.target_of(test)
+    expect("rows", np.max(np.abs(fit_profiles.compared(run, None, target) - target.values)) / target.scale, at_most=1e-3)
+    shallow = curve(*law(TRUTH, depth=0.48, rows=2000), is_run=True)
+    expect("a loading that ends early", np.max(np.abs(fit_profiles.compared(shallow, None, target) / target.values - 1)[target.groups[0]]), at_most=0.02)
+
+
+# ---- several tests at once ----
+
+ANGLES = 60, 70.3
+START = {"m_youngs_modulus": 90e9, "m_yield_stress": 4.5e8, "m_hardening_exponent": 0.2}
+
+
+def under_a_cone(constants, angle, depth=0.2, rows=300):
+    """Depth (um) and load (mN) under a cone of a half angle (degrees): a hardness of 2.8 times the flow stress at a strain of
+    0.2 cot(angle), as Tabor has it, and the stiffness of a contact of its area; from touch to touch."""
+    modulus, yields, exponent = (float(constants[name]) for name in TRUTH)
+    tangent = math.tan(math.radians(angle))
+    hardness = 2.8e-9 * yields * (1 + modulus * 0.2 / tangent / yields) ** exponent
+    curvature, stiffness = math.pi * tangent**2 * hardness, 2e-9 * modulus / 0.91 * tangent * depth
+    recovered = 1.4 * curvature * depth**2 / stiffness
+    up, down = np.linspace(0, depth, rows), np.linspace(depth, depth - recovered, rows)[1:]
+    return np.append(up, down), np.append(curvature * up**2, curvature * depth**2 * np.maximum((down - depth) / recovered + 1, 0) ** 1.4)
+
+
+def noisy_tests(seed, rows=200):
+    """Curves of both cones with noise of 0.5 % of the load and 0.2 % of the depth."""
+    random, found = np.random.default_rng(seed), []
+    for angle in ANGLES:
+        depth, load = under_a_cone(TRUTH, angle, rows=rows)
+        found.append(curve(depth + 0.002 * depth.max() * random.normal(size=len(depth)), load + 0.005 * load.max() * random.normal(size=len(load))))
+    return found
+
+
+@pytest.fixture
+def cones(tmp_path, monkeypatch):
+    """cones(measured, ...) fits E, yield stress and exponent to curves of both cones, which stand for runs."""
+    monkeypatch.setattr(fitting, "execute", lambda options, ranks: written_by(
+        lambda constants, rows: under_a_cone(constants, float(str(options["options_file"].stem)), rows=rows))(options, ranks))
+    cases = [tmp_path / f"{angle}.opts" for angle in ANGLES]
+    for case in cases:
+        case.write_text("".join(f"-{name} {value!r}\n" for name, value in START.items()))
+
+    def make(measured, names=("E", "yield_stress", "hardening_exponent"), count=2, **more):
+        return fitting.fit(measured[:count], cases[:count], names, output_dir=tmp_path / "fit", **more)
+    return make
+
+
+def test_intervals_of_two_tips_hold_the_truth(cones, expect):
+    """Three constants in ten draws of the noise: of 30 intervals of 95 % all but three or fewer hold the truth, with 40 runs at most."""
+    held, runs = [], []
+    for seed in range(10):
+        found = cones(noisy_tests(seed))
+        held.append([lower <= TRUTH[name] <= upper for name, lower, upper in zip(TRUTH, found.lower, found.upper)])
+        runs.append(2 * len(found.rows))
+        assert found.finished
+    expect("intervals that hold the truth", int(np.sum(held)), at_least=27)
+    expect("runs of a fit", max(runs), at_most=40)
+
+
+def test_forecast(cones, capsys):
+    """Before the first step: one cone cannot tell yield stress from exponent; with two, the errors are those that are found in the end."""
+    tests = noisy_tests(1)
+    cones(tests, count=1, evaluations=1)
+    printed = capsys.readouterr().out
+    assert re.search(r"^this test cannot tell yield_stress from hardening_exponent: correlation -?(0\.99\d|1\.000)$", printed, re.M), printed
+    assert printed.index("cannot tell") < printed.index("\n   5 ")
+    found = cones(tests)
+    expected = np.sqrt(np.diag(found.forecast))
+    seen = np.log(found.upper / found.lower) / 4
+    assert np.all((expected / seen > 0.5) & (expected / seen < 2)), (expected, seen)
+
+
+def test_an_imprint_counts_too(cones, monkeypatch):
+    """A curve alone determines the yield stress by its load; an imprint that says another one draws it there."""
+    radius = np.linspace(0, 1, 40)
+    depths = []
+
+    def imprint_of(folder):
+        yields = float(json.loads((folder.parent / "constants.json").read_text())[folder.name])
+        return fit_profiles.Imprint(radius, -0.1 * (yields / 6e8) ** 2 * np.exp(-radius))
+    make = fitting.execute
+
+    def execute(options, ranks):
+        make(options, ranks)
+        path = options["output_dir"].parent / "constants.json"
+        known = json.loads(path.read_text()) if path.exists() else {}
+        path.write_text(json.dumps(known | {options["output_dir"].name: options["m_yield_stress"]}))
+        depths.append(options["frames"])
+    monkeypatch.setattr(fitting, "execute", execute)
+    monkeypatch.setattr(fitting.imprint, "profile_of", imprint_of)
+    tests = noisy_tests(1)
+    alone = cones(tests, ["yield_stress"], count=1, runs=1).values[0]
+    assert depths[-1] == 0
+    measured = fit_profiles.Imprint(radius, -0.1 * np.exp(-radius))  # that of 600 MPa
+    both = cones(tests, ["yield_stress"], count=1, profile=[measured], runs=1)
+    assert depths[-1] == 1 and abs(alone / 6e8 - 1) > 0.02 and abs(both.values[0] / 6e8 - 1) < abs(alone / 6e8 - 1), (alone, both.values)
+
+
+def test_command_of_two_tests(cones, tmp_path, capsys):
+    """Pairs of curve and case, and an imprint of the second."""
+    for angle, test in zip(ANGLES, noisy_tests(1)):
+        np.savetxt(tmp_path / f"{angle}.csv", np.column_stack([test.depth, test.load]), delimiter=",", header="depth,load", comments="")
+    pairs = [str(tmp_path / f"{angle}.{kind}") for angle in ANGLES for kind in ("csv", "opts")]
+    fit.main([*pairs, "-vary", "E,yield_stress,hardening_exponent", "-output_dir", str(tmp_path / "out")])
+    found = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert found["runs"] == len(list((tmp_path / "out").glob("run_*_[12]"))) <= 40 and len(found["forecast"]["standard_errors"]) == 3
+    assert all(each["lower"] <= TRUTH[name] <= each["upper"] for name, each in found["constants"].items())
+    assert "by noise and first slopes" in capsys.readouterr().out and (tmp_path / "out" / "fit.png").stat().st_size > 1000
+    for words, line in ((["-profile", "a.csv"], "one name for each of the 2 tests"), (["-profile", ",none.csv"], "none.csv")):
+        with pytest.raises(SystemExit, match=line):
+            fit.main([*pairs, "-vary", "E", *words])
+    with pytest.raises(SystemExit, match="must be given, several tests one after the other"):
+        fit.main([*pairs[:3], "-vary", "E"])
+
+
+@pytest.mark.parametrize("given, line", [
+    ({"measured": []}, "case="), ({"case": ["a.opts"]}, "a list with a case for each of the 2 curves"),
+    ({"measured": "m.csv"}, "case=.*the path of an options file"), ({"profile": "p"}, "profile=.*a list with an imprint"),
+    ({"profile": [None]}, "for each of the 2 curves")])
+def test_lists_must_agree(monkeypatch, given, line):
+    monkeypatch.setattr(fitting, "execute", lambda *arguments: pytest.fail("there was a run"))
+    two = [curve(*law(TRUTH))] * 2
+    with pytest.raises(Error, match=line):
+        fitting.fit(**{"measured": two, "case": ["a.opts", "b.opts"], "vary": "E", **given})
 
 
 # ---- refusals ----

@@ -53,7 +53,7 @@ def read_run(directory):
     history = {name: values[first] for name, values in history.items()}
     load = "load_quasi_static" if "load_quasi_static" in history else "load"
     if "measured_depth" in history:  # an instrument's, without its frame
-        frame = parts / float(options.get("-indenter_stiffness", math.inf))
+        frame = parts / float(given(options, "-indenter_stiffness") or math.inf)
         history = {**history, "depth": history["measured_depth"] - frame * history[load]}
     middle = {name: (history[name][1:] + history[name][:-1]) / 2 for name in ("time", "depth")}
     area = 1e12 * parts * history["contact_area"][1:] if "contact_area" in history else None
@@ -62,9 +62,9 @@ def read_run(directory):
     half = history.get("contact_half_width", np.full(len(history["time"]), np.nan))[1:]
     cells = half / results.finest_cells(summary, history["time"][1:])
     curve = curve._replace(cells=cells, block=room / np.where(half > 0, half, np.nan))
-    if "-indenter_youngs_modulus" in options:
-        elastic = 1e-9 * float(options["-indenter_youngs_modulus"]), float(options.get("-indenter_poissons_ratio", 0))
-        curve = curve._replace(tip_elastic=elastic, notes=[*curve.notes, "depths have the compression of the elastic tip, which the specimen's modulus is without"])
+    modulus = 1e-9 * float(given(options, "-indenter_youngs_modulus") or math.inf)
+    if modulus < math.inf:
+        curve = curve._replace(tip_elastic=(modulus, float(given(options, "-indenter_poissons_ratio") or 0)), notes=[*curve.notes, "depths have the compression of the elastic tip, which the specimen's modulus is without"])
     if "test_time" in history:
         curve = curve._replace(test_time=(history["test_time"][1:] + history["test_time"][:-1]) / 2)
     return curve._replace(notes=curve.notes + list(notes_on_waves(curve)))
@@ -116,6 +116,11 @@ def room_beside_tip(options):
     return min(max(place - below, above - place) for place, below, above in list(zip(tip, lower, upper))[:-1])
 
 
+def given(options, name):
+    """Returns the text of an option of a run, None where it was not given."""
+    return None if options.get(name) == "none" else options.get(name)
+
+
 def tip_of_run(options):
     """Returns the Tip of a run's options; None where they are not known, or where its file is no longer there."""
     kind = options.get("-indenter")
@@ -125,21 +130,21 @@ def tip_of_run(options):
         if kind == "profile":
             return tip_files.tip_of_profile(options["-indenter_profile"])
         if kind == "height_map":
-            size = options.get("-indenter_map_size")
+            size = given(options, "-indenter_map_size")
             return tip_files.tip_of_map(options["-indenter_map"], numbers(size) if size else None)
     except ResultError:
         return None
     if kind not in tips.NEEDS:
         return None
-    given = {name: options.get(f"-indenter_{name}") for name in ("half_angle", "radius", "tip_radius", "edge_radius", "faces")}
-    sizes = {name: float(text) for name, text in given.items() if text is not None}
+    found = {name: given(options, f"-indenter_{name}") for name in ("half_angle", "radius", "tip_radius", "edge_radius", "faces")}
+    sizes = {name: float(text) for name, text in found.items() if text is not None}
     sizes |= {name: 1e6 * sizes[name] for name in ("radius", "tip_radius", "edge_radius") if name in sizes}
     return tips.make_tip(kind, **sizes | ({"faces": int(sizes["faces"])} if "faces" in sizes else {}))
 
 
 def tip_of_area(options):
     """Returns the Tip of the area function of a run's options, whose units are SI."""
-    in_metres, range_m = numbers(options["-indenter_area_coefficients"]), options.get("-indenter_area_depths")
+    in_metres, range_m = numbers(options["-indenter_area_coefficients"]), given(options, "-indenter_area_depths")
     coefficients = [c * 10.0 ** (9 * (2 - 2.0 ** (1 - k))) for k, c in enumerate(in_metres)]
     return tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
 
@@ -148,7 +153,7 @@ def poisson_of_run(options):
     """Returns the Poisson's ratio of a run's materials; None where they differ, are crystals or are not known."""
     if any(name.endswith("_elastic_constants") for name in options):
         return None
-    ratios = {float(value) for name, value in options.items() if name.endswith("_poissons_ratio")}
+    ratios = {float(value) for name, value in options.items() if name.endswith("_poissons_ratio") and name != "-indenter_poissons_ratio"}
     return ratios.pop() if len(ratios) == 1 else None
 
 
@@ -227,7 +232,7 @@ def columns_of(path, source, asked):
     if "depth" in asked and "load" in asked:
         return [list(asked.values())], source.lines, []
     if source.facts.columns:
-        columns = {what: Column(number, meanings.UNITS_OF[what][source.facts.units[what]]) for what, number in zip(meanings.UNITS_OF, source.facts.columns)}
+        columns = {what: Column(number, meanings.UNITS_OF[what][source.facts.units[what]], meanings.UNITS_OF[what]) for what, number in zip(meanings.UNITS_OF, source.facts.columns)}
         return [list((columns | asked).values())], source.lines, []
     found = meanings.find(path, source, asked)
     return found.sets, source.lines[found.line:], found.notes

@@ -99,9 +99,9 @@ def section_radius(h, half_angle, tip_radius):
 def tip_of_function(coefficients, least=0.0, largest=math.inf):
     """Returns the Tip whose area is C0 h^2 + C1 h + C2 h^(1/2) + C3 h^(1/4) ..., h in nm and the area in nm^2.
 
-    A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least depth down to which p = h A'/A is
-    between that of a paraboloid, 1, and STEEPEST, that of a cone, 2, and a little more, the tip is A = A(h_m) (h/h_m)^p, as in the
-    program: A and A' go on, and depth zero stays. least, largest: depths (nm) between which the function was calibrated.
+    A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least calibrated depth from which up to ten
+    times that p = h A'/A is between that of a paraboloid, 1, and STEEPEST, that of a cone, 2, and a little more, the tip is
+    A = A(h_m) (h/h_m)^p, as in the program: A and A' go on, and depth zero stays. least, largest: calibrated depths (nm).
     """
     start, power = repaired_from(coefficients, least, largest)
 
@@ -129,18 +129,17 @@ def polynomial(coefficients, h, derivative=False):
 
 
 def repaired_from(coefficients, least, largest):
-    """Returns h_m (nm) and p of tip_of_function(): 0 and 2 where A grows so from zero on."""
+    """Returns h_m (nm) and p of tip_of_function(): 0 and 2 where A grows so from zero on, or nowhere."""
     deepest = min(largest, DEEPEST) if largest > 0 else DEEPEST
-    depths = np.geomspace(deepest, max(least, LEAST_DEPTH), 4000)
+    depths = np.geomspace(max(least, LEAST_DEPTH), deepest, 4000)
     areas, slopes = polynomial(coefficients, depths), polynomial(coefficients, depths, derivative=True)
     power = np.where(areas > 0, slopes / np.where(areas > 0, areas, 1), np.nan)
-    good = (power >= 1 - ROUNDING) & (power <= STEEPEST)
-    first = int(np.argmax(good))
-    failing = np.flatnonzero(~good[first:])
-    if not good[first] or not len(failing) and least <= LEAST_DEPTH:
+    failing = np.append(0, np.cumsum(~((power >= 1 - ROUNDING) & (power <= STEEPEST))))
+    decade = failing[np.searchsorted(depths, 10 * depths)] - failing[:-1]  # how many fail from a depth to ten times that
+    good = np.flatnonzero(decade == 0)
+    if not len(good) or good[0] == 0 and least <= LEAST_DEPTH:
         return 0.0, 2.0
-    last = first + (failing[0] if len(failing) else len(depths)) - 1
-    return float(depths[last]), float(power[last])
+    return float(depths[good[0]]), float(power[good[0]])
 
 
 def hay(tangent, nu):

@@ -147,6 +147,7 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
     inputs: standard uncertainties. other: of a run, the dict of results of the same run on other cells. Draws are normal, but for the
     window and the cells, which are even between limits. The same seed gives the same numbers.
     """
+    constants = oliver_pharr.constants_of(curve, constants)
     if curve.tip is None or not math.isfinite(row["hardness_GPa"]):
         raise Error(f"{curve.name}: there is no hardness by Oliver and Pharr whose uncertainty could be told")
     count = checks.whole("draws", draws)

@@ -114,7 +114,7 @@ def test_commands_close(tmp_path, capsys):
     main([*files, "--calibration", str(tmp_path / "calibration.json"), "--poisson", "0.17", "--tip-elastic", "1141,0.07"])
     for test in json.loads((tmp_path / "indentation.json").read_text())["curves"]:
         [row] = test["cycles"]
-        assert any(re.match(r"below 17\.\d nm the area function is that of no tip, and is continued by a power", note) for note in test["notes"])
+        assert any(re.match(r"below 50 nm the area function is not calibrated, or that of no tip, and is continued by a power", note) for note in test["notes"])
         assert row["modulus_GPa"] == pytest.approx(72, rel=2e-4) and row["hardness_GPa"] == pytest.approx(9.5, rel=2e-4)
         assert "a frame with 0.3333 nm/mN is taken off the depths" in test["notes"]
 
@@ -155,7 +155,7 @@ def test_continued_area_function():
     assert slopes[0] == pytest.approx(slopes[1], rel=1e-3) and float(TIP.area(h - 1e-9)) == pytest.approx(float(TIP.area(h)), rel=1e-5)
     depths = np.geomspace(1e-5, h, 100)
     powers = np.diff(np.log(TIP.area(depths))) / np.diff(np.log(depths))
-    assert np.all((powers >= 1) & (powers <= 2)) and float(TIP.area(0)) == 0
+    assert np.all((powers >= 1) & (powers <= 2.05)) and float(TIP.area(0)) == 0
     for plain in ([24.5], [24.5, 1000], [0, 628]):
         assert tips.tip_of_function(plain).repaired == 0 and float(tips.tip_of_function(plain).area(0.1)) == pytest.approx(1e-6 * tips.polynomial(plain, 100))
 
@@ -163,6 +163,6 @@ def test_continued_area_function():
 def test_contact_near_the_continued_part_is_warned_of():
     curve = silica(0.03, frame=0)._replace(tip=TIP)
     [row] = oliver_pharr.analyse(curve)
-    assert "the area function is that of no tip below 17" in row["warnings"] and row["contact_depth_um"] == pytest.approx(0.03, rel=1e-4)
+    assert "the area function is that of no tip below 16" in row["warnings"] and row["contact_depth_um"] == pytest.approx(0.03, rel=1e-4)
     [row] = oliver_pharr.analyse(silica(0.3, frame=0)._replace(tip=TIP))
     assert row["warnings"] == ""

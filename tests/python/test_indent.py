@@ -81,7 +81,7 @@ def test_cases_are_accepted(tmp_path, law, case):
 
 
 @pytest.mark.parametrize("case, line", [
-    (dict(METAL), "depth, load: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
+    (dict(METAL), "depth, load, test: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
     (dict(METAL, depth="deep"), "depth=deep"), (dict(METAL, depth=float("nan")), "depth=nan"), (dict(METAL, load=-1), "load=-1: must be a number > 0 in N"),
     (dict(youngs_modulus=70, depth=1e-7), "youngs_modulus=70: must be .* in Pa; 70 GPa are 70e9"), (dict(depth=1e-7), "youngs_modulus=None"),
     (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"), (dict(METAL, depth=1e-7, tip="brinell"), "tip=brinell: must be one of cone, sphere"),
@@ -147,7 +147,7 @@ def test_names_that_may_have_meant_an_argument(tmp_path, name, value, right):
     ("friction", 0.2, "it may be options={'indenter_friction': ...}"), ("mu", 0.2, "it may be options={'indenter_friction': ...}"),
     ("damping", 1e7, "it may be options={'damping': ...}"), ("history_interval", 10, "it may be options={'history_interval': ...}"),
     ("dampng", 1e7, "it may be options={'damping': ...}"), ("yeld_stress", 1e8, "it may be yield_stress"), ("melting_temp", 900, "it may be melting_temperature"),
-    ("hardening_strain", 0.1, "another law or kind of hardening has it"), ("foo", 1, "it may be one of law, tip, depth, load, file, .*, or a constant of the law")])
+    ("hardening_strain", 0.1, "another law or kind of hardening has it"), ("foo", 1, "it may be one of law, tip, depth, load, test, file, .*, or a constant of the law")])
 def test_names_that_the_program_does_not_know(tmp_path, monkeypatch, name, value, hint):
     """Its own hint names options of the specimen, which a caller has never seen."""
     monkeypatch.chdir(tmp_path)

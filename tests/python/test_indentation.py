@@ -131,7 +131,7 @@ def test_units_of_no_solid_give_a_warning(tmp_path, capsys):
 
 WORDS = {
     "no curve": [], "no such file": ["none.csv"], "tip not known": ["m.csv"], "cone without angle": ["m.csv", "--tip", "cone"],
-    "sphere without radius": ["m.csv", "--tip", "sphere"], "unknown tip": ["m.csv", "--tip", "knoop"],
+    "sphere without radius": ["m.csv", "--tip", "sphere"], "unknown tip": ["m.csv", "--tip", "brinell"],
     "two tips": ["m.csv", "--tip", "vickers", "--area-function", "24.5"],
     "window upside down": ["m.csv", "--tip", "vickers", "--window", "0.9,0.5"], "empty window": ["m.csv", "--tip", "vickers", "--window", "0.96,0.961"],
     "unit": ["m.csv", "--tip", "vickers", "--depth", "depth:inch"], "no unit": ["m.csv", "--tip", "vickers", "--load", "load"],

@@ -94,7 +94,7 @@ TEST(Tips, AreaFunctionInOtherUnits)
 TEST(Tips, AreaFunctionsOfConesAndPyramids)
 {
   const double slope = std::tan(70.3 * kDegree);
-  const HeightProfile cone = AreaFunction::Create({M_PI * slope * slope}, 0, 10)->ProfileOf(M_PI, 10);
+  const HeightProfile cone = AreaFunction::Create({M_PI * slope * slope}, 0, 10)->ProfileOf(M_PI);
   for (const GeometryKind geometry : {GeometryKind::kAxisymmetric, kSpace}) {
     const auto tip = CreateProfileTip(geometry, cone, {}), same = CreateCone(geometry, 70.3, 0);
     double error = 0;
@@ -108,12 +108,12 @@ TEST(Tips, AreaFunctionsOfConesAndPyramids)
   }
   const double tangent = std::tan(65.27 * kDegree), shape = 3 * std::tan(M_PI / 3);
   const auto area = AreaFunction::Create({shape * tangent * tangent}, 0, 10);
-  const auto faces = CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 20, {}), berkovich = CreatePyramid(65.27, 3, 20, 0);
+  const auto faces = CreateProfilePyramid(area->ProfileOf(shape), 3, 20, {}), berkovich = CreatePyramid(65.27, 3, 20, 0);
   const Difference difference = Compare(*faces, *berkovich, 4, HUGE_VAL);
   EXPECT_LE(difference.distance, 1e-11);
   EXPECT_LE(difference.normal, 1e-11);
   EXPECT_FALSE(faces->MayBeMirrored(1));
-  EXPECT_TRUE(CreateProfilePyramid(area->ProfileOf(shape, 10), 3, 0, {})->MayBeMirrored(1));
+  EXPECT_TRUE(CreateProfilePyramid(area->ProfileOf(shape), 3, 0, {})->MayBeMirrored(1));
 }
 
 /// A ball by its heights; Fritsch and Carlson's cubics through 200 of them are of third order or better.

@@ -129,8 +129,8 @@ public:
       notes->push_back(Format("area function: taken from {} m on; below, the area falls like a power of the depth, to none at 0",
                               area->Begin()));
     const double shape = faces > 0 ? faces * std::tan(M_PI / faces) : M_PI;
-    const HeightRange known{area->Begin(), bounded ? largest : HUGE_VAL};
-    const HeightProfile profile = area->ProfileOf(shape, std::max(height, largest));
+    const HeightRange known{area->Begin(), bounded || area->End() < height ? area->End() : HUGE_VAL};
+    const HeightProfile profile = area->ProfileOf(shape);
     return faces > 0 ? CreateProfilePyramid(profile, faces, turn, known) : CreateProfileTip(geometry_, profile, known);
   }
 

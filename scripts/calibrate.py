@@ -37,6 +37,7 @@ def parse(arguments):
     parser.add_argument("--window", type=load_depth.numbers, metavar="LOW,HIGH", help="part of the unloadings that is fitted, of their load (0.5,0.97)")
     parser.add_argument("--zero-depth", choices=sorted(zeros.RULES), help="how the depth of the surface is found (the files' is zero)")
     parser.add_argument("--zero-load", choices=[zeros.AUTO], help="the load of the free tip is found (the files' is zero)")
+    parser.add_argument("--beta", type=float, default=calibration.BETA, help="of S = 2 beta Er sqrt(A/pi), with which the area is used (1)")
     parser.add_argument("--drift", choices=[corrections.AUTO], help="thermal drift is found and taken off")
     parser.add_argument("--out", metavar="DIR", help="folder for what is written (that of the first file)")
     options = parser.parse_args(arguments)
@@ -86,7 +87,7 @@ def main(arguments=None):
     options = parse(arguments)
     found = calibration.calibrate(list(curves(options)), modulus=options.modulus, poisson=options.poisson, tip_modulus=options.tip_elastic[0],
                                   tip_poisson=options.tip_elastic[1], reduced_modulus=options.reduced_modulus, coefficients=options.coefficients,
-                                  window=options.window, frame_compliance=options.frame_compliance)
+                                  window=options.window, beta=options.beta, frame_compliance=options.frame_compliance)
     folder = Path(options.out) if options.out else Path(options.files[0]).parent
     pictures.make_folder(folder)
     calibration.write(found, folder / "calibration.json")

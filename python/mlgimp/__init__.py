@@ -19,8 +19,9 @@ from .errors import Error, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read
 from .indentation import indent
+from .instrument import Tip
 from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "calibrate", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
+__all__ = ["Error", "ResultError", "RunError", "Results", "Tip", "calibrate", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
            "run"]

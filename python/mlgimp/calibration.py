@@ -29,20 +29,20 @@ RULES = {
     "coefficients": Rule(lambda count: 1 <= count <= 9, "a whole number in [1, 9]"),
 }
 
-Calibration = namedtuple("Calibration", "coefficients area_error frame frame_error hardness modulus depths shown rows tests")
+Calibration = namedtuple("Calibration", "coefficients area_error frame frame_error hardness modulus depths shown rows tests beta", defaults=(BETA,))
 Calibration.__doc__ = """What a series gives: the coefficients C0, C1, ... of the area (nm^2) over the contact depth (nm) and the root mean square of
 what it misses, as a share; the frame's compliance and its standard error (nm/mN); the hardness by which it was found and the reduced
 modulus that was given (GPa); the least and largest contact depth (nm); for each depth whether it counted for the frame; rows
-[depths][load mN, contact depth nm, stiffness of the contact mN/um, area nm^2, hardness GPa]; and their names."""
+[depths][load mN, contact depth nm, stiffness of the contact mN/um, area nm^2, hardness GPa]; their names; and beta."""
 
 
 def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poisson=0.07, reduced_modulus=None, coefficients=6, window=None,
-              frame_compliance=None):
+              beta=BETA, frame_compliance=None):
     """Returns the Calibration of a series of Curves of a specimen with a known modulus.
 
     curves: load_depth.Curves, or paths of files; each unloading is a depth, from which frame and drift are not taken off.
     modulus, poisson (GPa) of the specimen, fused silica by default, and of the tip, diamond; or reduced_modulus in their place.
-    coefficients: how many C. window: part of the unloadings that is fitted. frame_compliance (nm/mN): one that is known.
+    coefficients: how many C. window: part of the unloadings that is fitted. beta: of S = 2 beta Er sqrt(A/pi), with which the area is used. frame_compliance (nm/mN): one that is known.
 
     The compliance of frame and contact is 1/S = C_f + sqrt(pi)/(2 beta E_r) A^(-1/2). With a hardness H that does not depend on the depth,
     A = P/H, and 1/S over P^(-1/2) is a line that begins at C_f, whatever the tip is like. Then A = pi/4 (S_c/(beta E_r))^2 of each
@@ -51,7 +51,11 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     the compliance that was found, since a power law and a spring in a row are no power law, until nothing of it is left. The coefficients
     are those of least squares of A relative to itself.
     """
-    reduced = checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced_modulus)
+    beta = checks.number("beta", beta, oliver_pharr.RULES["beta"])
+    reduced = beta * checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced_modulus)
+
+    def result(found, **changed):
+        return found._replace(modulus=reduced / beta, beta=beta, **changed)
     count = checks.whole("coefficients", coefficients, 1)
     if not RULES["coefficients"].good(count):
         raise checks.refusal("coefficients", coefficients, RULES["coefficients"].allowed)
@@ -60,7 +64,7 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
     if frame_compliance is not None:
         frame = 1e-3 * checks.number("frame_compliance", frame_compliance, corrections.FRAME)
         contacts(unloadings(curves, 0.0, window)[3], frame, reduced)  # refuses a compliance that is more than the whole
-        return of_unloadings(*unloadings(curves, frame, window), reduced, count, 0.0)._replace(frame=1e3 * frame)
+        return result(of_unloadings(*unloadings(curves, frame, window), reduced, count, 0.0), frame=1e3 * frame)
     total = 0.0
     for _ in range(TURNS):
         found = of_unloadings(*unloadings(curves, total, window), reduced, count)
@@ -68,8 +72,8 @@ def calibrate(curves, *, modulus=72.0, poisson=0.17, tip_modulus=1141.0, tip_poi
         if abs(found.frame) <= max(STANDS * 1e3 * abs(total), 1e-2 * found.frame_error):
             break
     if total < 0:  # of depths that are free of the frame: no frame pushes
-        return of_unloadings(*unloadings(curves, 0.0, window), reduced, count, 0.0)._replace(frame_error=found.frame_error)
-    return found._replace(frame=1e3 * total)
+        return result(of_unloadings(*unloadings(curves, 0.0, window), reduced, count, 0.0), frame_error=found.frame_error)
+    return result(found, frame=1e3 * total)
 
 
 def curves_of(given):
@@ -152,12 +156,12 @@ def line_at_zero(x, y, error):
 
 
 def contacts(stiffness, frame, reduced):
-    """Returns the stiffnesses of the contacts alone (mN/um) and their areas (um^2) from those with the frame's compliance (um/mN)."""
+    """Returns the stiffnesses of the contacts alone (mN/um) and their areas (um^2) from those with the frame's compliance (um/mN) and beta Er."""
     compliance = 1 / stiffness - frame
     if not np.all(compliance > 0):
         raise Error(f"a frame with {1e3 * frame:.4g} nm/mN gives way more than frame and contact together ({1e3 / stiffness.max():.4g} nm/mN at least): "
                     "are the depths free of it already, or is the hardness of the specimen not the same at all depths?")
-    return 1 / compliance, math.pi / 4 * (1 / (compliance * BETA * reduced)) ** 2
+    return 1 / compliance, math.pi / 4 * (1 / (compliance * reduced)) ** 2
 
 
 def fitted_area(depth, area, unsure, count):
@@ -184,7 +188,7 @@ def write(calibration, path):
     found = {"area_function_nm": calibration.coefficients, "area_error_percent": 100 * calibration.area_error,
              "frame_compliance_nm_per_mN": calibration.frame, "frame_compliance_error_nm_per_mN": calibration.frame_error,
              "contact_depths_nm": list(calibration.depths), "hardness_GPa": calibration.hardness, "reduced_modulus_GPa": calibration.modulus,
-             "epsilon": EPSILON, "beta": BETA,
+             "epsilon": EPSILON, "beta": calibration.beta,
              "tests": [{"name": name, "load_mN": row[0], "contact_depth_nm": row[1], "stiffness_mN_per_um": row[2], "area_nm2": row[3], "hardness_GPa": row[4],
                         "counts_for_the_frame": bool(counts)} for name, row, counts in zip(calibration.tests, calibration.rows.tolist(), calibration.shown)]}
     try:
@@ -198,6 +202,7 @@ def read(path):
     try:
         found = json.loads(Path(path).read_text())
         coefficients, frame = [float(value) for value in found["area_function_nm"]], float(found["frame_compliance_nm_per_mN"])
+        beta = float(found.get("beta", BETA))
         least, largest = map(float, found["contact_depths_nm"])
     except OSError as problem:
         raise ResultError(path, f"cannot be read ({problem.strerror})") from None
@@ -205,4 +210,5 @@ def read(path):
         raise ResultError(path, "is no calibration: scripts/calibrate.py writes one") from None
     if not coefficients or not all(map(math.isfinite, [*coefficients, frame])) or not 0 < least <= largest < math.inf:
         raise ResultError(path, "is no calibration: its coefficients, compliance and depths must be numbers")
-    return tips.tip_of_function(coefficients, least=least * (1 - tips.ROUNDING), largest=largest * (1 + tips.ROUNDING)), frame
+    tip = tips.tip_of_function(coefficients, least=least * (1 - tips.ROUNDING), largest=largest * (1 + tips.ROUNDING))
+    return tip._replace(beta=lambda nu: beta), frame

@@ -240,11 +240,10 @@ def study_folder():
 def verify_tilted_berkovich(study):
     """A Berkovich tip that leans
 
-    By 1 and 3 degrees toward a face and toward an edge, in an elastic body: load at 2.4 of the coarse cells' depth against that on cells half as
-    large; and with a tilt to either side of a plane of symmetry.
+    By 1 and 3 degrees toward a face and toward an edge, in an elastic body: load at a depth of 1.6 of the coarse cells, where the contact is
+    seven of them wide, against that on cells half as large; and with a tilt to either side of a plane of symmetry.
     """
-    case = {**SPACE, "domain_lower": "-12,-12,0", "domain_upper": "12,12,16", "b_lower": "-12,-12,0", "b_upper": "12,12,12", "indenter_tip": "0,0,12",
-            "indenter": "berkovich", "indenter_depths": 2.4}
+    case = {**SPACE, "indenter": "berkovich", "indenter_depths": 1.6}
     for angle in (0, 1, 3):
         for toward in (0, 180) if angle else (0,):
             loads = [harness.run({**case, "indenter_tilt": (angle, toward), "cell_size": cell}, ranks=2).history["load"][-1] for cell in (1, 0.5)]

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.fast
 
 # A file includes only its own layer and those before it; in a layer with rooms only its own room and those before it.
 LAYERS = ("base", "physics", "grid", "points", "surface", "contact", "level", "hierarchy", "program")
-ROOMS = {"physics": ("crystal", ""), "level": ("sweeps", ""), "hierarchy": ("partition", "coupling", "transfer", ""),
+ROOMS = {"physics": ("crystal", "", "tips"), "level": ("sweeps", ""), "hierarchy": ("partition", "coupling", "transfer", ""),
          "program": ("system", "options", "case", "slow_test", "advice", "input", "output", "checkpoint", "run")}
 MOST_IN_ROOM = 12  # files
 LONGEST = 400  # lines

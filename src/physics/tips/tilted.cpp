@@ -1,4 +1,4 @@
-// Tilted indenters.
+// Tilted indenters: what they were upright, turned about their lowest place.
 #include "physics/tips/tilted.hpp"
 
 #include <cmath>

@@ -39,7 +39,7 @@ struct NamedPyramid {
   double half_angle;
 };
 constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
-constexpr double kKnoopLong = 172.5, kKnoopShort = 130; ///< between opposite edges, degrees
+constexpr double kKnoopLong = 172.5, kKnoopShort = 130; ///< exact: between opposite edges, degrees
 
 /// A reader of the options of one kind; with -help of all kinds.
 class TipReader

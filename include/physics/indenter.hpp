@@ -64,11 +64,13 @@ struct IndenterMotion {
 };
 
 /// What is elastic between the place whose depth is prescribed and the tip, in series: it takes F (frame + tip/a) of the depth
-/// under a force F with a contact of the radius a. The tip's own part is the (1 - nu^2)/E of the reduced modulus, Oliver and
-/// Pharr, J. Mater. Res. 7 (1992) 1564: exact under punches, and where half spaces meet.
+/// under a force F with a contact of the radius a. In elastic bodies that is to first order the depth of both bodies, whose
+/// moduli are in series, under every profile r^n: h ~ (F/E_r)^(n/(n + 1)), and F/(2 a E*) = n h/(n + 1). A metal's contact keeps
+/// its width in the unloading, of which 1/S = 1/(2 a E*) + 1/(2 a E_i*): there a is the largest so far.
 struct IndenterCompliance {
   double frame = 0;      ///< of frame or cantilever, m/N
   double tip = 0;        ///< (1 - nu^2)/(2 E) of the tip, m^2/N
+  bool narrows = true;   ///< the radius may become smaller: no body flows
   double least = 0;      ///< radius of the narrowest contact that cells show, m
   double wave_speed = 0; ///< with which the tip's strain follows the contact's width, m/s
   bool Any() const { return frame > 0 || tip > 0; }

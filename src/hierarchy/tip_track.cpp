@@ -64,9 +64,10 @@ TipStep TipTrack::Step(int l, Vec3 start, TimeStep step) const
 void TipTrack::Stretch(const TipReport &tip, TimeStep step)
 {
   const IndenterCompliance &compliance = indenter_->compliance;
-  const double width = std::max(tip.half_width, compliance.least), before = std::max(radius_, compliance.least);
+  const double known = std::max(radius_, compliance.least), found = std::max(tip.half_width, compliance.least);
+  const double width = compliance.narrows ? found : std::max(found, known);
   if (indenter_->by_load) deflection_ = tip.limited ? 0 : compliance.At(radius_) * Load(step);
-  radius_ = width + (before - width) * std::exp(-compliance.wave_speed * step.dt / (2 * width));
+  radius_ = width + (known - width) * std::exp(-compliance.wave_speed * step.dt / (2 * width));
 }
 
 PetscErrorCode TipTrack::Follow(MPI_Comm comm, int l, const LevelContact &contact, TimeStep step)

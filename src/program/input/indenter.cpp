@@ -135,7 +135,8 @@ void ReadCompliance(OptionReader &reader, Case *c)
   double parts = 1;
   for (int axis = 0; axis < indenter.up; ++axis)
     if (c->MirrorsTip(axis) && !(axis == 0 && c->model.geometry.HasHoop())) parts *= 2;
-  indenter.compliance = {parts / stiffness, parts * (1 - ratio * ratio) / (2 * modulus), 0.5 * c->CellSize(c->LevelAtTip())};
+  indenter.compliance = {parts / stiffness, parts * (1 - ratio * ratio) / (2 * modulus), !c->model.Flows(),
+                         0.5 * c->CellSize(c->LevelAtTip())};
   for (const auto &material : c->model.materials)
     indenter.compliance.wave_speed = std::max(indenter.compliance.wave_speed, material->SpeedOfSound());
   indenter.largest_speed = kLargestSpeed * indenter.compliance.wave_speed;

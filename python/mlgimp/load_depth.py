@@ -221,8 +221,8 @@ def tests_of_source(path, name, source, asked, wished):
         others = [next(what for what, units in meanings.UNITS_OF.items() if column.units is units) for column in columns[2:]]
         tests += [(read, others, wished._replace(**offsets)) for read in tables.tests_of(path, lines, source.mark, source.numerals, columns)]
     names = [name + f" test {number}" * (len(tests) > 1) for number in range(1, len(tests) + 1)]
-    tip, needs_time = source.facts.tip, "time" in asked
-    return [Test(name, functools.partial(measured_curve, path, name, read, others, own, tip, notes, needs_time))
+    tip, named = source.facts.tip, tuple(asked)
+    return [Test(name, functools.partial(measured_curve, path, name, read, others, own, tip, notes, named))
             for name, (read, others, own) in zip(names, tests)]
 
 
@@ -238,18 +238,21 @@ def columns_of(path, source, asked):
     return found.sets, source.lines[found.line:], found.notes
 
 
-def measured_curve(path, name, read, others, wished, tip, more_notes, needs_time):
+def measured_curve(path, name, read, others, wished, tip, more_notes, named):
     """Returns the Curve of a test that read() gives: [rows][depth um, load mN, and what `others` names] and notes, with Corrections.
-    needs_time: whether the caller has named the time, which may not fall then; else each segment may have a clock of its own."""
+    named: the columns that the caller has named; a time that is not may begin anew with each segment, and a stiffness that is not may have
+    no numbers."""
     table, notes = read()
     falls = np.flatnonzero(np.diff(table[:, 2]) < 0) if "time" in others else []
-    if len(falls) and needs_time:
+    if len(falls) and "time" in named:
         raise ResultError(path, f"the time falls in data row {falls[0] + 2}; rows must be in the order of the test")
     if len(falls):
         table = np.column_stack([table[:, :2], one_clock(table[:, 2], falls), table[:, 3:]])
         notes = [*notes, f"the time begins anew {len(falls)} times, first in data row {falls[0] + 2}, and is taken to go on there"]
     table = table[np.append(True, np.any(np.diff(np.nan_to_num(table), axis=0) != 0, axis=1))]
     curve = Curve(name, None, *table.T[:2], None, tip, None, False, notes)._replace(**dict(zip(others, table.T[2:])))
+    if "stiffness" in others and "stiffness" not in named and not np.any(np.nan_to_num(curve.stiffness) > 0):
+        curve, others = curve._replace(stiffness=None), [each for each in others if each != "stiffness"]
     curve = corrections.corrected(curve, wished)
     check_order_and_signs(path, curve.depth, curve.load)
     approach = rows_of_approach(curve.depth, curve.load)

@@ -176,7 +176,7 @@ def test_refusals(expect, tmp_path):
     area = {"indenter": "area_function", "indenter_area_coefficients": 24.5}
     table = [
         ("area that falls", {**area, "indenter_area_coefficients": "-24.5"}, ["-indenter_area_coefficients"]),
-        ("coefficients in nm", {**area, "cell_size": 1, "indenter_area_coefficients": "24.5,-6418"}, ["-indenter_area_coefficients", "units"]),
+        ("coefficients in nm", {**area, "cell_size": 1, "indenter_area_coefficients": "24.5,-6418"}, ["-indenter_area_coefficients", "coefficients of nm"]),
         ("depths the wrong way", {**area, "indenter_area_depths": "1,0.5"}, ["-indenter_area_depths"]),
         ("deeper than calibrated", {**area, "indenter_area_depths": "0,0.5"}, ["-indenter area_function", "0.5"]),
         ("one face", {**area, "indenter_faces": 1}, ["-indenter_faces"]),

@@ -102,3 +102,14 @@ def test_a_stiffness_that_is_nowhere_above_zero():
     depth, load, stiffness = exact()
     with pytest.raises(Error, match="no row of the loading has a stiffness above zero"):
         csm.of_stiffness(curve(depth, load)._replace(stiffness=-np.nan_to_num(stiffness)))
+
+
+def test_a_stiffness_is_known_by_its_head(tmp_path):
+    """Without an option, in its unit; a column of zeros, as of a test without oscillations, is none."""
+    depth = np.linspace(1, 500, 60)
+    for stiffness, known in ((np.sqrt(depth), True), (np.zeros(60), False)):
+        rows = "".join(f"{h}\t{1e-4 * h**2}\t{s}\n" for h, s in zip(depth, stiffness))
+        (tmp_path / "m.txt").write_text("Displacement (nm)\tLoad (mN)\tHarmonic Contact Stiffness (mN/um)\n" + rows)
+        read = mlgimp.read_measured(tmp_path / "m.txt")
+        assert (read.stiffness is not None) == known
+        assert not known or read.stiffness == pytest.approx(np.sqrt(depth[-len(read.stiffness):]))

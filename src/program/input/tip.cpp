@@ -122,8 +122,8 @@ public:
     if (!area)
       reader_.Refuse(
           name, coefficients.front(),
-          "such that the area grows with the depth by a power of 1 to 2 below {} m; are its units m? C0 is none, C1 of "
-          "nm is 1e-9 of m, C2 10^-13.5, C3 10^-15.75",
+          "such that the area grows with the depth by a power of 1 to 2 somewhere below {} m; coefficients of nm are those of m "
+          "times 1, 1e9, 10^13.5, 10^15.75, ...",
           largest);
     if (area->Begin() > 0)
       notes->push_back(Format("area function: taken from {} m on; below, the area falls like a power of the depth, to none at 0",

@@ -6,7 +6,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import oliver_pharr, zeros
+from . import cycles, oliver_pharr, zeros
 from .checks import Rule
 from .errors import Error, ResultError
 from .needs import need
@@ -21,6 +21,7 @@ COLUMNS = tuple(f"{name if name != 'ratio' else 'load_over_squared_stiffness'}_{
 DEEP = 0.5, 0.95  # of the largest depth, where means are taken by default: above, tip and contact point matter; below, a hold adds rows
 UNLOADED = 0.5, 1.0  # the same of unloadings, of which the last is from the largest depth
 RANGE = Rule(lambda ends: len(ends) == 2 and 0 <= ends[0] < ends[1] < math.inf, "LOW,HIGH in nm with 0 <= LOW < HIGH")
+ONE = 1e-9  # of an exponent: limits between which it is that alone
 LEAST = 3  # unloadings, from which on figures over the depth are more than single ones
 
 
@@ -42,6 +43,25 @@ def of_stiffness(curve, constants=oliver_pharr.Constants()):
     return OverDepth(depth, load, stiffness, *found, oliver_pharr.specimen_modulus(found[-1], poisson, constants), load / stiffness**2)
 
 
+def with_common_exponent(curve, rows, constants):
+    """Returns the dicts of a run's unloadings, all fitted with the median of their exponents.
+
+    What lets go of the tip cell by cell makes waves of some tenths of a per cent of the load, which change exponent and stiffness together:
+    under a cone in a metal on 4 to 10 cells moduli over the depth scatter by 2.0 % with exponents of their own, and by 1.3 % with one.
+    """
+    exponent = float(np.median([row["exponent"] for row in rows]))
+    poisson = curve.poisson if constants.poisson is None else constants.poisson
+    found = []
+    for cycle, row in zip(cycles.find_cycles(curve), rows):
+        if math.isfinite(row["stiffness_mN_per_um"]) and curve.tip is not None:
+            fit = oliver_pharr.fit_unloading(curve, cycle, constants.window, (exponent * (1 - ONE), exponent * (1 + ONE)))
+            figures = oliver_pharr.contact(curve.tip, fit.depth, fit.load, fit.stiffness, row["epsilon"], row["beta"])
+            names = ("contact_depth_um", "area_um2", "hardness_GPa", "reduced_modulus_GPa", "modulus_GPa")
+            row = row | {"stiffness_mN_per_um": fit.stiffness} | dict(zip(names, (*figures, oliver_pharr.specimen_modulus(figures[-1], poisson, constants))))
+        found.append(row)
+    return found
+
+
 def of_unloadings(rows):
     """Returns the OverDepth of the dicts of oliver_pharr.analyse, in the order of the test."""
     names = ("depth_um", "load_mN", "stiffness_mN_per_um", "contact_depth_um", "area_um2", "hardness_GPa", "reduced_modulus_GPa", "modulus_GPa")
@@ -53,6 +73,8 @@ def over_depth(curve, rows, constants=oliver_pharr.Constants()):
     """Returns the OverDepth of a Curve with a stiffness, else of its unloadings, `rows` of oliver_pharr.analyse; None of a few of these."""
     if curve.stiffness is not None:
         return of_stiffness(curve, constants)
+    constants = oliver_pharr.constants_of(curve, constants)
+    rows = with_common_exponent(curve, rows, constants) if curve.cells is not None and len(rows) >= LEAST else rows
     found = [row for row in rows if math.isfinite(row["stiffness_mN_per_um"])]
     return of_unloadings(found) if len(found) >= LEAST else None
 

@@ -63,11 +63,12 @@ def checked_constants(iso=False, **given):
     return Constants(**{"window": iso14577.WINDOW if checks.flag("iso", iso) else WINDOW, **given}, iso=iso)
 
 
-def fit_unloading(curve, cycle, window=WINDOW):
+def fit_unloading(curve, cycle, window=WINDOW, exponents=EXPONENTS):
     """Returns the Unloading of a cycle: least squares of P = A (h - hf)^m over the rows from the upper to the lower load of the window.
 
     The unknowns are load and slope at the largest depth h1, and m: P = P1 (1 + S (h - h1)/(m P1))^m, hf = h1 - m P1/S. A tip
-    touches nothing above the surface that it first met: where hf came out below zero, it is zero, and S = m P1/h1.
+    touches nothing above the surface that it first met: where hf came out below zero, it is zero, and S = m P1/h1. exponents: the least and
+    the largest m.
     """
     top_depth, top_load = np.mean(curve.depth[cycle.hold]), np.mean(curve.load[cycle.hold])
     if not top_depth > 0:
@@ -85,14 +86,14 @@ def fit_unloading(curve, cycle, window=WINDOW):
     if not travel > 0:
         raise ResultError(curve.name, "the tip does not go back in the fitted part of the unloading")
 
-    law = fit_power_law(depth / travel, share, top_depth / travel)
+    law = fit_power_law(depth / travel, share, top_depth / travel, exponents)
     stiffness, error = (slope / travel * top_load for slope in (law.slope, law.error))
     first = cycle.start + fitted.start
     return Unloading(top_depth, top_load, stiffness, error, law.exponent, top_depth - law.exponent * law.load / law.slope * travel,
                      law.residual, slice(first, first + len(share)), law.raised * travel)
 
 
-def fit_power_law(depth, share, deepest):
+def fit_power_law(depth, share, deepest, exponents=EXPONENTS):
     """Returns the PowerLaw of shares of the load at depths from the largest, `deepest`, which is above zero."""
     def law(depth, load, slope, exponent):
         return load * np.maximum(1 + slope * depth / (exponent * load), 0) ** exponent
@@ -100,15 +101,16 @@ def fit_power_law(depth, share, deepest):
     def held_law(depth, load, exponent):
         return law(depth, load, exponent * load / deepest, exponent)
 
-    (least, most), raised = EXPONENTS, 0.0
+    (least, most), raised = exponents, 0.0
+    start = min(max(1.5, least), most)
     line = max(np.polyfit(depth, share, 1)[0], 1e-3)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of a covariance that is not known where m is at its limit
-        (load, slope, exponent), covariance = curve_fit(law, depth, share, (1.0, line, 1.5), bounds=((0.1, 1e-6, least), (10, np.inf, most)))
+        (load, slope, exponent), covariance = curve_fit(law, depth, share, (1.0, line, start), bounds=((0.1, 1e-6, least), (10, np.inf, most)))
         by = np.array([0, 1, 0])  # derivatives of the slope
         if 0 < deepest * (1 + ROUNDING) < exponent * load / slope:
             raised = exponent * load / slope - deepest
-            (load, exponent), covariance = curve_fit(held_law, depth, share, (1.0, 1.5), bounds=((0.1, least), (10, most)))
+            (load, exponent), covariance = curve_fit(held_law, depth, share, (1.0, start), bounds=((0.1, least), (10, most)))
             slope, by = exponent * load / deepest, np.array([exponent, load]) / deepest
     residual = np.sqrt(np.mean((law(depth, load, slope, exponent) - share) ** 2))
     return PowerLaw(load, slope, exponent, math.sqrt(by @ covariance @ by), residual, raised)

@@ -113,3 +113,13 @@ def test_a_stiffness_is_known_by_its_head(tmp_path):
         read = mlgimp.read_measured(tmp_path / "m.txt")
         assert (read.stiffness is not None) == known
         assert not known or read.stiffness == pytest.approx(np.sqrt(depth[-len(read.stiffness):]))
+
+
+def test_waves_of_cells_change_one_exponent_less_than_many(expect):
+    """Unloadings of a run with waves of .3 % of the load: their stiffness over the square root of the load, which is the same at each."""
+    depth, load = cycles_of([1, 2, 4, 6, 8, 10], lowest=0.5)
+    run = curve(depth, load * (1 + 0.003 * np.sin(2 * np.pi * depth / 0.031)), is_run=True)
+    rows = oliver_pharr.analyse(run)
+    own, common = (found.stiffness / np.sqrt(found.load) for found in (csm.of_unloadings(rows), csm.over_depth(run, rows)))
+    expect("scatter with a common exponent, of that with their own", np.std(common / np.mean(common)) / np.std(own / np.mean(own)), at_most=0.7)
+    expect("mean, of the exact one", np.mean(common) / (10 * 1.4 / 0.08 / np.sqrt(10)), near=1, tolerance=0.02)

@@ -8,6 +8,7 @@ import sys
 from collections import namedtuple
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import save
 
 from mlgimp import csm, export, load_depth, oliver_pharr, report_page, uncertainty

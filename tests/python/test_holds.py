@@ -146,6 +146,7 @@ def test_files_have_what_a_hold_gives(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert float(row["C_IT_percent"]) == cycle["C_IT_percent"] > 5 and "creep C_IT" in printed and "stiffness without creep" in printed
     assert cycle["R_IT_percent"] is None and row["R_IT_percent"] == ""
+    np.savetxt(tmp_path / "m.csv", np.column_stack([made.depth, made.load]), delimiter=",", header="depth,load", comments="")
     main(words)
     [cycle] = json.loads((tmp_path / "indentation.json").read_text())["curves"][0]["cycles"]
     assert all(cycle[name] is None for name in oliver_pharr.HELD) and "creep" not in capsys.readouterr().out

@@ -253,7 +253,7 @@ static void CheckKnownSurface(OptionReader &reader, const Case &c, const std::st
   if (deepest > known.largest * (1 + kRounding))
     reader.Refuse("-indenter", kind, "known up to the depth of the test, {} m; its surface is known up to {} m above its end",
                   deepest, known.largest);
-  if (deepest < kMinDepth * known.least)
+  if (deepest > 0 && deepest < kMinDepth * known.least)
     reader.WarnLater(
         "-indenter {}: its surface is a guess below {} m, from which on its function is that of a tip; the test goes "
         "to {} m",

@@ -223,8 +223,8 @@ def completed(read, given):
         if curve.cells is None and poisson is not None:
             curve = curve._replace(poisson=poisson, notes=curve.notes + [f"Poisson's ratio is {poisson:g}, that of the run, unless --poisson says another"])
         own = None if curve.plane else tip_of(curve)
-        told = [f"below {1e3 * own.repaired:.3g} nm the area function is not calibrated, or that of no tip, and is continued by a power"] if own and own.repaired else []
-        yield Analysis(name, curve._replace(name=name, tip=own, notes=curve.notes + told))
+        continued = [f"below {1e3 * own.repaired:.3g} nm the area function is not calibrated, or that of no tip, and is continued by a power"] if own and own.repaired else []
+        yield Analysis(name, curve._replace(name=name, tip=own, notes=curve.notes + continued))
 
 
 def analysed(each, constants):

@@ -35,7 +35,7 @@ def add_options(parser, checked, column):
                              ("poisson", "NU", "of Poisson's ratio"), ("depth", "NM", "noise of each row's depth"), ("load", "UN", "noise of its load")):
         rule = next(rule for key, rule in uncertainty.RULES.items() if key.partition("_")[0] == name)
         group.add_argument(f"--u-{name}", type=checked(rule), metavar=unit, help=f"standard uncertainty {text} (docs/indentation.md)")
-    group.add_argument("--other-cells", metavar="DIR", help="the same run on other cells, by which the uncertainty from cells is told")
+    group.add_argument("--other-cells", metavar="DIR", help="the same run on other cells, from which the uncertainty by cells follows")
     group.add_argument("--export", choices=export.FORMATS, help="writes each curve as NAME.txt with columns of nm, uN, s")
     group.add_argument("--export-noise", type=checked(export.NOISE, load_depth.numbers), metavar="NM,UN", help="noise that is added to it (0,0)")
     group.add_argument("--seed", type=int, default=1, help="of random numbers (1)")

@@ -270,7 +270,7 @@ def parts_of(covariance):
 
 
 def forecast_lines(found, covariance):
-    """Yields what the tests can tell by their noise and the slopes at the first guess: standard errors, and what cannot be told apart."""
+    """Yields what the tests can tell by their noise and the slopes at the first guess: standard errors, and what they cannot distinguish."""
     deviation, correlation = parts_of(covariance)
     yield "by noise and first slopes, standard errors: " + ", ".join(f"{each.name} {100 * error:.2g} %" for each, error in zip(found, deviation))
     for k, other in zip(*np.tril_indices(len(found), -1)):

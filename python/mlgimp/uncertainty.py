@@ -149,7 +149,7 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
     """
     constants = oliver_pharr.constants_of(curve, constants)
     if curve.tip is None or not math.isfinite(row["hardness_GPa"]):
-        raise Error(f"{curve.name}: there is no hardness by Oliver and Pharr whose uncertainty could be told")
+        raise Error(f"{curve.name}: there is no hardness by Oliver and Pharr of which an uncertainty is known")
     count = checks.whole("draws", draws)
     if not DRAWS.good(count):
         raise checks.refusal("draws", draws, DRAWS.allowed)

@@ -188,6 +188,7 @@ def test_refusals(expect, tmp_path):
         ("decimal commas", {"indenter": "profile", "indenter_profile": tmp_path / "comma.txt"}, ["-indenter_profile", "decimal points", "0,5"]),
         ("tip that points up", {"indenter": "height_map", "indenter_map": hill, "indenter_map_size": "2,2"}, ["-indenter_map", "points down"]),
         ("map without a size", {"indenter": "height_map", "indenter_map": hill}, ["-indenter_map_size"]),
+        ("map in other units", {"indenter": "height_map", "indenter_map": small, "indenter_map_size": "7e-4,7e-4"}, ["-indenter_map", "both in m"]),
         ("map that ends", {"indenter": "height_map", "indenter_map": small, "indenter_map_size": "0.7,0.7"}, ["-indenter height_map", "known up to"]),
         ("field that ends", {"indenter": "height_map", "indenter_map": tmp_path / "short.gsf"}, ["-indenter_map", "81 numbers"]),
         ("field in nm", {"indenter": "height_map", "indenter_map": tmp_path / "units.gsf"}, ["-indenter_map", "nm"]),

@@ -97,9 +97,9 @@ def test_rules_for_the_depth_of_the_surface(expect, rule, exponent):
 def test_rules_by_the_command(tmp_path, capsys):
     curve = approach(1.5, 0.01)
     (tmp_path / "m.csv").write_text(text_of(curve.depth, curve.load))
-    told = {"threshold": "where the load leaves that of the free tip by", "stiffness": "where the stiffness dP/dh leaves", "power": "power law",
+    phrases = {"threshold": "where the load leaves that of the free tip by", "stiffness": "where the stiffness dP/dh leaves", "power": "power law",
             "auto": "power law"}
-    for rule, words in told.items():
+    for rule, words in phrases.items():
         main([str(tmp_path / "m.csv"), "--tip", "sphere", "--radius", "10", "--zero-depth", rule])
         assert words in capsys.readouterr().out
     assert "must be a number, or auto, power, threshold, stiffness" in refusal(tmp_path / "m.csv", "--zero-depth", "guess")

@@ -2,6 +2,7 @@
 #include "program/input/tip_files.hpp"
 
 #include "program/system/agree.hpp"
+#include "surface/pieces.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -173,6 +174,12 @@ HeightTable ReadMapFile(OptionReader &reader, const FileOption &file, MapSize si
         file.name, file.path,
         "the heights of a tip that points down, the lowest inside the map; scripts/tip_map.py turns an image of one that "
         "points up");
+  const double reach = 0.5 * std::max(table.columns * table.dx, table.rows * table.dy), rim = RimHeight(table);
+  if (kMinFacing * rim > reach)
+    reader.Refuse(
+        file.name, file.path,
+        "heights that rise by less than ten times their distance from the lowest; they rise by {} m within {} m: are both in m?",
+        rim, reach);
   return table;
 }
 

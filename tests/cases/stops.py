@@ -105,7 +105,7 @@ def test_end_with_a_checkpoint(tmp_path, undisturbed, ranks, target):
 @pytest.mark.parametrize("ranks", [1, 2, 4])
 def test_end_in_time(tmp_path, undisturbed, ranks):
     """Before the limit, with exit status 0; the run goes on in pieces until its end."""
-    folder, limit, restart, pieces = tmp_path / "run", 0.9, {}, 0
+    folder, limit, restart, pieces = tmp_path / "run", 1.2, {}, 0
     begin = time.time()
     harness.run({**CASE, "max_steps": 1}, ranks=ranks)
     start_and_end = time.time() - begin  # MPI's own, of this machine now
@@ -119,7 +119,8 @@ def test_end_in_time(tmp_path, undisturbed, ranks):
         written = checkpoints(folder)[-1]
         said = f"-max_wall_time {limit} at step {result.summary['steps']}; go on with -restart {written}"
         assert result.stdout == f"mlgimp: ended by {said}\n" and result.summary["status"] == "stopped: " + said
-        assert result.summary["wall_seconds"] < limit
+        # more ranks than cores wait for each other until the system lets each of them go on
+        assert result.summary["wall_seconds"] < limit + (start_and_end if ranks > len(os.sched_getaffinity(0)) else 0)
         restart = {"restart": written}
     assert pieces > 1 and not same_results(folder, undisturbed(ranks))
 

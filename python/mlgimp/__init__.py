@@ -12,7 +12,7 @@ from .needs import need
 
 need("numpy", "scipy", "h5py")  # before the modules that import them
 
-from . import csm, imprint, uncertainty
+from . import csm, imprint, presets, uncertainty
 from .calibration import calibrate
 from .creep_fits import fit_creep
 from .errors import Error, ResultError, RunError

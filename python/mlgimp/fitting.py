@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
-from . import checks, fit_profiles, fit_search, hints, imprint, load_depth
+from . import checks, fit_profiles, fit_search, hints, imprint, load_depth, units
 from .errors import Error, RunError
 from .needs import need
 from .options import named, read_options
@@ -136,8 +136,8 @@ def variable(name, case):
     if len(options) > 1:
         raise Error(f"-vary {name}: must be one of {', '.join(options)}")
     try:
-        start = float(case[options[0]])
-    except (TypeError, ValueError):
+        [start] = units.numbers_of(case[options[0]])
+    except (Error, TypeError, ValueError):
         start = math.nan
     if not 0 < start < math.inf:
         raise Error(f"-vary {name}: must be an option whose value in the case is a number > 0; "

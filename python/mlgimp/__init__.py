@@ -14,6 +14,7 @@ need("numpy", "scipy", "h5py")  # before the modules that import them
 
 from . import csm, imprint, presets, uncertainty
 from .calibration import calibrate
+from .case_check import check
 from .creep_fits import fit_creep
 from .errors import Error, ResultError, RunError
 from .fitting import fit
@@ -23,5 +24,5 @@ from .instrument import Tip
 from .load_depth import read_measured, read_tests
 from .program import run
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "Tip", "calibrate", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
+__all__ = ["Error", "ResultError", "RunError", "Results", "Tip", "calibrate", "check", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
            "run"]

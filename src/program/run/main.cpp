@@ -85,6 +85,10 @@ int Main(const CommandLine &line, const std::string &program)
   simulation.SetUp(PETSC_COMM_WORLD);
   RefuseUnused(reader.Known());
   simulation.WarnAtStart(reader.Warnings());
+  if (!settings.output.check.empty()) {
+    simulation.Check();
+    return 0;
+  }
   const int signal = simulation.Run();
   WarnUnused(PETSC_COMM_WORLD);
   return signal;

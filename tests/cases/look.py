@@ -28,8 +28,8 @@ def test_facts(tmp_path):
     found, on_three = facts(tmp_path), facts(tmp_path, 3)
     run = harness.run(CASE)
     levels = run.summary["levels"]
-    assert found["steps"] == pytest.approx(run.summary["steps"], rel=0.03) and found["steps"] > 50
-    assert found["finest_steps"] == 2 * found["steps"] and found["time_step"] == pytest.approx(levels[0]["time_step"], rel=0.03)
+    assert found["steps"] == pytest.approx(run.summary["steps"], rel=0.06) and found["steps"] > 50
+    assert found["finest_steps"] == 2 * found["steps"] and found["time_step"] == pytest.approx(levels[0]["time_step"], rel=0.06)
     assert sum(level["points"] for level in found["levels"]) == run.history["points"][0] and found["end_time"] == pytest.approx(4e-9)
     contact = found["contact"]
     assert contact["depth"] == pytest.approx(200e-9) and contact["cells"] == pytest.approx(200e-9 * numpy.tan(numpy.radians(70.3)) / 250e-9)

@@ -54,6 +54,15 @@ def of_material(name):
     return known[name]
 
 
+def written_out(options):
+    """Returns the options of a case, {name: value}, with those that its materials by name give, where it has none of its own."""
+    given = {}
+    for name, value in options.items():
+        if name.endswith("_preset") and value in materials():
+            given |= {f"{name.removesuffix('_preset')}_{option}": text for option, text in materials()[value].values.items()}
+    return {**given, **options}
+
+
 def numbers(preset):
     """Returns {option: number in SI units} of those values of a Preset that are numbers."""
     found = {}

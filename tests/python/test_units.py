@@ -6,7 +6,7 @@ import pytest
 
 import harness
 import mlgimp
-from mlgimp import indentation, options, presets, units
+from mlgimp import fitting, indentation, options, presets, units
 
 METAL = {"youngs_modulus": 70e9, "yield_stress": 400e6}
 
@@ -56,6 +56,14 @@ def test_indent_with_units():
 def test_indent_refuses(case, line):
     with pytest.raises(mlgimp.Error, match=line):
         indentation.indentation_options("j2", **METAL, **case)
+
+
+def test_a_case_written_out():
+    """What a fit may vary is what the preset gives, unless the case has it itself."""
+    case = presets.written_out({"al_preset": "aluminium_2024", "al_yield_stress": "300MPa", "cell_size": "1um"})
+    assert case["al_yield_stress"] == "300MPa" and case["al_youngs_modulus"] == "73.1GPa" and case["al_hardening_exponent"] == "0.34"
+    found = fitting.variable("E", case)
+    assert (found.option, found.start) == ("al_youngs_modulus", 73.1e9) and fitting.variable("yield_stress", case).start == 300e6
 
 
 def group_with(groups, name):

@@ -119,8 +119,7 @@ def test_end_in_time(tmp_path, undisturbed, ranks):
         written = checkpoints(folder)[-1]
         said = f"-max_wall_time {limit} at step {result.summary['steps']}; go on with -restart {written}"
         assert result.stdout == f"mlgimp: ended by {said}\n" and result.summary["status"] == "stopped: " + said
-        # more ranks than cores wait for each other until the system lets each of them go on
-        assert result.summary["wall_seconds"] < limit + (start_and_end if ranks > len(os.sched_getaffinity(0)) else 0)
+        assert result.summary["wall_seconds"] < limit + start_and_end  # beside other tests the system may let the ranks wait
         restart = {"restart": written}
     assert pieces > 1 and not same_results(folder, undisturbed(ranks))
 

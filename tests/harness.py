@@ -25,7 +25,6 @@ ENVIRONMENT = dict(
     OMPI_MCA_orte_execute_quiet="1",
     OMPI_MCA_pml="ob1",
     OMPI_MCA_btl="self,vader",
-    OMPI_MCA_odls_base_sigkill_timeout="20",  # s, before mpiexec kills ranks that a signal ends; on a busy machine a checkpoint takes long
     OMP_NUM_THREADS="1",
     ASAN_OPTIONS="detect_leaks=0",  # MPI's own leaks drown any of ours; -malloc_dump and valgrind look for those
 )

@@ -39,7 +39,7 @@ def add_options(parser, checked, column):
     group.add_argument("--export", choices=export.FORMATS, help="writes each curve as NAME.txt with columns of nm, uN, s")
     group.add_argument("--export-noise", type=checked(export.NOISE, load_depth.numbers), metavar="NM,UN", help="noise that is added to it (0,0)")
     group.add_argument("--seed", type=int, default=1, help="of random numbers (1)")
-    group.add_argument("--report", action="store_true", help="writes report.html, a page that needs no other file")
+    group.add_argument("--report", action="store_true", help="writes indentation.html, a page that needs no other file")
 
 
 def check(options):
@@ -143,7 +143,7 @@ def print_figures(name, found):
 
 
 def write_report(folder, analyses, found, options, shown):
-    """Writes report.html."""
+    """Writes indentation.html."""
     runs = {Path(path).resolve().name: path for path in options.curves if Path(path).is_dir()}
     tests = []
     for each in analyses:
@@ -160,7 +160,7 @@ def write_report(folder, analyses, found, options, shown):
         tests.append(test)
     pictures = [path for path in (folder / "indentation.png", folder / "csm.png" if found.over_depth else None) if path and path.exists()]
     text = report_page.page("Indentation: " + ", ".join(each.name for each in analyses), tests, pictures, shlex.join(["scripts/indentation.py", *sys.argv[1:]]))
-    path = folder / "report.html"
+    path = folder / "indentation.html"
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as problem:

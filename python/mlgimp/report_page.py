@@ -1,4 +1,4 @@
-"""A page about tests, report.html: what was tested, pictures, figures with their uncertainties, notes. It needs no other file."""
+"""A page about tests, indentation.html: what was tested, pictures, figures with their uncertainties, notes. It needs no other file."""
 
 import base64
 import html

@@ -100,6 +100,13 @@ class Results:
                 pictures.save(figure, Path(out) / f"{name}.png")
         return figures
 
+    def report(self, path=None):
+        """Writes a page about the run, with a slider over the fields of its frames, that any browser shows without a network, and returns
+        its path, by default report.html in the folder."""
+        need("matplotlib")
+        from .run_report import report
+        return report(self.folder, path)
+
     def movie(self, path, component="von_mises_stress", window=None):
         """Writes a movie of all frames to path, which ends in .gif or .mp4; component: xx, yy, xy, von_mises_stress, ..."""
         need("matplotlib")

@@ -34,7 +34,7 @@ def gallery(directory, number=None, window=None):
 
 def components_of(panel):
     """Returns the components that are drawn of a Panel: three stresses, von Mises stress, and of metals the other scalars."""
-    scalars = [name for name in fields.SCALARS if name in panel.points and (name == "von_mises_stress" or is_plastic(panel))]
+    scalars = [name for name in fields.SCALARS if name in panel.points and name != "speed" and (name == "von_mises_stress" or is_plastic(panel))]
     return ["xx", "yy", "xy", *scalars]
 
 

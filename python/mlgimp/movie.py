@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib import animation
 from matplotlib import pyplot as plt
 
@@ -34,16 +33,16 @@ def writer_for(path):
     return writer(fps=FRAMES_PER_SECOND)
 
 
-def common_scale(directory, numbers, component, window):
-    """Returns the Scale that holds those of all frames."""
-    scales = []
+def scale_of_run(directory, numbers, component, window):
+    """Returns the Scale that holds a component in all frames."""
+    ends = []
     for number in numbers:
         points = fields.read_panel(directory, number).points
         if component in fields.SCALARS and component not in points:
             raise ResultError(directory, f"its points have no {component}")
         values = fields.values_of(points, component)[fields.in_window(points, window)]
-        scales.append(fields.colour_scale(values, component == "xy"))
-    return fields.colour_scale(np.array([end for scale in scales for end in (scale.low, scale.high)]), component == "xy")
+        ends.append(fields.ends_of(values))
+    return fields.common_scale(ends, component)
 
 
 @styled
@@ -53,7 +52,7 @@ def movie(directory, path, component="von_mises_stress", window=None):
     writer, numbers = writer_for(path), list(results.numbered_frames(directory))
     last = fields.read_panel(directory)
     window = fields.window_of([last], window)
-    scale = common_scale(directory, numbers, component, window)
+    scale = scale_of_run(directory, numbers, component, window)
     figure = fields.fields([last], component, window, scale)
     axes, = (each for each in figure.axes if each.images)
     bounds = fields.fitted(window, 1)[0]

@@ -191,7 +191,7 @@ def test_movie_has_a_colour_bar_in_each_frame(pressed, tmp_path, monkeypatch):
     monkeypatch.setattr(movie.GifWriter, "grab_frame", grab)
     monkeypatch.setattr(movie.GifWriter, "finish", lambda self: None)
     movie.movie(pressed[0].folder, tmp_path / "m.gif")
-    assert len(seen) == len(pressed[0].frames) > 3 and set(seen) == {("von Mises stress (kPa)", True, True, 1, 2)}
+    assert len(seen) == len(pressed[0].frames) > 3 and set(seen) == {("von Mises stress (kPa)", True, True, 1, 3)}  # two boxes and the indenter
 
 
 def test_paint():

@@ -202,8 +202,8 @@ def described(shots, components, coded, last, is_mirrored):
 def described_frame(shots, place):
     """Returns what viewer.js reads about one frame, a dict."""
     each = shots[place]
-    return {"time": each.time, "words": each.words, "count": len(each.ids), "same": bool(is_as_before(shots, place)), "boxes": each.boxes.reshape(-1, 4).tolist(),
-            "tip": None if each.tip is None else each.tip.tolist(), "near": each.near}
+    return {"time": each.time, "words": each.words, "count": len(each.ids), "same": bool(is_as_before(shots, place)),
+            "boxes": each.boxes.reshape(-1, 4).tolist(), "tip": None if each.tip is None else each.tip.tolist(), "near": each.near}
 
 
 def described_field(shots, component, values, axes):

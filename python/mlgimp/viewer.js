@@ -7,7 +7,7 @@ const element = (name) => document.getElementById(name);
 const canvas = element("field");
 const pen = canvas.getContext("2d");
 const slider = element("frame");
-const MARGIN = { left: 70, right: 100, below: 46, above: 14 }; // around the field, in dots of a screen without scaling
+const MARGIN = { left: 70, right: 120, below: 46, above: 14 }; // around the field, in dots of a screen without scaling
 const CODES = 4095; // steps of a value, as in film.py
 const PLACE_BYTES = 4;
 const VALUE_BYTES = 2;
@@ -240,7 +240,8 @@ function marksOfBar() {
   const { low, high } = field;
   if (!element("logarithmic").checked) return ticks(low, high, 6).map((value) => [value, (value - low) / (high - low)]);
   const largest = Math.abs(low) > Math.abs(high) ? low : high;
-  return [0, 1, 2, 3].map((decade) => largest / 10 ** decade).map((value) => [value, shareOf(((value - low) / (high - low)) * CODES)]);
+  const power = Math.sign(largest) * 10 ** Math.floor(Math.log10(Math.abs(largest)));
+  return [0, 1, 2].map((decade) => power / 10 ** decade).map((value) => [value, shareOf(((value - low) / (high - low)) * CODES)]);
 }
 
 function drawBar(box) {
@@ -257,7 +258,7 @@ function drawBar(box) {
   pen.textAlign = "left";
   pen.textBaseline = "middle";
   for (const [value, share] of marksOfBar()) pen.fillText(inWords(value), left + 18 * one, box.top + height * (1 - share));
-  turned(field.unit ? `${field.label} (${field.unit})` : field.label, left + 68 * one, box.top + height / 2);
+  turned(field.unit ? `${field.label} (${field.unit})` : field.label, left + 84 * one, box.top + height / 2);
 }
 
 function draw() {

@@ -198,12 +198,17 @@ READY = """new Promise((done) => { const wait = setInterval(() => { if (document
   clearInterval(wait); done(true); } }, 10); })"""
 LOOK = """(() => { const canvas = document.getElementById("field"), data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
   let sum = 0; const seen = new Set();
-  for (let k = 0; k < data.length; k += 4) { const dot = data[k] + 256 * data[k + 1] + 65536 * data[k + 2]; sum = (sum * 31 + dot) % 4294967291; seen.add(dot); }
+  for (let k = 0; k < data.length; k += 4) {
+    const dot = data[k] + 256 * data[k + 1] + 65536 * data[k + 2];
+    sum = (sum * 31 + dot) % 4294967291;
+    seen.add(dot);
+  }
   return [sum, seen.size]; })()"""
 MOVE = """(() => { const slider = document.getElementById("frame"); slider.value = %d; slider.dispatchEvent(new Event("input"));
   return Number(document.getElementById("field").dataset.milliseconds); })()"""
 CHOOSE = """(() => { document.getElementById("component").value = "%s"; return chooseField().then(() => true); })()"""
-PRESS_KEY = """(() => { document.dispatchEvent(new KeyboardEvent("keydown", { key: "%s", bubbles: true })); return document.getElementById("frame").value; })()"""
+PRESS_KEY = """(() => { document.dispatchEvent(new KeyboardEvent("keydown", { key: "%s", bubbles: true }));
+  return document.getElementById("frame").value; })()"""
 
 
 @pytest.fixture(scope="module")

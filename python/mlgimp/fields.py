@@ -5,13 +5,14 @@ from collections import namedtuple
 
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from . import checks, outlines, results
 from .checks import Rule
 from .errors import Error, ResultError
-from .pictures import DOTS_PER_INCH, Unit, in_si_unit, lab_unit, si_unit, styled
+from .pictures import LOOK, Unit, entitle, in_si_unit, lab_unit, shrink, si_unit, styled
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
 Panel = namedtuple("Panel", "title points boxes axes indenter", defaults=(None,))
@@ -30,8 +31,11 @@ LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a 
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
 UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
 MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+TOP = 0.12  # inches above panels without a title
 BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
+DECADES = 3  # of a logarithmic scale
+SPREAD = 10  # times the median size: a field whose largest values are less spans no decades
 NEAR = "near"  # window that shows the finest level
 WINDOW = Rule(lambda ends: len(ends) == 4 and bool(np.isfinite(ends).all()) and ends[0] < ends[1] and ends[2] < ends[3],
               f"xmin,xmax,ymin,ymax with min < max, or {NEAR}")
@@ -169,6 +173,21 @@ def scale_between(low, high, centred):
     return Scale(low - margin, high + margin, "magma" if low + high < 0 else "magma_r")
 
 
+def norm_of(scale, factor=1, is_log=False):
+    """Returns matplotlib's norm of a Scale times a factor; is_log: by logarithms of the sizes over DECADES, and less than those is 0."""
+    low, high = scale.low * factor, scale.high * factor
+    least = max(abs(low), abs(high)) / 10**DECADES
+    if not is_log:
+        return Normalize(low, high)
+    return LogNorm(least, high, clip=True) if low >= 0 else SymLogNorm(least, vmin=low, vmax=max(high, least))
+
+
+def spans_decades(values):
+    """Whether a field [n] has values that are much larger than most."""
+    sizes = np.abs(values[values != 0])
+    return len(sizes) > 0 and max(map(abs, ends_of(values))) > SPREAD * np.median(sizes)
+
+
 def unit_of(values, component):
     """Returns the Unit that a component's values are drawn in."""
     symbol = SCALARS.get(component, ("", "Pa"))[1]
@@ -191,7 +210,7 @@ def add_colourbar(axes, mappable, label, scale, values):
 
     Its ends are pointed where some of the values [n] that are drawn lie outside the scale, in the same unit.
     """
-    width, height = axes.get_window_extent().size / axes.figure.dpi
+    width, height = axes.get_window_extent().size / axes.figure.dpi / shrink()
     upright = height > UPRIGHT
     place = [1 + 0.2 / width, 0, 0.18 / width, 1] if upright else [0, -0.85 / height, 1, 0.18 / height]
     ends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
@@ -243,6 +262,16 @@ def window_of(panels, window=None):
     return np.where([True, False] * 2, np.maximum(near, everything), np.minimum(near, everything))
 
 
+def room_for(count):
+    """Returns the largest (width, height) in inches of each of `count` panels side by side."""
+    whole = LOOK.get().width
+    if whole is None:
+        return np.array([min(LARGEST_PANEL[0], LARGEST_ROW / count), LARGEST_PANEL[1]])
+    left, _, right, _ = np.array(MARGIN) * shrink()
+    width = (whole - left - right - (count - 1) * GAP * shrink()) / count
+    return np.array([width, width * LARGEST_PANEL[1] / LARGEST_PANEL[0]])
+
+
 def fitted(window, count):
     """Returns the window, widened where it is too slender to draw, and its (width, height) in inches.
 
@@ -250,8 +279,8 @@ def fitted(window, count):
     """
     middle = np.array([window[0] + window[1], window[2] + window[3]]) / 2
     size = np.array([window[1] - window[0], window[3] - window[2]])
-    inches_per_metre = min(np.min(LARGEST_PANEL / size), LARGEST_ROW / count / size[0])
-    size = np.maximum(size, SMALLEST_PANEL / inches_per_metre)
+    inches_per_metre = np.min(room_for(count) / size)
+    size = np.maximum(size, np.array(SMALLEST_PANEL) * shrink() / inches_per_metre)
     return np.column_stack([middle - size / 2, middle + size / 2]).ravel(), size * inches_per_metre
 
 
@@ -283,19 +312,19 @@ def dots_of(axes):
     return tuple(np.maximum(np.rint(axes.get_window_extent().size[::-1]), 1).astype(int))
 
 
-def draw_field(axes, panel, component, window, scale, units):
-    """Draws a component over axes that show the window (m), with the boxes of levels, and returns the image.
+def draw_field(axes, panel, component, window, scale, units, is_log=False):
+    """Draws a component over axes that show the window (m), with the boxes of levels and the indenter, and returns the image.
 
-    units: Units of (length, stress).
+    units: Units of (length, stress); is_log: colours by logarithms.
     """
     length, stress = units
     dots = paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
-    image = axes.imshow(dots, cmap=scale.colormap, vmin=scale.low * stress.factor, vmax=scale.high * stress.factor, origin="lower",
-                        extent=window * length.factor, interpolation="nearest", aspect="auto")
+    image = axes.imshow(dots, cmap=scale.colormap, norm=norm_of(scale, stress.factor, is_log), origin="lower", extent=window * length.factor,
+                        interpolation="nearest", aspect="auto")
     for lower, upper in panel.boxes * length.factor:
-        axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7))
+        axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7 * shrink()))
     if panel.indenter is not None:
-        axes.add_patch(Polygon(panel.indenter * length.factor, facecolor=INDENTER_COLOUR, edgecolor="0.2", linewidth=0.8))
+        axes.add_patch(Polygon(panel.indenter * length.factor, facecolor=INDENTER_COLOUR, edgecolor="0.2", linewidth=0.8 * shrink()))
     axes.set(xlim=window[:2] * length.factor, ylim=window[2:] * length.factor)
     axes.set(xlabel=f"{panel.axes[0]} ({length.name})", ylabel=f"{panel.axes[1]} ({length.name})")
     set_ticks(axes)
@@ -304,7 +333,7 @@ def draw_field(axes, panel, component, window, scale, units):
 
 def set_ticks(axes):
     """Gives both directions as many ticks, at round numbers, as their length on paper has room for."""
-    width, height = axes.get_window_extent().size / axes.figure.dpi
+    width, height = axes.get_window_extent().size / axes.figure.dpi / shrink()
     axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(1.4 * width, 2, 8)), steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(2 * height, 1, 8)), steps=[1, 2, 5, 10]))
 
@@ -317,24 +346,25 @@ def in_lengths(panel, origin, length):
 
 
 @styled
-def fields(panels, component, window=None, scale=None, length=None):
+def fields(panels, component, window=None, scale=None, length=None, is_log=False):
     """Returns the picture of one component, with a Panel for each of panels side by side.
 
     All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units; length is
-    the Unit of places, by default one of the laboratory.
+    the Unit of places, by default one of the laboratory. is_log: colours by logarithms, where the field spans decades.
     """
-    window, (width, height) = fitted(window_of(panels, window), len(panels))
+    window, size = fitted(window_of(panels, window), len(panels))
     values = np.concatenate([values_of(each.points, component)[in_window(each.points, window)] for each in panels])
     scale = scale or colour_scale(values, centred=component == "xy")
     units = length or lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
-    left, bottom, right, top = MARGIN
-    bottom = bottom if height > UPRIGHT else BELOW
-    full = left + len(panels) * (width + GAP) - GAP + right, bottom + height + top
-    figure = plt.figure(figsize=full, dpi=DOTS_PER_INCH)
+    (left, bottom, right, top), gap, (width, height) = np.array(MARGIN) * shrink(), GAP * shrink(), size
+    bottom = bottom if height > UPRIGHT * shrink() else BELOW * shrink()
+    top = top if LOOK.get().has_titles else TOP * shrink()
+    full = max(left + len(panels) * (width + gap) - gap + right, LOOK.get().width or 0), bottom + height + top
+    figure = plt.figure(figsize=full)
     for place, panel in enumerate(panels):
-        axes = figure.add_axes([(left + place * (width + GAP)) / full[0], bottom / full[1], width / full[0], height / full[1]])
-        image = draw_field(axes, panel, component, window, scale, units)
-        axes.set_title(panel.title)
+        axes = figure.add_axes([(left + place * (width + gap)) / full[0], bottom / full[1], width / full[0], height / full[1]])
+        image = draw_field(axes, panel, component, window, scale, units, is_log and spans_decades(values))
+        entitle(axes, panel.title)
         if place > 0:
             axes.set_ylabel("")
     add_colourbar(axes, image, label_of(component, units[1], panels[0].axes), scale, values)

@@ -46,14 +46,15 @@ def scale_of_run(directory, numbers, component, window):
 
 
 @styled
-def movie(directory, path, component="von_mises_stress", window=None):
-    """Writes the movie of a component of all frames: xx, yy, zz, xy or one of fields.SCALARS; window as in fields.fields."""
+def movie(directory, path, component="von_mises_stress", window=None, is_log=False):
+    """Writes the movie of a component of all frames: xx, yy, zz, xy or one of fields.SCALARS; window and is_log as in fields.fields."""
     fields.check_component(component)
     writer, numbers = writer_for(path), list(results.numbered_frames(directory))
     last = fields.read_panel(directory)
     window = fields.window_of([last], window)
     scale = scale_of_run(directory, numbers, component, window)
-    figure = fields.fields([last], component, window, scale)
+    is_log = is_log and fields.spans_decades(fields.values_of(last.points, component))
+    figure = fields.fields([last], component, window, scale, is_log=is_log)
     axes, = (each for each in figure.axes if each.images)
     bounds = fields.fitted(window, 1)[0]
     units = lab_unit(bounds, "m"), fields.unit_of([scale.low, scale.high], component)
@@ -63,7 +64,7 @@ def movie(directory, path, component="von_mises_stress", window=None):
                 panel = fields.read_panel(directory, number)
                 for drawn in (*axes.images, *axes.patches):  # with the boxes, which may follow the contact; the colour bar stays
                     drawn.remove()
-                fields.draw_field(axes, panel, component, bounds, scale, units)
+                fields.draw_field(axes, panel, component, bounds, scale, units, is_log)
                 axes.set_title(panel.title)
                 writer.grab_frame()
     except (OSError, ValueError) as problem:

@@ -168,7 +168,7 @@ def marks(history, times):
         return None
     figure = pictures.load_depth(history, "")
     axes, size = figure.axes[0], figure.bbox.size
-    axes.autoscale_view()  # else its limits are found when it is drawn
+    figure.draw_without_rendering()  # which lays it out
     load, depth = pictures.lab_unit(history["load"], "N"), pictures.lab_unit(history["depth"], "m")
     at = [np.interp(times, history.beside("load", "time"), history[name]) * unit.factor for name, unit in (("depth", depth), ("load", load))]
     places = axes.transData.transform(np.transpose(at)) / size

@@ -24,6 +24,12 @@ class Results:
     def __repr__(self):
         return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', 'not ended')}, {len(self.frames)} frames"
 
+    def _repr_html_(self):
+        """What a notebook shows of a run: load and depth, the last field, hardness and modulus, warnings, its folder."""
+        need("matplotlib")
+        from .notebook_view import html_of
+        return html_of(self)
+
     @cached_property
     def history(self):
         """The columns of history.csv by name, arrays [rows]: history["load"] in N. history.table() is a pandas.DataFrame where

@@ -83,7 +83,7 @@ def curves(directory, history, summary):
 def fields_over_frames(directory, history, summary):
     """Fields: those of the frames on a canvas with a slider, and what of them is not here."""
     shown = film(directory)
-    shown.values["marks"] = marks(history, [shot["time"] for shot in shown.values["frames"]])
+    shown.values["marks"] = marks(history, results.case_name(directory), [shot["time"] for shot in shown.values["frames"]])
     choices = "".join(f'<option value="{html.escape(each["name"])}">{html.escape(each["label"])}</option>' for each in shown.values["fields"])
     parts = ["<h2>Fields</h2>", VIEWER.format(choices=choices), page_parts.data("film", shown.values)]
     notes = ["In space it is the slice through the tip's axis."] * (shown.values["axes"][1] == "z")
@@ -161,12 +161,12 @@ def facts(directory, history, summary):
     return found
 
 
-def marks(history, times):
-    """Returns where the times (s) of frames lie in the picture of load over depth, [frames][2], as shares of its width from the left and of
+def marks(history, title, times):
+    """Returns where the times (s) of frames lie in the picture of load over depth with this title, [frames][2], as shares of its width from the left and of
     its height from above; None of a run without an indenter."""
     if not results.has_indenter(history):
         return None
-    figure = pictures.load_depth(history, "")
+    figure = pictures.load_depth(history, title)
     axes, size = figure.axes[0], figure.bbox.size
     figure.draw_without_rendering()  # which lays it out
     load, depth = pictures.lab_unit(history["load"], "N"), pictures.lab_unit(history["depth"], "m")

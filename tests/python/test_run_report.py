@@ -8,7 +8,7 @@ import pytest
 
 import mlgimp
 from browser import Browser
-from mlgimp import budgets, fields, film, results, run_report
+from mlgimp import budgets, fields, film, pictures, results, run_report
 from mlgimp.errors import Error
 from test_outputs import Checker
 from test_package import PRESS
@@ -190,6 +190,20 @@ def test_balances_of_a_run(runs, expect):
     expect("momentum along y", found["momentum along y"], at_most=1e-9)
     expect("mass", found["mass"], at_most=1e-12)
     expect("energy", found["energy"], at_most=0.1)
+
+
+def test_mark_of_a_frame_on_the_curve(runs):
+    """In the picture of load over depth there is the curve's colour around it."""
+    run, title = runs("plane"), "a title"
+    figure = pictures.load_depth(run.history, title)
+    figure.canvas.draw()
+    image = np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(int)
+    height, width = image.shape[:2]
+    for x, y in run_report.marks(run.history, title, list(run.frames.values())):
+        row, column = round(y * height), round(x * width)
+        near = image[row - 6:row + 7, column - 6:column + 7].reshape(-1, 3)
+        assert np.any(np.abs(near - [0x00, 0x72, 0xB2]).max(axis=1) < 30), (x, y)
+    pictures.plt.close(figure)
 
 
 # ---- in a browser ----

@@ -187,7 +187,8 @@ def is_as_before(shots, place):
 def described(shots, components, coded, last, is_mirrored):
     """Returns the dict that viewer.js reads; last: the Panel of the last frame."""
     start, step = grid_of(shots)
-    whole = fields.extent(last)
+    ends = [fields.extent(last._replace(points={"position": each.position, "half_size": each.half})) for each in shots]
+    whole = np.where([True, False] * 2, np.min(ends, axis=0), np.max(ends, axis=0))
     if is_mirrored:
         whole[0] = -whole[1]
     length = lab_unit(whole, "m")

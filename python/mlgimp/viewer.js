@@ -208,7 +208,7 @@ function drawAxes(box) {
   pen.textBaseline = "top";
   const below = box.top + box.height;
   const shown = [view[0], view[0] + box.width / box.perMetre, view[3] - box.height / box.perMetre, view[3]].map((end) => end * factor);
-  for (const x of ticks(shown[0], shown[1], Math.max(2, box.width / one / 90))) {
+  for (const x of ticks(shown[0], shown[1], Math.max(3, box.width / one / 90))) {
     const at = box.left + (x / factor - view[0]) * box.perMetre;
     pen.fillRect(at, below, one, 4 * one);
     pen.fillText(inWords(x), at, below + 6 * one);
@@ -216,7 +216,7 @@ function drawAxes(box) {
   pen.fillText(`${film.axes[0]} (${name})`, box.left + box.width / 2, below + 24 * one);
   pen.textAlign = "right";
   pen.textBaseline = "middle";
-  for (const y of ticks(shown[2], shown[3], Math.max(2, box.height / one / 60))) {
+  for (const y of ticks(shown[2], shown[3], Math.max(3, box.height / one / 60))) {
     const at = box.top + (view[3] - y / factor) * box.perMetre;
     pen.fillRect(box.left - 4 * one, at, 4 * one, one);
     pen.fillText(inWords(y), box.left - 7 * one, at);
@@ -411,7 +411,7 @@ async function start() {
   }
   slider.max = film.frames.length - 1;
   slider.value = slider.max;
-  view = film.frames[number()].near || film.whole;
+  view = (film.indenter && film.frames[number()].near) || film.whole;
   listen();
   await readPlaces();
   await chooseField();

@@ -91,6 +91,8 @@ def test_places_and_values_come_back(runs):
     for own, panel, sort in zip(places, panels, order):
         for axis in (0, 1):
             assert np.max(np.abs(made["start"][axis] + own[axis] * made["step"] - panel.points["position"][sort, axis])) <= 0.501 * made["step"]
+    lower, upper = (np.array([operation(each.points["position"], axis=0) for each in panels]) for operation in (np.min, np.max))
+    assert np.all(np.array(made["whole"])[[0, 2]] < lower.min(axis=0)) and np.all(np.array(made["whole"])[[1, 3]] > upper.max(axis=0))  # of all frames
     assert made["step"] == pytest.approx(min(panel.points["half_size"].min() for panel in panels) / 32)
     stress = next(each for each in made["fields"] if each["name"] == "pressure")
     codes, factor = unpacked(stress["values"], made["frames"], 1, 2), fields.unit_of([stress["low"]], "pressure")

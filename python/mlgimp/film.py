@@ -21,7 +21,7 @@ Film.__doc__ = "What the script of the page reads, a dict for JSON (viewer.js); 
 COMPONENTS = "von_mises_stress", "pressure", "xx", "yy", "zz", "xy", "equivalent_plastic_strain", "temperature", "speed"  # most wanted first
 LARGEST = 4_000_000  # bytes of places and values in base64
 MOST_FRAMES = 120
-MOST_POINTS = 4_000_000  # of all frames together, which are held in memory
+MOST_POINTS = 2_000_000  # of all frames together, which are held in memory; of fewer what is packed fills LARGEST
 FEWEST_FRAMES, FEWEST_FIELDS = 8, 3  # while something else can be left out
 PARTS = 32  # of the smallest half size of a point: places are rounded to one
 CODES = 4095  # steps of a field between the ends of its scale
@@ -43,7 +43,7 @@ def film(directory):
     count = min(MOST_FRAMES, max(FEWEST_FRAMES, MOST_POINTS // len(last.points["position"])))
     chosen = choose(times, count, time_of_largest_load(history))
     panels = (fields.read_panel(directory, list(there)[place], is_half=True) for place in chosen)
-    shots = [shot(panel, times[place], history, summary) for panel, place in zip(panels, chosen)]
+    shots = [nearest(shot(panel, times[place], history, summary), MOST_POINTS // FEWEST_FRAMES) for panel, place in zip(panels, chosen)]
     return fitting(shots, last, history, len(times))
 
 
@@ -97,7 +97,7 @@ def near(panel, tip, history):
 def fitting(shots, last, history, count):
     """Returns the Film of Shots with what fits into LARGEST; last: the Panel of the last frame; count: how many frames the run has."""
     components = components_of(shots)
-    every, points = list(components), len(shots[-1].ids)
+    every, points = list(components), len(last.points["position"])
     while True:
         coded = code(shots, components)
         share = LARGEST / sum(len(each) for each in coded.values())
@@ -125,7 +125,9 @@ def components_of(shots):
 
 
 def nearest(each, count):
-    """Returns a Shot with only so many points, those nearest to the tip, or to the middle of all."""
+    """Returns a Shot with at most so many points, those nearest to the tip, or to the middle of all."""
+    if len(each.ids) <= count:
+        return each
     centre = each.position.mean(axis=0) if each.tip is None else each.tip
     kept = np.sort(np.argsort(np.linalg.norm(each.position - centre, axis=1), kind="stable")[:count])
     return each._replace(ids=each.ids[kept], position=each.position[kept], half=each.half[kept],

@@ -120,8 +120,8 @@ def unpacked(text, frames, columns, width):
     return found
 
 
-@pytest.mark.parametrize("largest, frames, others", [(40000, 8, 1), (4000, 8, 0)])
-def test_what_does_not_fit_is_left_out_and_said(runs, tmp_path, monkeypatch, largest, frames, others):
+@pytest.mark.parametrize("largest", [40000, 4000])
+def test_what_does_not_fit_is_left_out_and_said(runs, tmp_path, monkeypatch, largest):
     """Frames first, but not the last one and that of the largest load, then fields, then points far from the tip."""
     run = runs("plane")
     monkeypatch.setattr(film, "LARGEST", largest)
@@ -132,6 +132,14 @@ def test_what_does_not_fit_is_left_out_and_said(runs, tmp_path, monkeypatch, lar
     assert times[0] == 0 and times[-1] == list(run.frames.values())[-1] and made.left_out
     run_report.report(run.folder, tmp_path / "page.html")
     assert made.left_out[0] in (tmp_path / "page.html").read_text()
+
+
+def test_of_very_many_points_those_near_the_tip(runs, monkeypatch):
+    monkeypatch.setattr(film, "MOST_POINTS", 8 * 100)
+    run = runs("plane")
+    made = film.film(run.folder)
+    assert {frame["count"] for frame in made.values["frames"]} == {100}
+    assert made.left_out == [f"{len(run.frame()['id']) - 100} of {len(run.frame()['id'])} points, those furthest from the tip"]
 
 
 def test_frames_that_are_chosen():
@@ -282,6 +290,9 @@ def test_a_hundred_frames_move_smoothly(browser, tmp_path, expect):
     assert browser.value(READY)
     times = [browser.value(MOVE % frame) for frame in range(100)]
     expect("ms for a frame", float(np.median(times)), at_most=50)
+    played = """new Promise((done) => { document.getElementById("play").click(); const wait = setInterval(() => { if (number() >= 2) {
+      document.getElementById("play").click(); clearInterval(wait); done([number(), timer === null]); } }, 10); })"""
+    assert browser.value(played) == [2, True]
     assert browser.errors == []
 
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from . import checks, outlines, results
 from .checks import Rule
 from .errors import Error, ResultError
-from .pictures import LOOK, Unit, entitle, in_si_unit, lab_unit, shrink, si_unit, styled
+from .pictures import LOOK, Unit, entitle, in_lines, in_si_unit, lab_unit, shrink, si_unit, styled
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
 Panel = namedtuple("Panel", "title points boxes axes indenter", defaults=(None,))
@@ -31,6 +31,7 @@ LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a 
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
 UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
 MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+LINE = 0.22  # inches of a line of a title
 TOP = 0.12  # inches above panels without a title
 BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
@@ -358,13 +359,14 @@ def fields(panels, component, window=None, scale=None, length=None, is_log=False
     units = length or lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
     (left, bottom, right, top), gap, (width, height) = np.array(MARGIN) * shrink(), GAP * shrink(), size
     bottom = bottom if height > UPRIGHT * shrink() else BELOW * shrink()
-    top = top if LOOK.get().has_titles else TOP * shrink()
+    titles = [in_lines(panel.title, width + (gap if len(panels) > 1 else right)) for panel in panels]
+    top = top + LINE * max(title.count("\n") for title in titles) if LOOK.get().has_titles else TOP * shrink()
     full = max(left + len(panels) * (width + gap) - gap + right, LOOK.get().width or 0), bottom + height + top
     figure = plt.figure(figsize=full)
     for place, panel in enumerate(panels):
         axes = figure.add_axes([(left + place * (width + gap)) / full[0], bottom / full[1], width / full[0], height / full[1]])
         image = draw_field(axes, panel, component, window, scale, units, is_log and spans_decades(values))
-        entitle(axes, panel.title)
+        entitle(axes, titles[place])
         if place > 0:
             axes.set_ylabel("")
     add_colourbar(axes, image, label_of(component, units[1], panels[0].axes), scale, values)

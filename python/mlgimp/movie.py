@@ -7,7 +7,7 @@ from matplotlib import pyplot as plt
 
 from . import checks, fields, results
 from .errors import Error, ResultError
-from .pictures import DOTS_PER_INCH, lab_unit, styled
+from .pictures import DOTS_PER_INCH, in_lines, lab_unit, styled
 
 FRAMES_PER_SECOND = 8
 
@@ -65,7 +65,7 @@ def movie(directory, path, component="von_mises_stress", window=None, is_log=Fal
                 for drawn in (*axes.images, *axes.patches):  # with the boxes, which may follow the contact; the colour bar stays
                     drawn.remove()
                 fields.draw_field(axes, panel, component, bounds, scale, units, is_log)
-                axes.set_title(panel.title)
+                axes.set_title(in_lines(panel.title, figure.get_figwidth() - fields.MARGIN[0]))
                 writer.grab_frame()
     except (OSError, ValueError) as problem:
         raise ResultError(path, f"cannot be written ({' '.join(str(problem).split())})") from None

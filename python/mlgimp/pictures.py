@@ -16,6 +16,7 @@ Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the 
 
 LABORATORY = {"m": Unit(1e6, "µm"), "N": Unit(1e3, "mN")}  # what is used where numbers stay readable
 READABLE = 0.1, 2e4  # the largest number on an axis
+LETTER = 0.55  # mean width of letters, of their height
 FEW = 40  # rows, below which points are joined
 SHALLOW = 0.1  # of the largest depth: where a tip has hardly touched, figures may be any, and no axis follows them
 DOTS_PER_INCH = 160
@@ -91,6 +92,17 @@ def entitle(axes, title):
     """Gives axes a title, where pictures have one."""
     if LOOK.get().has_titles:
         axes.set_title(title)
+
+
+def in_lines(title, width):
+    """Returns a title in lines that fit into a width in inches, broken behind commas."""
+    letters, lines = int(width * 72 / (LETTER * STYLE["axes.titlesize"])), [""]
+    for part in title.split(", "):
+        if lines[-1] and len(f"{lines[-1]}, {part}") > letters:
+            lines.append(part)
+        else:
+            lines[-1] += ", " * bool(lines[-1]) + part
+    return "\n".join(lines)
 
 
 # ---- units ----

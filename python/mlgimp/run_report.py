@@ -17,7 +17,7 @@ from .report_page import facts_of, figures_of
 SURFACE_DOTS = 90  # per inch, of the picture of a surface
 VIEWER = """<div class="viewer">
 <p class="state" id="state" aria-live="polite">The fields are being unpacked; without JavaScript they are not shown.</p>
-<canvas id="field" role="img" aria-label="field over the points"></canvas>
+<canvas id="field" role="img" tabindex="0" aria-label="field over the points"></canvas>
 <div class="controls">
 <button type="button" id="play">Play</button>
 <input type="range" id="frame" min="0" max="0" value="0" step="1" aria-label="frame">
@@ -26,7 +26,8 @@ VIEWER = """<div class="viewer">
 <button type="button" id="near">Near</button>
 <button type="button" id="all">All</button>
 </div>
-<p class="state" id="value">The arrow keys move over the frames, the wheel zooms, the mouse drags; the value under it stands here.</p>
+<p class="state" id="value">The arrow keys move over the frames, + and - zoom, after a click on the field the wheel too; the mouse drags, and the value
+under it stands here.</p>
 </div>"""
 
 

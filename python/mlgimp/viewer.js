@@ -13,6 +13,7 @@ const PLACE_BYTES = 4;
 const VALUE_BYTES = 2;
 const DECADES = 3; // of a logarithmic scale
 const FRAMES_PER_SECOND = 12;
+const CLOSER = 0.8; // of the window, when a step of the wheel or a key zooms
 const INDENTER = "#8c8c8c";
 const LINE = "#262626";
 
@@ -342,11 +343,16 @@ function placeOf(event) {
   return { x, y, box };
 }
 
-function zoom(event) {
+// Makes the window larger by some times around a place.
+function zoomAround(x, y, times) {
+  zoomTo([x + (view[0] - x) * times, x + (view[1] - x) * times, y + (view[2] - y) * times, y + (view[3] - y) * times]);
+}
+
+function onWheel(event) {
+  if (document.activeElement !== canvas) return; // else the page could not be moved past the field
   event.preventDefault();
   const { x, y } = placeOf(event);
-  const times = event.deltaY < 0 ? 0.8 : 1.25;
-  zoomTo([x + (view[0] - x) * times, x + (view[1] - x) * times, y + (view[2] - y) * times, y + (view[3] - y) * times]);
+  zoomAround(x, y, event.deltaY < 0 ? CLOSER : 1 / CLOSER);
 }
 
 function drag(event) {
@@ -383,11 +389,12 @@ function valueInWords(point, x) {
 }
 
 function onKey(event) {
+  if (["INPUT", "SELECT"].includes(event.target.tagName)) return;
   const steps = { ArrowLeft: -1, ArrowRight: 1, Home: -1e9, End: 1e9 }[event.key];
-  if (steps && !["INPUT", "SELECT"].includes(event.target.tagName)) {
-    event.preventDefault();
-    move(steps);
-  }
+  const times = { "+": CLOSER, "-": 1 / CLOSER }[event.key];
+  if (steps) move(steps);
+  if (times && !event.ctrlKey && !event.metaKey) zoomAround((view[0] + view[1]) / 2, (view[2] + view[3]) / 2, times);
+  if (steps || (times && !event.ctrlKey && !event.metaKey)) event.preventDefault();
 }
 
 function listen() {
@@ -398,7 +405,7 @@ function listen() {
   element("all").addEventListener("click", () => zoomTo(film.whole));
   element("near").addEventListener("click", () => zoomTo(film.frames[number()].near || film.whole));
   element("near").disabled = !film.frames.some((frame) => frame.near);
-  canvas.addEventListener("wheel", zoom, { passive: false });
+  canvas.addEventListener("wheel", onWheel, { passive: false });
   canvas.addEventListener("pointermove", drag);
   document.addEventListener("keydown", onKey);
   window.addEventListener("resize", resize);

@@ -69,3 +69,8 @@ def test_one_scale_of_several_frames():
     """A frame in which nothing has happened yet leaves it as it is, and of both signs it is symmetric."""
     assert fields.common_scale([(0, 0), (0, 2)], "equivalent_plastic_strain") == Scale(0, 2, "magma_r")
     assert fields.common_scale([(-1, 0), (0, 2)], "xx") == Scale(-2, 2, "RdBu_r")
+
+
+def test_long_titles_have_lines():
+    assert pictures.in_lines("a case, t = 22.5 ns, depth 450 nm, load 4.325 mN", 2.5) == "a case, t = 22.5 ns\ndepth 450 nm\nload 4.325 mN"
+    assert pictures.in_lines("a case, t = 22.5 ns", 6) == "a case, t = 22.5 ns" and pictures.in_lines("x" * 100, 1) == "x" * 100

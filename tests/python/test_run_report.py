@@ -265,6 +265,9 @@ def test_in_a_browser(browser, runs, tmp_path, name):
     assert browser.value(LOOK)[0] != before
     browser.value('document.getElementById("logarithmic").click()')
     assert browser.value(LOOK)[0] != before and browser.value(PRESS_KEY % "Home") == "0" and browser.value(PRESS_KEY % "ArrowRight") == "1"
+    before = browser.value(LOOK)[0]
+    browser.value(PRESS_KEY % "+")
+    assert browser.value(LOOK)[0] != before
     assert "frame 2 of" in browser.value('document.getElementById("state").textContent') and browser.errors == []
 
 

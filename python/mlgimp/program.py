@@ -88,18 +88,20 @@ def execute(options, ranks=1, progress=False, tell=lambda line: None, may_stop=F
     try:
         status = watch(process, progress, keep)
     except KeyboardInterrupt:
-        raise Interrupted(how_to_go_on(lines, output_folder(options))) from None
+        raise Interrupted(how_to_go_on(lines, options)) from None
     if status != 0:
         raise RunError(line_of_failure(lines, status))
 
 
-def how_to_go_on(lines, folder):
-    """Returns the text of an Interrupted, from the lines on standard error and the folder of the results."""
-    found = list(filter(None, map(STOPPED.search, lines)))
+def how_to_go_on(lines, options):
+    """Returns the text of an Interrupted, from the lines on standard error and the options of the run."""
+    folder, found = str(output_folder(options)), list(filter(None, map(STOPPED.search, lines)))
     if not found:
-        return f"stopped, without a checkpoint; mlgimp.read({str(folder)!r}) has what had been written"
+        return f"stopped, without a checkpoint; mlgimp.read({folder!r}) has what had been written"
     step, checkpoint = found[0].groups()
-    return (f"stopped at step {step}: mlgimp.read({str(folder)!r}) has what is done; the same call with restart={checkpoint!r} goes on")
+    is_of_file = options.keys() <= {"options_file", "overwrite"}  # as that of mlgimp.indent, which writes it
+    call = f"mlgimp.run({str(options['options_file'])!r}, restart={checkpoint!r})" if is_of_file else f"the same call with restart={checkpoint!r}"
+    return f"stopped at step {step}: mlgimp.read({folder!r}) has what is done; {call} goes on"
 
 
 def option_names():

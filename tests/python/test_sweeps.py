@@ -144,8 +144,12 @@ def test_an_interrupt_keeps_what_is_done(tmp_path, ranks):
         assert more.summary["status"] == "completed" and more.history["step"][-1] == int(found[1]) + 10
 
 
-def test_words_of_an_interrupt_without_a_checkpoint():
-    assert program.how_to_go_on(["mlgimp: error: ended by SIGTERM"], "out") == "stopped, without a checkpoint; mlgimp.read('out') has what had been written"
+def test_words_of_an_interrupt(tmp_path):
+    (tmp_path / "press.opts").write_text("-output_dir out\n")
+    options, line = {"options_file": tmp_path / "press.opts", "overwrite": True}, "mlgimp: error: ended by SIGTERM"
+    assert program.how_to_go_on([line], options) == "stopped, without a checkpoint; mlgimp.read('out') has what had been written"
+    said = program.how_to_go_on([f"{line} at step 7; go on with -restart out/c 7.h5"], options)
+    assert said == f"stopped at step 7: mlgimp.read('out') has what is done; mlgimp.run('{tmp_path}/press.opts', restart='out/c 7.h5') goes on"
 
 
 # ---- what a notebook shows ----

@@ -11,7 +11,7 @@ extensions = ["myst_parser", "sphinx_copybutton", "offline", "options_files", "p
 
 root_doc = "docs/index"
 include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**.md"]
-exclude_patterns = ["bin", "build", "output"]
+exclude_patterns = ["bin", "build", "output", "docs/paper"]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes docs/cheat_sheet.md and the tables of docs/options.md from `bin/mlgimp -help`; the text around those tables is kept.
+"""Writes docs/cheat_sheet.md and the tables of docs/options.md from `bin/mlgimp -help`, and docs/presets.md from `bin/mlgimp -presets`; the text around the
+tables of options is kept.
 
 The first table under each heading that is a group of -help is replaced; other tables and all notes are hand-written.
 With --check nothing is written: the exit status is 1 where a page is not what it would be, and the first difference is shown.
@@ -17,11 +18,29 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / os.environ.get("MLGIMP_BIN", "bin") / "mlgimp"
 PAGE = ROOT / "docs" / "options.md"
 SHEET = ROOT / "docs" / "cheat_sheet.md"
+PRESETS = ROOT / "docs" / "presets.md"
 SHEET_BEGINS = """# Options on one page
 
 What `bin/mlgimp -help` lists, in few words; [options.md](options.md) has it all, with notes. A unit
 is in brackets, what holds by default is bold, and NAME is the name of a material, a body or a load.
 `scripts/options_doc.py` writes this page.
+"""
+PRESETS_BEGIN = """# Materials and tips by name
+
+`-NAME_preset aluminium_6061` gives a material all constants that are not given by hand, and `-indenter
+berkovich_R50` a tip its shape; a run prints what it has got by them. `bin/mlgimp -presets` lists all;
+`scripts/options_doc.py` writes this page. Behind +- stands the standard uncertainty. Where a source has
+none it is how far published values lie apart: 2 % of a metal's modulus, 10 % of a flow stress, since
+heats and tempers differ, 1 % of a crystal's constants. The values are quoted as they are in use: where
+a result hangs on one, look it up in the source, or measure it.
+
+From Python: `mlgimp.indent("copper_ofhc", tip="berkovich_R150", depth="200nm")`, and
+`mlgimp.presets.materials()` and `mlgimp.presets.tips()` for the constants with their uncertainties. In
+axisymmetry a pyramid is the cone with the same area at each depth.
+
+Flow stresses are those of slow tests at room temperature, of Johnson and Cook's law `A + B eps^n`
+without its rate and heat: `-NAME_hardening ludwik`. A law that is given by hand replaces that of the
+preset, with the constants that belong to it.
 """
 HEADER = ["| option | meaning | unit | default |", "| --- | --- | --- | --- |"]
 
@@ -103,6 +122,17 @@ def sheet(options):
     return SHEET_BEGINS + "".join(parts)
 
 
+def presets(text):
+    """The page of what -presets prints, a line for each: "NAME: -option value +- p %, ... (source)"."""
+    rows = {False: [], True: []}
+    for line in text.splitlines():
+        name, values, source = re.fullmatch(r"(\w+): (.*?) \((.*)\)", line).groups()
+        rows["-NAME_" in values].append(row_of([f"`{name}`", values.replace("-NAME_", "").replace("-indenter_", "").replace("-indenter ", ""), source]))
+    tables = [f"\n## {heading}\n\n| name | {what} | from |\n| --- | --- | --- |\n" + "\n".join(rows[of_material]) + "\n"
+              for heading, what, of_material in (("Materials", "constants (options -NAME_...)", True), ("Tips", "shape (options -indenter...)", False))]
+    return PRESETS_BEGIN + "".join(tables)
+
+
 def first_difference(path, page, wanted):
     """One line each for what the page has and what it should have, at the first place where they differ."""
     for number, (have, want) in enumerate(itertools.zip_longest(page.splitlines(), wanted.splitlines(), fillvalue="(nothing)"), 1):
@@ -115,9 +145,9 @@ def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="only compare")
     check = parser.parse_args(arguments).check
-    text = subprocess.run([str(PROGRAM), "-help"], capture_output=True, text=True, check=True).stdout
+    text, table = (subprocess.run([str(PROGRAM), word], capture_output=True, text=True, check=True).stdout for word in ("-help", "-presets"))
     options, stale = groups(text), False
-    for path, wanted in ((PAGE, rewrite(PAGE.read_text(), options)), (SHEET, sheet(options))):
+    for path, wanted in ((PAGE, rewrite(PAGE.read_text(), options)), (SHEET, sheet(options)), (PRESETS, presets(table))):
         page = path.read_text() if path.exists() else ""
         if page == wanted:
             continue

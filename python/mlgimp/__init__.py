@@ -12,8 +12,9 @@ from .needs import need
 
 need("numpy", "scipy", "h5py")  # before the modules that import them
 
-from . import csm, imprint, uncertainty
+from . import csm, imprint, presets, uncertainty
 from .calibration import calibrate
+from .case_check import check
 from .creep_fits import fit_creep
 from .errors import Error, Interrupted, ResultError, RunError
 from .fitting import fit
@@ -24,5 +25,5 @@ from .load_depth import read_measured, read_tests
 from .program import run
 from .sweeps import sweep
 
-__all__ = ["Error", "Interrupted", "ResultError", "RunError", "Results", "Tip", "calibrate", "fit", "fit_creep", "indent", "read", "read_measured",
-           "read_tests", "run", "sweep"]
+__all__ = ["Error", "Interrupted", "ResultError", "RunError", "Results", "Tip", "calibrate", "check", "fit", "fit_creep", "indent", "read",
+           "read_measured", "read_tests", "run", "sweep"]

@@ -22,6 +22,8 @@ LOAD_COLOUR, LEVEL_COLOUR = "#D55E00", "0.1"
 SIDES = {"free": ("0.35", ":", 1.2), "symmetry": ("#0072B2", "-.", 1.8), "axis": ("#009E73", "-.", 1.8), "fixed": ("#CC0000", "-", 2.4)}
 ABOVE, BESIDE = 0.14, 0.06  # room around the domain, of its longer edge
 SCALE = 0.72  # of the size that a picture of a field has
+WINDOW, ENLARGED = 1.8, 3.0  # half widths of the contact that its enlarged surroundings reach; their width in inches
+MOST_LINES = 200  # of cells; more would be grey
 TALLEST = 5.6  # inches that the domain may be high
 SLICE_OF_3D = 2  # the axis that is up in space, and the second one here
 
@@ -128,6 +130,39 @@ def draw_indenter(axes, case, window, factor):
     return [Patch(facecolor=fields.INDENTER_COLOUR, edgecolor="0.2", label=f"indenter: {kind.replace('_', ' ')}")]
 
 
+def draw_contact(figure, corner, case, contact):
+    """Draws the contact's surroundings, enlarged, with the lower left corner at a place of the figure (inches): the cells of the finest level,
+    the tip at the start and, dashed, at its largest depth, and how many cells half the width of the contact has there.
+
+    contact: of case_check.check: depth, surface and half_width (m), and cells.
+    """
+    half, surface, tip = contact["half_width"], contact["surface"], in_plane(case, case.options["-indenter_tip"])
+    left = max(tip[0] - WINDOW * half, case.domain[0, 0])
+    window = np.array([left, tip[0] + WINDOW * half, surface - 0.4 * WINDOW * half, surface + 0.5 * WINDOW * half])
+    width, height = fields.fitted(window, 1)[1] * (ENLARGED / fields.fitted(window, 1)[1][0])
+    size = figure.get_size_inches()
+    axes = figure.add_axes([corner[0] / size[0], corner[1] / size[1], width / size[0], height / size[1]])
+    unit = lab_unit(window - surface, "m")
+    axes.set(xlim=window[:2] * unit.factor, ylim=window[2:] * unit.factor, xticks=[], yticks=[])
+    draw_bodies(axes, case, window, unit.factor)
+    draw_cells(axes, window, min(case.cell_sizes), surface, unit.factor)
+    draw_indenter(axes, case, window, unit.factor)
+    down = np.array([0, surface - contact["depth"] - tip[1]])
+    axes.add_patch(Polygon((outline(case, window[3] - down[1]) + down) * unit.factor, fill=False, edgecolor="0.1", linewidth=1.2, linestyle="--"))
+    axes.plot(np.array([tip[0], tip[0] + half]) * unit.factor, [surface * unit.factor] * 2, color=LOAD_COLOUR, linewidth=3.0, solid_capstyle="butt")
+    axes.set_title(f"{contact['cells']:.3g} cells in half the contact\nat {in_si_unit(contact['depth'], 'm')} (dashed)", fontsize="medium", color=LOAD_COLOUR)
+
+
+def draw_cells(axes, window, cell, surface, factor):
+    """Draws the lines of cells in a window (m), of which one lies in the surface."""
+    for across, draw in ((0, axes.axvline), (1, axes.axhline)):
+        start = surface if across else 0.0
+        first, last = np.ceil((window[2 * across] - start) / cell), np.floor((window[2 * across + 1] - start) / cell)
+        if last - first < MOST_LINES:
+            for k in np.arange(first, last + 1):
+                draw((start + k * cell) * factor, color="0.55", linewidth=0.4, zorder=1.5)
+
+
 def span_along(case, name, side, axis):
     """Returns the start and the end (m) of a load along an axis of its side; None where it acts on the whole side."""
     span = case.options[f"-{name}_span"].split(",")
@@ -181,15 +216,19 @@ def draw_sides(axes, case, window, factor):
 
 
 @styled
-def case(directory):
-    """Returns the picture of the case of a result folder; in space it is the slice through the tip's axis."""
+def case(directory, contact=None):
+    """Returns the picture of the case of a result folder; in space it is the slice through the tip's axis.
+
+    contact: what is known of the contact at its largest depth, of case_check.check: its surroundings are drawn as well, enlarged.
+    """
     drawn = read_case(directory)
     edge = np.max(np.ptp(drawn.domain, axis=0))
     (left, low), (right, high) = drawn.domain
     window, size = fields.fitted(np.array([left - BESIDE * edge, right + BESIDE * edge, low - BESIDE * edge, high + ABOVE * edge]), 1)
     width, height = size * min(SCALE, TALLEST / size[1])
-    figure = plt.figure(figsize=(width + 4.2, height + 1.2))
-    axes = figure.add_axes([0.8 / (width + 4.2), 0.7 / (height + 1.2), width / (width + 4.2), height / (height + 1.2)])
+    wide, high = width + 4.2 + (0 if contact is None else ENLARGED + 0.2), max(height + 1.2, 3.6)
+    figure = plt.figure(figsize=(wide, high))
+    axes = figure.add_axes([0.8 / wide, 0.7 / high, width / wide, height / high])
     unit = lab_unit(window, "m")
     axes.set(xlim=window[:2] * unit.factor, ylim=window[2:] * unit.factor,
              xlabel=f"{drawn.axes[0]} ({unit.name})", ylabel=f"{drawn.axes[1]} ({unit.name})", title=results.case_name(directory))
@@ -198,4 +237,6 @@ def case(directory):
     parts = draw_bodies, draw_indenter, draw_loads, draw_boxes, draw_velocities, draw_sides
     entries = [entry for draw in parts for entry in draw(axes, drawn, window, unit.factor)]
     axes.legend(handles=entries, loc="center left", bbox_to_anchor=(1.03, 0.5), borderaxespad=0)
+    if contact is not None:
+        draw_contact(figure, (width + 4.2, 0.7), drawn, contact)
     return figure

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
-from . import checks, fit_profiles, fit_search, hints, imprint, load_depth
+from . import checks, fit_profiles, fit_search, hints, imprint, load_depth, presets, units
 from .errors import Error, RunError
 from .needs import need
 from .options import named, read_options
@@ -93,7 +93,7 @@ def fit(measured, case, vary, *, profile=None, ranks=1, runs=None, evaluations=3
     at_once = max(1, (os.cpu_count() or 1) // ranks) if runs is None else checks.whole("runs", runs, 1)
     measured, cases, profiles = tests_of(measured, case, profile)
     curves = [each if isinstance(each, load_depth.Curve) else load_depth.read_run(checks.path("measured", each)) for each in measured]
-    options = [{**read_options(checks.path("case", each)), **more} for each in cases]
+    options = [presets.written_out({**read_options(checks.path("case", each)), **more}) for each in cases]
     found = variables(vary, options[0])
     names = [[variable(each.name, others).option for each in found] for others in options]
     targets = [fit_profiles.target_of(*pair) for pair in zip(curves, profiles)]
@@ -136,8 +136,8 @@ def variable(name, case):
     if len(options) > 1:
         raise Error(f"-vary {name}: must be one of {', '.join(options)}")
     try:
-        start = float(case[options[0]])
-    except (TypeError, ValueError):
+        [start] = units.numbers_of(case[options[0]])
+    except (Error, TypeError, ValueError):
         start = math.nan
     if not 0 < start < math.inf:
         raise Error(f"-vary {name}: must be an option whose value in the case is a number > 0; "

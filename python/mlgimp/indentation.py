@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from . import checks, hints, instrument, load_depth, tips
+from . import checks, hints, instrument, load_depth, presets, tips, units
 from .checks import Rule
 from .errors import Error, RunError
 from .options import named, write_options
@@ -18,11 +18,12 @@ TABOR, STRAIN = 2.8, 0.08  # hardness over the flow stress at this strain
 REST = 0.1  # of the load, at which an unloading under load control ends
 THREE_FACES = ("berkovich", "cube_corner")  # no symmetry across x
 
+POISSONS_RATIO, DENSITY = {"poissons_ratio": 0.3}, {"density": 5000.0}  # where none is given; of a slow test the density does not count
 HARDENING = ("yield_stress", "hardening_modulus", "hardening_exponent", "hardening_strain", "saturation_stress", "saturation_strain",
              "thermal_exponent", "melting_temperature", "reference_temperature", "initial_temperature")
 INITIAL_TEMPERATURE = 293.0  # K, where -initial_temperature is not given
 RULES = {
-    "depth": Rule(lambda depth: 0 < depth <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9"),
+    "depth": Rule(lambda depth: 0 < depth <= 0.01, "in (0, 0.01] m; 200 nm are 200e-9 or \"200nm\""),
     "load": Rule(lambda load: 0 < load < math.inf, "a number > 0 in N; 10 mN are 10e-3"),
     "youngs_modulus": Rule(lambda modulus: 1e3 <= modulus < math.inf, "a number >= 1e3 in Pa; 70 GPa are 70e9"),
     "poissons_ratio": Rule(lambda nu: -1 < nu < 0.5, "in (-1, 0.5)"),
@@ -32,6 +33,9 @@ RULES = {
     "radius": Rule(lambda radius: 0 < radius <= 0.1, "in (0, 0.1] m; 5 um are 5e-6"),
     "tip_radius": Rule(lambda radius: 0 <= radius <= 0.1, "in [0, 0.1] m; 100 nm are 100e-9"),
 } | dict.fromkeys(HARDENING, Rule(lambda value: 0 <= value < math.inf, "a number >= 0"))
+STRESSES = ("youngs_modulus", "yield_stress", "hardening_modulus", "saturation_stress")
+UNITS = {"depth": "a length", "radius": "a length", "tip_radius": "a length", "load": "a force", "half_angle": "an angle", "density": "a density"}
+UNITS |= dict.fromkeys(STRESSES, "a stress") | dict.fromkeys(("melting_temperature", "reference_temperature", "initial_temperature"), "a temperature")
 FLOW_STRESS = {  # Pa at a plastic strain, of the constants k of a hardening law; at rest, as nobody knows the rate before the run
     "linear": lambda k, a: k["yield_stress"] + k.get("hardening_modulus", 0) * a,
     "power": lambda k, a: k["yield_stress"] * (1 + k["youngs_modulus"] * a / k["yield_stress"]) ** k["hardening_exponent"],
@@ -57,7 +61,8 @@ def indent(law="j2", *, tip="berkovich", depth=None, load=None, test=None, file=
     is_new = not Path(file).exists()
     if not (checks.flag("overwrite", overwrite) or is_new):
         raise Error(f"{file}: is there already; give overwrite=True, or another file")
-    largest = f"{depth:.4g} m deep" if depth is not None else f"under {load:.4g} N" if load is not None else "a test with times"
+    goal = {name: checked({name: value})[name] for name, value in (("depth", depth), ("load", load)) if value is not None}
+    largest = f"{goal['depth']:.4g} m deep" if "depth" in goal else f"under {goal['load']:.4g} N" if "load" in goal else "a test with times"
     name = tip if isinstance(tip, str) else tip.options()["indenter"]
     write_options(file, groups, f"Indentation of {law} by {name}, {largest}, written by mlgimp.indent. All values are SI.\n"
                                 "docs/options.md explains each option.")
@@ -77,14 +82,16 @@ def has_begun(file):
     return history.exists() and history.stat().st_mtime_ns >= Path(file).stat().st_mtime_ns
 
 
-def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, test=None, youngs_modulus=None, poissons_ratio=0.3,
-                        density=5000.0, half_angle=None, radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0,
+def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, test=None, youngs_modulus=None, poissons_ratio=None,
+                        density=None, half_angle=None, radius=None, tip_radius=0.0, geometry="axisymmetric", cells=8, block=45.0,
                         unload=True, tolerance=0.02, frames=10, options=None, **constants):
     """Returns the options of an indentation in groups, a list of dicts, for write_options.
 
-    law: -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa),
-    yield_stress (Pa), hardening_modulus (Pa, 0), hardening="power", ...; of a slow test the density (kg/m3) does not count.
-    tip: cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry
+    Quantities are numbers in SI units, or texts with a unit: 200e-9 or "200nm", 70e9 or "70 GPa".
+    law: a material of mlgimp.presets.materials(), such as "copper_ofhc", whose constants count where none are given; or
+    -specimen_model, such as "j2" or "neo_hookean", with its constants by the names of the options: youngs_modulus (Pa),
+    yield_stress (Pa), hardening_modulus (Pa, 0), hardening="power", ...; poissons_ratio 0.3; of a slow test the density (kg/m3) does not count.
+    tip: one of mlgimp.presets.tips(), such as "berkovich_R50"; cone (half_angle in degrees), sphere and flat_punch (radius in m), berkovich, vickers, cube_corner, which in axisymmetry
     are the cones of the same area; tip_radius (m) rounds cones and pyramids. Or a Tip, of a laboratory's own shape and compliance.
     test: steps with durations of a test with its own clock, as [(10, "10mN"), (30, "hold"), (10, 0)], in place of
     depth (m) or load (N): the largest; the tip is drawn back until it is free, or to a tenth of the load; unload=False: not.
@@ -105,11 +112,12 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, tes
         depth, load = instrument.largest_of(kind, values).values()
     goal = checked({"depth": depth} if load is None else {"load": load})
     depth, load = goal.get("depth"), goal.get("load")
-    constants = checked({"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants})
+    own = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "density": density, **constants}
+    material, constants = material_of(law, {name: value for name, value in own.items() if value is not None})
     cells, block = checked({"cells": cells, "block": block}).values()
     checks.flag("unload", unload)
-    if law == "j2" and "hardening" not in constants:
-        constants.setdefault("hardening_modulus", 0.0)
+    if isinstance(tip, str) and tip not in tips.NEEDS and tip in presets.tips():
+        tip, half_angle, radius, tip_radius = sizes_of_preset(tip, half_angle, radius, tip_radius)
     shape = shape_of(tip, geometry, half_angle, radius, tip_radius)
     temperature = checked({"initial_temperature": options.get("initial_temperature", INITIAL_TEMPERATURE)})
     size = size_of_contact(shape, constants | temperature, depth, load)
@@ -126,12 +134,34 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, tes
         turns = {"indenter_control": "load", "indenter_times": tuple(range(len(loads))), "indenter_loads": loads}
     groups = [
         grid["grid"], *grid["levels"],
-        {"materials": "specimen", "specimen_model": law, **{f"specimen_{name}": value for name, value in constants.items()}},
+        {"materials": "specimen", **{f"specimen_{name}": value for name, value in material.items()}},
         {"bodies": "block", "block_lower": grid["block_lower"], "block_upper": grid["block_upper"]},
         {**shape, "indenter_tip": [0.0] * (len(grid["block_lower"]) - 1) + [top]},
         {"quasi_static": True, "quasi_static_tolerance": tolerance, **turns}, {"frames": frames},
     ]
     return overridden(groups, options)
+
+
+def material_of(law, given):
+    """Returns the options of the material without its name, and all its constants in SI units.
+
+    law: that of -NAME_model, or a material of presets.py; given: {constant: value}.
+    """
+    preset = presets.of_material(law)
+    if preset is None:
+        defaults = POISSONS_RATIO | DENSITY | ({"hardening_modulus": 0.0} if law == "j2" and "hardening" not in given else {})
+        constants = checked({"youngs_modulus": None, **defaults, **given})
+        return {"model": law, **constants}, constants
+    own = checked(given)
+    return {"preset": law, **own}, {**{name: value for name, value in preset.values.items() if name == "hardening"}, **presets.numbers(preset), **own}
+
+
+def sizes_of_preset(tip, half_angle, radius, tip_radius):
+    """Returns the kind and the sizes of a tip of presets.py; those that are given count more."""
+    preset = presets.tips()[tip]
+    known = presets.numbers(preset)
+    return (preset.values["indenter"], known.get("indenter_half_angle") if half_angle is None else half_angle,
+            known.get("indenter_radius") if radius is None else radius, tip_radius or known.get("indenter_tip_radius", 0.0))
 
 
 def overridden(groups, options):
@@ -144,8 +174,9 @@ def overridden(groups, options):
 # ---- checks ----
 
 def checked(given):
-    """Returns {name: value} with all numbers that the grid is computed from as float; the program looks at the rest."""
-    return {name: checks.number(name, value, RULES[name]) if name in RULES else value for name, value in given.items()}
+    """Returns {name: value} with all numbers that the grid is computed from as float in SI units; the program looks at the rest."""
+    plain = {name: units.argument(name, value, UNITS[name]) if name in UNITS else value for name, value in given.items()}
+    return {name: checks.number(name, value, RULES[name]) if name in RULES else value for name, value in plain.items()}
 
 
 # ---- tip and contact ----
@@ -161,6 +192,7 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
     if not isinstance(tip, str) or tip not in tips.NEEDS or tip == "pyramid":
         raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
     sizes = {"half_angle": half_angle, "radius": radius, "tip_radius": None if tip_radius == 0 else tip_radius}
+    sizes = {name: units.argument(name, value, UNITS[name]) for name, value in sizes.items()}
     tips.check_sizes(tip, sizes)
     sizes = checked({name: value for name, value in sizes.items() if value is not None})
     if tip in tips.PYRAMIDS and geometry == "axisymmetric":  # the cone with the same area at each depth

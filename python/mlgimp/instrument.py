@@ -1,22 +1,22 @@
 """An instrument for simulated tests: its own tip and what gives way behind it, and its test as steps with durations."""
 
 import math
-import re
 from dataclasses import dataclass
 
-from . import checks, tips
+from . import checks, tips, units
 from .checks import Rule
 from .errors import Error
 
-LENGTHS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0}
-FORCES = {"nN": 1e-9, "uN": 1e-6, "mN": 1e-3, "N": 1.0}
 SIZES = ("half_angle", "radius", "tip_radius", "edge_radius", "faces", "turn")  # of the options -indenter_...
+UNITS = {"indenter_half_angle": "an angle", "indenter_turn": "an angle", "indenter_stiffness": "a stiffness", "indenter_youngs_modulus": "a stress"}
+UNITS |= dict.fromkeys(("indenter_radius", "indenter_tip_radius", "indenter_edge_radius"), "a length")
 POSITIVE = Rule(lambda value: value > 0, "a number > 0")
 
 
 @dataclass(frozen=True)
 class Tip:
-    """A tip and what gives way behind it, as `tip` of mlgimp.indent. Lengths in m, angles in degrees, but where a name says nm.
+    """A tip and what gives way behind it, as `tip` of mlgimp.indent. Lengths in m, angles in degrees, but where a name says nm; or texts with a
+    unit, as "5 um".
 
     kind: of -indenter, with its sizes half_angle, radius, tip_radius, edge_radius, faces and turn. In its place one of
     area_nm: C0, C1, C2, ... of the area function C0 h^2 + C1 h + C2 h^(1/2) + ... in nm^2 of h in nm, of revolution, or in space with
@@ -62,7 +62,8 @@ class Tip:
             found["indenter_area_depths"] = tuple(1e-9 * depth for depth in self.depths_nm)
         found |= {"indenter_profile": self.profile, "indenter_map": self.height_map, "indenter_map_size": self.map_size, "indenter_tilt": self.tilt,
                   "indenter_stiffness": self.frame, "indenter_youngs_modulus": self.youngs_modulus, "indenter_poissons_ratio": self.poissons_ratio}
-        return {name: value for name, value in found.items() if value is not None}
+        return {name: units.argument(name.removeprefix("indenter_"), value, UNITS[name]) if name in UNITS else value
+                for name, value in found.items() if value is not None}
 
     def mirrors(self):
         """Returns whether a model of space may end at the tip across x and across y: of what may be turned or measured it does not."""
@@ -77,14 +78,11 @@ def area_factor(k):
     return 10.0 ** (-9 * (2 - 2.0 ** (1 - k)))
 
 
-def quantity(text, units):
-    """Returns a number with a unit, as "10 mN", in SI units; None where it is none of these units."""
-    found = re.fullmatch(r"\s*([-+.\deE]+)\s*([A-Za-z]+)\s*", str(text))
-    if not found or found[2] not in units:
-        return None
+def quantity(text, kind):
+    """Returns a text with a unit, as "10 mN", in SI units; None where it is not of the kind."""
     try:
-        return float(found[1]) * units[found[2]]
-    except ValueError:
+        return units.argument("goal", text, kind) if isinstance(text, str) else None
+    except Error:
         return None
 
 
@@ -98,13 +96,13 @@ def turns_of(test):
     times, values, kinds = [0.0], [0.0], set()
     for duration, goal in test:
         times.append(times[-1] + checks.number("test", duration, POSITIVE))
-        load, depth = quantity(goal, FORCES), quantity(goal, LENGTHS)
+        load, depth = quantity(goal, "a force"), quantity(goal, "a length")
         if goal == "hold":
             values.append(values[-1])
         elif goal == 0 or str(goal) == "0":
             values.append(0.0)
         elif (load if depth is None else depth) is None or not (load or 0) + (depth or 0) > 0:
-            raise Error(f"test: the goal {goal!r} must be 'hold', 0, or a load or a depth with its unit, {', '.join(FORCES)} or {', '.join(LENGTHS)}")
+            raise Error(f"test: the goal {goal!r} must be 'hold', 0, or a load or a depth with its unit, as 10mN or 200nm")
         else:
             values.append(depth if load is None else load)
             kinds.add("depth" if load is None else "load")

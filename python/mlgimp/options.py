@@ -7,6 +7,7 @@ import os
 import re
 from pathlib import Path
 
+from . import units
 from .errors import Error
 
 
@@ -40,6 +41,8 @@ def of_words(words):
         if re.match(r"-[A-Za-z]", word):
             name = word[1:].lower()
             options[name] = None
+        elif name is not None and units.is_unit_of(options[name], word):
+            options[name] += word
         elif name is None or options[name] is not None:
             raise Error(f"{word}: must follow an option")
         else:
@@ -96,8 +99,9 @@ def line_of(name, value=""):
 
 
 def number_of(options, name, default):
-    """Returns the value of an option as a number."""
+    """Returns the value of an option, with or without a unit, as a number in SI units."""
     try:
-        return float(options.get(name) or default)
+        [value] = units.numbers_of(options.get(name) or default)
+        return value
     except (TypeError, ValueError):
         raise Error(f"-{name} {options[name]}: must be a number") from None

@@ -261,8 +261,8 @@ const std::vector<HardeningLaw> &HardeningLaws()
         {"melting_temperature", "Tm of it (johnson_cook)", "K", &C::melting_temperature, 0, HUGE_VAL, false, true},
         {"reference_temperature", "T0 of it, where it is not -initial_temperature (johnson_cook)", "K", &C::reference_temperature,
          0, HUGE_VAL, false, false},
-        {"heat_capacity", "heat capacity, required with -NAME_adiabatic (johnson_cook)", "J/(kg K)", &C::heat_capacity, 0,
-         HUGE_VAL, false, false}},
+        {"heat_capacity", "heat capacity, required with -NAME_adiabatic (johnson_cook)", "J/kg/K", &C::heat_capacity, 0, HUGE_VAL,
+         false, false}},
        Create<JohnsonCookHardening>},
   };
   return laws;

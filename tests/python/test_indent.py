@@ -88,7 +88,7 @@ def test_cases_are_accepted(tmp_path, law, case):
     (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
     (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
     (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),
-    (dict(METAL, depth="2e-7"), "depth=2e-7: must be .* not as a text"),
+    (dict(METAL, depth="2e-7"), "depth='2e-7': must be a number in SI units, or a text with a unit"),
     (dict(METAL, depth=1e-7, poissons_ratio="0.33"), "poissons_ratio=0.33: .* not as a text"),
     (dict(METAL, depth=1e-7, unload="no"), "unload=no: must be True or False"),
     (dict(METAL, depth=1e-7, overwrite="no"), "overwrite=no"),

@@ -150,8 +150,11 @@ TEST(Options, Numbers)
   EXPECT_EQ(ReadNumber("-size 1,2", &value), "-size 1,2: must be > 0; one number, and not 2 with commas");
   for (const char *bad : {"0", "-1"})
     EXPECT_EQ(ReadNumber(std::string("-size ") + bad, &value), std::string("-size ") + bad + ": must be > 0");
-  for (const std::string bad : {"nan", "inf", "1e999", "1um", "0x"})
+  for (const std::string bad : {"nan", "inf", "1e999", "0x1p"})
     EXPECT_EQ(ReadNumber("-size " + bad, &value), "-size " + bad + ": must be > 0; " + bad + " is no finite number");
+  EXPECT_EQ(ReadNumber("-size 1um", &value), "");
+  EXPECT_EQ(value, 1e-6);
+  EXPECT_EQ(ReadNumber("-size 1kg", &value), "-size 1kg: must be > 0; kg is a mass, -size is a length");
   EXPECT_EQ(ReadNumber("-size", &value), "-size (nothing): must be > 0");
   EXPECT_EQ(ReadNumber("-size 1", &value, Open(0, 1)), "-size 1: must be in (0, 1)");
   EXPECT_EQ(ReadNumber("-size 1", &value, Closed(0, 1)), "");

@@ -29,6 +29,8 @@ void WarnOfCells(OptionReader &reader, const Case &c);
 /// Warns of a run that is too long, of loads after its end, and of an indenter or a load that is fast beside waves.
 void CheckTimes(OptionReader &reader, const Case &c);
 
+/// What grids and points of a case take on all ranks together, bytes; an estimate.
+double BytesNeeded(const Case &c);
 /// Ends the run where a rank would need more memory than its machine has for it. Collective.
 void CheckMemory(MPI_Comm comm, const Case &c);
 /// Ends the run where a body has no points, where its mass or its outer faces are not those of its shape, or where a load acts

@@ -16,6 +16,7 @@ struct CommandLine {
   std::string problem;            ///< one line, or empty
   bool help = false;              ///< -help, --help or -h was among the words, and is there no more
   bool version = false;           ///< -version or --version was, likewise
+  bool presets = false;           ///< -presets or --presets
 };
 
 /// Reads it on the first rank and gives it to all. Call after MPI_Init, before PetscInitialize. Collective.

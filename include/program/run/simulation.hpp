@@ -31,6 +31,8 @@ public:
   /// Prepares the output folder and runs to the end, or until a signal or the clock asks to stop. Returns the signal that has
   /// asked, else 0.
   int Run();
+  /// In place of Run, with -check: takes a few steps and prints what the case is. Writes nothing. Collective.
+  void Check();
 
 private:
   void Begin();

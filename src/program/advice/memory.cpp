@@ -53,15 +53,22 @@ double BytesForRank(MPI_Comm comm)
 
 } // namespace
 
-void CheckMemory(MPI_Comm comm, const Case &c)
+double BytesNeeded(const Case &c)
 {
   const double kPoint = c.Dim() == 3 ? 400 : 220,
                kNode = c.Dim() == 3 ? 300 : 200; // bytes: fields and what sorting and sweeps need beside them; nodal arrays
-  constexpr double kGigabyte = 1e9;              // exact
+  double nodes, points;
+  CountAll(c, &nodes, &points);
+  return kPoint * points + kNode * nodes;
+}
+
+void CheckMemory(MPI_Comm comm, const Case &c)
+{
+  constexpr double kGigabyte = 1e9; // exact
   double nodes, points, bytes = BytesForRank(comm);
   CountAll(c, &nodes, &points);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
-  const double needed = (kPoint * points + kNode * nodes) / RanksOf(comm);
+  const double needed = BytesNeeded(c) / RanksOf(comm);
   if (!(needed <= bytes))
     Refuse("-cell_size {}: must fit into memory; {} points and {} nodes need about {} GB per rank, and {} GB are available",
            FormatNumber(c.cell_size), points, nodes, needed / kGigabyte, bytes / kGigabyte);

@@ -1,6 +1,8 @@
 // Options of the indenter and its motion.
 #include "program/input/read_case.hpp"
 
+#include "program/options/presets.hpp"
+
 #include "program/advice/case_checks.hpp"
 #include "program/slow_test/plan.hpp"
 
@@ -190,7 +192,8 @@ void ReadIndenter(OptionReader &reader, Case *c)
   std::string kind = "none";
   std::vector<std::string> methods = ContactMethods(geometry);
   methods.push_back("none");
-  ChooseInGeometry(reader, {"-indenter", "indenter"}, geometry, IndenterKinds(), &kind);
+  if (!reader.Help()) ReadTipPreset(geometry == GeometryKind::kAxisymmetric ? EquivalentHalfAngle : nullptr, &c->notes);
+  ChooseInGeometry(reader, {"-indenter", "indenter, or one of the tips that -presets lists"}, geometry, IndenterKinds(), &kind);
   reader.Choice({"-contact", "contact method"}, methods, &c->model.contact.method);
   ReadQuasiStatic(reader, kind != "none", &c->quasi_static);
   if (kind == "none" && !reader.Help()) return;

@@ -1,6 +1,8 @@
 // Options of materials.
 #include "program/input/read_case.hpp"
 
+#include "program/options/presets.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -241,6 +243,7 @@ void ReadMaterials(OptionReader &reader, Case *c, std::vector<std::string> *name
     const std::string prefix = "-" + name + "_";
     std::string model = "neo_hookean";
     Constants k = common;
+    ReadMaterialPreset(reader, prefix, &c->notes);
     reader.Choice({prefix + "model", "constitutive law"}, MaterialModels(), &model);
     if (model != "anisotropic" || reader.Help()) {
       reader.Read({prefix + "youngs_modulus", "Young's modulus", "Pa", kPositive}, &k.youngs_modulus, kRequired);

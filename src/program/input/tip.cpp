@@ -41,6 +41,12 @@ struct NamedPyramid {
 constexpr NamedPyramid kPyramids[] = {{"berkovich", 3, 65.27}, {"vickers", 4, 68}, {"cube_corner", 3, 35.264389682754654}};
 constexpr double kKnoopLong = 172.5, kKnoopShort = 130; ///< exact: between opposite edges, degrees
 
+const NamedPyramid *FindPyramid(const std::string &kind)
+{
+  const auto *found = std::find_if(std::begin(kPyramids), std::end(kPyramids), [&](auto &one) { return kind == one.name; });
+  return found == std::end(kPyramids) ? nullptr : found;
+}
+
 /// A reader of the options of one kind; with -help of all kinds.
 class TipReader
 {
@@ -91,7 +97,7 @@ public:
   {
     const double radius = TipRadius(), turn = Turn();
     if (kind_ == "knoop") return CreateRhombicPyramid(kKnoopLong, kKnoopShort, turn, radius);
-    const auto *named = std::find_if(std::begin(kPyramids), std::end(kPyramids), [&](auto &one) { return kind_ == one.name; });
+    const NamedPyramid *named = FindPyramid(kind_);
     return CreatePyramid(named->half_angle, named->faces, turn, radius);
   }
   std::unique_ptr<IndenterSurface> Pyramid() const
@@ -233,6 +239,15 @@ std::unique_ptr<IndenterSurface> Leant(OptionReader &reader, const std::string &
 }
 
 } // namespace
+
+double EquivalentHalfAngle(const std::string &kind)
+{
+  const NamedPyramid *pyramid = FindPyramid(kind);
+  if (!pyramid) return 0;
+  const double area =
+      pyramid->faces * std::tan(M_PI / pyramid->faces); // of the polygon around a circle, over the circle's radius squared
+  return std::atan(std::tan(pyramid->half_angle * M_PI / 180) * std::sqrt(area / M_PI)) * 180 / M_PI;
+}
 
 void ReadTip(OptionReader &reader, const std::string &kind, Case *c)
 {

@@ -2,6 +2,7 @@
 #include "program/options/command_line.hpp"
 
 #include "program/options/options.hpp"
+#include "program/options/units.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/files.hpp"
 
@@ -68,6 +69,13 @@ std::string WrongCharacters(const std::string &line)
   return "";
 }
 
+/// Whether a word is the unit of the numbers that the word before it ends with, as in "200 nm".
+bool IsUnitOf(const std::string &value, const std::string &word)
+{
+  const bool ends_in_number = !value.empty() && (std::isdigit(static_cast<unsigned char>(value.back())) || value.back() == '.');
+  return ends_in_number && !word.empty() && !std::isdigit(static_cast<unsigned char>(word[0])) && ParseUnit(word);
+}
+
 /// Adds the options of a file to the words; returns what is wrong, or an empty string.
 std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *options)
 {
@@ -83,8 +91,12 @@ std::string ReadOptionsFile(const std::string &path, std::vector<std::string> *o
       return Format("{}must end in a line feed; a carriage return alone ends no line", place);
     line = line.substr(0, line.find('#'));
     std::istringstream words(line);
-    std::string name, value, more;
-    words >> name >> value >> more;
+    std::string name, value, more, further;
+    words >> name >> value >> more >> further;
+    if (further.empty() && IsUnitOf(value, more)) {
+      value += more;
+      more.clear();
+    }
     const std::string wrong = WrongCharacters(line);
     if (!wrong.empty()) return Format("{}{}", place, wrong);
     if (name.size() + value.size() > kLongestValue)
@@ -124,6 +136,10 @@ std::string Parse(int argc, char **argv, CommandLine *line)
       const std::string path = ++k < argc ? argv[k] : "";
       if (std::string wrong = ReadOptionsFile(path, &line->words); !wrong.empty()) return wrong;
       line->name = NameOf(path);
+      continue;
+    }
+    if (k > 2 && IsOptionName(argv[k - 2]) && IsUnitOf(argv[k - 1], word)) {
+      line->words.back() += word;
       continue;
     }
     if (!IsOptionName(word) && (k == 1 || !IsOptionName(argv[k - 1])))
@@ -197,6 +213,7 @@ CommandLine ReadCommandLine(int argc, char **argv)
   line.problem = ShareText(MPI_COMM_WORLD, line.problem);
   line.words = words.empty() ? std::vector<std::string>() : Split(words, '\0');
   line.help = Take({"-help", "--help", "-h"}, &line.words);
+  line.presets = Take({"-presets", "--presets"}, &line.words);
   line.version = Take({"-version", "--version"}, &line.words);
   return line;
 }

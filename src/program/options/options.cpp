@@ -1,9 +1,12 @@
 // Option reading on PETSc's options database.
 #include "program/options/options.hpp"
 
+#include "program/options/units.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <numeric>
 #include <set>
 
@@ -56,6 +59,43 @@ static bool ParseNumber(const std::string &text, double *value)
   *value = std::strtod(text.c_str(), &end);
   return !text.empty() && *end == '\0' && std::isfinite(*value) && !std::isspace(static_cast<unsigned char>(text[0]));
 }
+
+namespace
+{
+
+/// A word of a value: a finite number that an option takes, or why it is none.
+struct Quantity {
+  double value = 0; ///< in the unit of the option
+  bool has_unit = false;
+  std::string problem;
+};
+
+/// Reads a number, or one with a unit of the option's kind behind it.
+Quantity ReadQuantity(const std::string &word, const Option &option)
+{
+  Quantity q;
+  if (ParseNumber(word, &q.value)) return q;
+  char *end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  const std::string digits(word.c_str(), static_cast<const char *>(end)), name = end + std::strspn(end, " ");
+  q.has_unit = true;
+  if (digits.empty() || name.empty() || !std::isfinite(number) || digits.find_first_of("xX ") != std::string::npos) {
+    q.problem = Format("{} is no finite number", word.empty() ? kNothing : Shortened(word));
+    return q;
+  }
+  const std::optional<Unit> unit = ParseUnit(name), own = ParseUnit(option.unit);
+  if (!unit)
+    q.problem = Format("{} is no unit{}", Shortened(name),
+                       own && !option.unit.empty() ? Format(" of {} ({})", KindOf(*own), ExamplesOf(*own)) : "");
+  else if (!own || !unit->IsLike(*own))
+    q.problem = Format("{} is {}, {} {}", name, KindOf(*unit), option.name,
+                       own ? Format("is {}", KindOf(*own)) : Format("has numbers in {}", option.unit));
+  else
+    q.value = unit->InBase(digits);
+  return q;
+}
+
+} // namespace
 
 void OptionReader::Throw(const std::string &name, const std::string &value, const std::string &allowed)
 {
@@ -138,13 +178,20 @@ template <> bool OptionReader::Read(const Option &option, std::vector<double> *v
     return false;
   }
   values->clear();
+  std::string plain; // a number without a unit
+  bool has_units = false;
   for (const std::string &word : Split(text, ',')) {
-    double value = 0;
-    const bool infinite = range.or_infinity && word == "inf", number = infinite || ParseNumber(word, &value);
-    if (!number && strange.empty() && !text.empty())
-      strange = Format("; {} is no finite number", word.empty() ? kNothing : Shortened(word));
-    allowed = allowed && (infinite || (number && range.Contains(value)));
-    values->push_back(infinite ? HUGE_VAL : value);
+    const bool infinite = range.or_infinity && word == "inf";
+    const Quantity q = infinite ? Quantity{HUGE_VAL, false, ""} : ReadQuantity(word, option);
+    if (strange.empty() && !text.empty() && !q.problem.empty()) strange = Format("; {}", q.problem);
+    allowed = allowed && q.problem.empty() && (infinite || range.Contains(q.value));
+    has_units = has_units || q.has_unit;
+    if (!q.has_unit && q.value != 0 && !infinite) plain = word;
+    values->push_back(q.value);
+  }
+  if (has_units && !plain.empty() && strange.empty()) {
+    strange = Format("; {} has no unit, and others have one", plain);
+    allowed = false;
   }
   if (option.most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
   const std::string count = CountText(option), kind = range.Text();

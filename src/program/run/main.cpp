@@ -2,6 +2,7 @@
 #include "contact/pressure_solver.hpp"
 #include "program/input/read_case.hpp"
 #include "program/options/command_line.hpp"
+#include "program/options/presets.hpp"
 #include "program/run/simulation.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/errors.hpp"
@@ -84,6 +85,10 @@ int Main(const CommandLine &line, const std::string &program)
   simulation.SetUp(PETSC_COMM_WORLD);
   RefuseUnused(reader.Known());
   simulation.WarnAtStart(reader.Warnings());
+  if (!settings.output.check.empty()) {
+    simulation.Check();
+    return 0;
+  }
   const int signal = simulation.Run();
   WarnUnused(PETSC_COMM_WORLD);
   return signal;
@@ -131,6 +136,11 @@ int main(int argc, char **argv)
   if (line.version && line.problem.empty()) {
     for (const auto &[name, version] : Versions())
       if (rank == 0) std::printf("%s %s\n", name.c_str(), version.c_str());
+    MPI_Finalize();
+    return 0;
+  }
+  if (line.presets && line.problem.empty()) {
+    if (rank == 0) std::fputs(PresetTable().c_str(), stdout);
     MPI_Finalize();
     return 0;
   }

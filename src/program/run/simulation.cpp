@@ -2,6 +2,7 @@
 #include "program/run/simulation.hpp"
 
 #include "program/advice/case_checks.hpp"
+#include "program/run/check.hpp"
 #include "program/system/signals.hpp"
 
 #include <algorithm>
@@ -33,6 +34,25 @@ int Simulation::Run()
   return stop_signal_;
 }
 
+void Simulation::Check()
+{
+  constexpr long kFewest = 3;    // size: steps
+  constexpr double kLongest = 1; // size: s
+  const RunState at_start = state_;
+  MeasuredSteps measured;
+  if (!AtEnd()) Step(); // the first fills caches
+  const double begin = MPI_Wtime();
+  for (int goes_on = 1; goes_on && !AtEnd();) {
+    Step();
+    if (IsCheckDue()) Control();
+    measured = {measured.steps + 1, MPI_Wtime() - begin};
+    goes_on = measured.steps < kFewest || measured.seconds < kLongest;
+    MPI_Bcast(&goes_on, 1, MPI_INT, 0, hierarchy_.Comm());
+  }
+  CheckFailure();
+  ExitOnError(PetscPrintf(hierarchy_.Comm(), "%s\n", DescribeCase(case_, hierarchy_, at_start, measured, at_start_).c_str()));
+}
+
 static void RefuseIf(const std::string &problem)
 {
   if (!problem.empty()) Refuse(problem);
@@ -62,7 +82,7 @@ void Simulation::SetUp(MPI_Comm comm)
     state_.initial_created = Case::PointsCreated(budgets);
   }
   clock_.TakeState(hierarchy_);
-  RefuseIf(output_.CheckFolder());
+  if (case_.output.check.empty()) RefuseIf(output_.CheckFolder());
   // A run that goes on as it was keeps the step and the clock of its levels until its next check.
   if (!same_ranks || state_.step_settings != StepSettings()) ControlStep();
   state_.step_settings = StepSettings();

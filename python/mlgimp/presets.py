@@ -1,0 +1,79 @@
+"""Materials and tips by name, as the program has them: `bin/mlgimp -presets` lists them with their sources."""
+
+import functools
+import re
+import subprocess
+from collections import namedtuple
+
+from . import units
+from .errors import Error
+from .program import find_program
+
+Preset = namedtuple("Preset", "name values percents source")
+Preset.__doc__ = """A material or a tip: its name; values, a dict of texts {option without prefix and dash: value with its unit}; percents, a dict of the
+standard uncertainties of those that have one (per cent of the value); and where they come from."""
+
+
+LAWS = "neo_hookean", "hypoelastic", "j2", "st_venant_kirchhoff", "linear", "viscoelastic", "anisotropic"  # of -NAME_model
+
+
+@functools.lru_cache(maxsize=1)
+def listed():
+    """Returns the lines of all presets, ({name: Preset of a material}, {name: Preset of a tip})."""
+    found = subprocess.run([find_program(), "-presets"], capture_output=True, text=True, check=False)
+    if found.returncode != 0:
+        raise Error(f"{find_program()} -presets: {found.stderr.strip() or 'fails'}")
+    materials, tips = {}, {}
+    for line in found.stdout.splitlines():
+        name, rest = line.split(": ", 1)
+        words, source = re.fullmatch(r"(.*?) \((.*)\)", rest).groups()
+        values, percents = {}, {}
+        for word in words.split(", "):
+            option, value, percent = re.fullmatch(r"-(?:NAME_)?(\w+) (\S+)(?: \+- (\S+) %)?", word).groups()
+            values[option] = value
+            if percent:
+                percents[option] = float(percent)
+        (tips if "indenter" in values else materials)[name] = Preset(name, values, percents, source)
+    return materials, tips
+
+
+def materials():
+    """Returns {name: Preset} of the materials, for `law` of mlgimp.indent and -NAME_preset."""
+    return dict(listed()[0])
+
+
+def of_material(name):
+    """Returns the Preset of an isotropic material; None where the name is that of a law. Raises an Error that lists the names."""
+    if name in LAWS:
+        return None
+    known = materials()
+    if name not in known:
+        raise Error(f"law={name}: must be a law, {', '.join(LAWS)}, or a material, {', '.join(known)}")
+    if "elastic_constants" in known[name].values:
+        raise Error(f"law={name}: is a crystal, which needs an orientation and a model in space: see options/silicon_001.opts and -NAME_preset")
+    return known[name]
+
+
+def written_out(options):
+    """Returns the options of a case, {name: value}, with those that its materials by name give, where it has none of its own."""
+    given = {}
+    for name, value in options.items():
+        if name.endswith("_preset") and value in materials():
+            given |= {f"{name.removesuffix('_preset')}_{option}": text for option, text in materials()[value].values.items()}
+    return {**given, **options}
+
+
+def numbers(preset):
+    """Returns {option: number in SI units} of those values of a Preset that are numbers."""
+    found = {}
+    for option, value in preset.values.items():
+        try:
+            [found[option]] = units.numbers_of(value)
+        except (Error, ValueError):
+            continue
+    return found
+
+
+def tips():
+    """Returns {name: Preset} of the tips, for `tip` of mlgimp.indent and -indenter."""
+    return dict(listed()[1])

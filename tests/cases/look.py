@@ -1,0 +1,76 @@
+"""What -check says of a case before it runs, which is what the run then is; nothing is written."""
+import json
+
+import numpy
+import pytest
+
+import harness
+import mlgimp
+from mlgimp import case_check
+from refusals import Table, expect_refused
+
+CASE = {"geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12um,12um", "cell_size": "500nm", "boundary_y_lower": "symmetry",
+        "levels": "2", "level_1_lower": "0,6um", "level_1_upper": "6um,12um", "materials": "m", "m_preset": "copper_ofhc", "bodies": "block",
+        "block_lower": "0,0", "block_upper": "12um,10um", "indenter": "cone", "indenter_half_angle": "70.3deg", "indenter_tip": "0,10um",
+        "indenter_max_depth": "200nm", "indenter_times": "0", "indenter_velocities": "50m/s", "history_interval": "50"}
+
+
+def facts(folder, ranks=1, **more):
+    words = harness.command(harness.to_arguments({**CASE, "check": "json", "output_dir": folder / "out", **more}), ranks)
+    done = harness.subprocess.run(words, capture_output=True, text=True, env=harness.environment(ranks), cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert not list(folder.iterdir())
+    return json.loads(done.stdout)
+
+
+def test_facts(tmp_path):
+    """They are those of the run, and the same on three ranks but for the clock."""
+    found, on_three = facts(tmp_path), facts(tmp_path, 3)
+    run = harness.run(CASE)
+    levels = run.summary["levels"]
+    assert found["steps"] == pytest.approx(run.summary["steps"], rel=0.06) and found["steps"] > 50
+    assert found["finest_steps"] == 2 * found["steps"] and found["time_step"] == pytest.approx(levels[0]["time_step"], rel=0.06)
+    assert sum(level["points"] for level in found["levels"]) == run.history["points"][0] and found["end_time"] == pytest.approx(4e-9)
+    contact = found["contact"]
+    assert contact["depth"] == pytest.approx(200e-9) and contact["cells"] == pytest.approx(200e-9 * numpy.tan(numpy.radians(70.3)) / 250e-9)
+    assert contact["load_error"] == pytest.approx(0.3 / contact["cells"]) and found["seconds"] > 0
+    assert any("copper_ofhc" in note for note in found["notes"]) and any("inertia" in line for line in found["warnings"])
+    clock = "seconds", "seconds_per_step", "ranks", "bytes_per_rank"
+    assert {key: value for key, value in found.items() if key not in clock} == {key: value for key, value in on_three.items() if key not in clock}
+
+
+def test_errors_by_cells_are_those_of_the_analysis():
+    from mlgimp import oliver_pharr
+    source = (harness.ROOT / "src" / "program" / "run" / "check.cpp").read_text()
+    assert f"kLoadError = {oliver_pharr.EDGE}, kAreaError = {oliver_pharr.AREA};" in source
+
+
+def test_text(tmp_path):
+    """For people, also where the depth is not known before, a run would be over at once, and results are in the folder already."""
+    run = harness.run({**CASE, "max_steps": 3}, folder=tmp_path)
+    before = sorted(path.name for path in tmp_path.iterdir())
+    again = harness.subprocess.run([*harness.command(harness.to_arguments({**CASE, "check": None, "max_steps": 1, "output_dir": tmp_path}), 1)],
+                                   capture_output=True, text=True, env=harness.environment(1))
+    assert again.returncode == 0 and sorted(path.name for path in tmp_path.iterdir()) == before and run.summary["steps"] == 3
+    lines = again.stdout.splitlines()
+    assert [line.split()[0] for line in lines[:6]] == ["case", "level", "level", "contact", "steps", "memory"]
+    assert "200 nm" in lines[3] and "2.2 cells" in lines[3] and "cells of 250 nm, " in lines[2] and lines[2].endswith(" points, 6 um x 6 um")
+
+
+def test_refused(expect):
+    expect_refused(expect, Table({**CASE, "output_dir": "out"}, [
+        ("another form", {"check": "html"}, ["-check html: must be one of none, text, json"]),
+        ("a wrong case", {"check": "text", "m_preset": "copper"}, ["-m_preset copper"]),
+    ]))
+
+
+def test_from_python(tmp_path, monkeypatch):
+    """With the picture, of two dimensions and of space; a wrong case is the program's one line."""
+    monkeypatch.chdir(tmp_path)
+    found = mlgimp.check(CASE, out="case.png")
+    assert [path.name for path in tmp_path.iterdir()] == ["case.png"] and found.facts["levels"][1]["cell_size"] == 250e-9
+    assert len(found.figure.axes) == 2 and "2.23 cells" in found.figure.axes[1].get_title()
+    lines = case_check.text_of(found)
+    assert lines[0].endswith(" points, cells of 500, 250 nm") and any(line.startswith("warning: ") for line in lines)
+    with pytest.raises(mlgimp.RunError, match="^mlgimp: error: -m_preset gold: must be one of"):
+        mlgimp.check(CASE, m_preset="gold")

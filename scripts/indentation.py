@@ -312,7 +312,8 @@ def draw_curve(axes, colour, each, label, with_fits):
         if math.isfinite(row["contact_depth_um"]):
             foot = fit.depth - fit.load / fit.stiffness
             axes.plot([foot, fit.depth], [0, fit.load], color="0.5", linestyle=":", linewidth=1)
-            axes.plot(row["contact_depth_um"], 0, "o", color=colour, markersize=5, clip_on=False, label="contact depth")
+            axes.plot(row["contact_depth_um"], 0, "o", color=colour, markersize=5, clip_on=False)
+            axes.plot([], [], "o", color="0.3", markersize=5, label="contact depth")  # of all curves, in the legend
 
 
 def draw_figures(both, shown, by_name):

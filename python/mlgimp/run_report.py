@@ -14,6 +14,7 @@ from .film import film
 from .page_parts import bullets, document, drawing, folded, how_made, image, paragraphs, table
 from .report_page import facts_of, figures_of
 
+EACH = "cycle", "depth_um", "load_mN", "hardness_GPa", "true_hardness_GPa", "reduced_modulus_GPa"  # of all unloadings
 SURFACE_DOTS = 90  # per inch, of the picture of a surface
 VIEWER = """<div class="viewer">
 <p class="state" id="state" aria-live="polite">The fields are being unpacked; without JavaScript they are not shown.</p>
@@ -118,8 +119,16 @@ def figures(directory, history, summary):
     parts = ["<h2>Figures of the unloading</h2>"]
     parts += paragraphs([f"Of {len(rows)} unloadings that from the largest load, number {largest['cycle']}."] * (len(rows) > 1))
     parts += [table(("", "value", "", "uncertainty"), [row[:4] for row in figures_of(largest)], {1, 3})]
+    if len(rows) > 1:
+        parts += ["<h3>All unloadings</h3>", table([name.replace("_", " ") for name in EACH], [[shortly(row[name]) for name in EACH] for row in rows],
+                                                   set(range(len(EACH))))]
     parts += paragraphs([line for line in (largest["warnings"],) if line], "warning")
     return parts + bullets(curve.notes)
+
+
+def shortly(value):
+    """Returns a number as text with four digits; - where it is not known."""
+    return f"{value:.4g}" if value == value else "-"
 
 
 def balances(directory, history, summary):

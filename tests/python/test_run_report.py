@@ -8,6 +8,7 @@ import pytest
 
 import mlgimp
 from browser import Browser
+from made_curves import curve, cycles_of
 from mlgimp import budgets, fields, film, pictures, results, run_report
 from mlgimp.errors import Error
 from test_outputs import Checker
@@ -79,6 +80,13 @@ def test_figures_and_warnings(runs, tmp_path):
     assert "Figures of the unloading" in words and "load over true area" in words and "cells: " in words
     assert all(line in words for line in run.summary["warnings"])
     assert "Hardness and modulus: " in parts_of(runs("axis"), tmp_path / "page.html")[1]
+
+
+def test_each_of_several_unloadings_has_a_row(runs, monkeypatch):
+    monkeypatch.setattr(run_report.load_depth, "read_run", lambda folder: curve(*cycles_of((1, 2, 5)), is_run=True))
+    words = [word for word in Checker("".join(run_report.figures(".", runs("plane").history, {}))).words if word.strip()]
+    assert "Of 3 unloadings that from the largest load, number 3." in words
+    assert words[-18:] == ["1", "0.1581", "1", "1.938", "-", "63.99", "2", "0.2236", "2", "1.938", "-", "63.99", "3", "0.3536", "5", "1.938", "-", "63.99"]
 
 
 def test_places_and_values_come_back(runs):

@@ -10,6 +10,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 
 from . import fields, load_depth, outlines, results
 from .errors import ResultError
+from .fields import INDENTER_COLOUR
 from .pictures import in_si_unit, lab_unit, styled
 
 Case = namedtuple("Case", "options points boxes cell_sizes axes domain")
@@ -126,8 +127,8 @@ def draw_indenter(axes, case, window, factor):
     kind = case.options["-indenter"]
     if kind == "none":
         return []
-    axes.add_patch(Polygon(outline(case, window[3]) * factor, facecolor=fields.INDENTER_COLOUR, edgecolor="0.2", linewidth=0.8))
-    return [Patch(facecolor=fields.INDENTER_COLOUR, edgecolor="0.2", label=f"indenter: {kind.replace('_', ' ')}")]
+    axes.add_patch(Polygon(outline(case, window[3]) * factor, facecolor=INDENTER_COLOUR, edgecolor="0.2", linewidth=0.8))
+    return [Patch(facecolor=INDENTER_COLOUR, edgecolor="0.2", label=f"indenter: {kind.replace('_', ' ')}")]
 
 
 def draw_contact(figure, corner, case, contact):

@@ -202,10 +202,10 @@ def show_progress(piece):
         show_bar(int(percent), 100, f"{percent} %, {where}, {left} s left")
 
 
-def show_bar(done, count, words):
-    """Prints a bar over the last one in the same line; bar and words are cut to what the terminal's line has room for."""
+def show_bar(done, count, words, end=""):
+    """Prints a bar over the last one in the same line; bar and words are cut to what the terminal's line has room for. end: what follows."""
     room = shutil.get_terminal_size().columns - 1  # the last column takes some terminals to the next line
     bar = min(BAR, room - len(f"[] {words}"))
     full = BAR * done // count * bar // BAR
     line = f"[{'#' * full}{'.' * (bar - full)}] {words}" if bar >= LEAST_BAR else words
-    print("\r" + f"{line}   "[:room], end="", flush=True)
+    print("\r" + f"{line}   "[:room], end=end, flush=True)

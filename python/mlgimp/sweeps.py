@@ -13,7 +13,7 @@ from pathlib import Path
 
 from . import checks, load_depth, oliver_pharr, results
 from . import options as text
-from .errors import Error, ResultError
+from .errors import Error, Interrupted, ResultError
 from .indentation import indent, indentation_options
 from .program import execute, is_watched, show_bar
 
@@ -32,7 +32,7 @@ def sweep(case, grid, *, folder="output/sweep", jobs=None, progress=None, **fixe
 
     The rows are in the order of the grid: the values, status, FOUND (NaN where a run has none, as without an unloading), folder, seconds and
     warnings. A combination that has completed with the same options is not run again; one that fails is a row whose status says why.
-    Returns a pandas.DataFrame, or without pandas a list of dicts. Raises an Error where nothing can be run.
+    An interrupt ends the runs that go on, and becomes an Interrupted. Returns a pandas.DataFrame, or without pandas a list of dicts. Raises an Error where nothing can be run.
     """
     rows = rows_of(case, grid, folder=folder, jobs=jobs, progress=progress, **fixed)
     try:
@@ -64,12 +64,13 @@ def rows_of(case, grid, *, folder="output/sweep", jobs=None, progress=None, **fi
                 rows[waiting[job]] = job.result()
                 write(folder / "sweep.csv", rows, values)
                 if shows:
-                    show_bar(done, len(rows), f"{done} of {len(rows)} runs")
+                    show_bar(done, len(rows), f"{done} of {len(rows)} runs", end="\n" if done == len(rows) else "")
+        except KeyboardInterrupt:
+            done = sum(row["status"] != "waiting" for row in rows)
+            raise Interrupted(f"stopped when {done} of {len(rows)} runs were done, as {folder / 'sweep.csv'} says; the same call goes on") from None
         finally:
             for job in waiting:
                 job.cancel()
-    if shows:
-        print()
     return rows
 
 

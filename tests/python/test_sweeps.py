@@ -144,6 +144,24 @@ def test_an_interrupt_keeps_what_is_done(tmp_path, ranks):
         assert more.summary["status"] == "completed" and more.history["step"][-1] == int(found[1]) + 10
 
 
+def test_a_sweep_that_is_interrupted_goes_on(tmp_path):
+    """One line and the status of shells; what was done is in the table, and is not done again."""
+    options.write_options(tmp_path / "press.opts", CASE)
+    words = [sys.executable, str(harness.ROOT / "scripts" / "sweep.py"), str(tmp_path / "press.opts"), "--vary", "indenter_velocities", "2", "0.01", "1",
+             "--out", str(tmp_path / "s"), "--jobs", "1"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                               env={**harness.environment(1), "MLGIMP_BIN": str(harness.BIN)})
+    end = time.monotonic() + 30
+    while time.monotonic() < end and not (tmp_path / "s" / "indenter_velocities_0.01" / "history.csv").exists():
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and errors == f"stopped when 1 of 3 runs were done, as {tmp_path}/s/sweep.csv says; the same call goes on\n", said + errors
+    assert [row["status"] for row in csv.DictReader(open(tmp_path / "s" / "sweep.csv", encoding="utf-8"))] == ["completed"]
+    rows = sweeps.rows_of(tmp_path / "press.opts", {"indenter_velocities": ["2"]}, folder=tmp_path / "s", progress=False)
+    assert rows[0]["status"] == "completed"
+
+
 def test_words_of_an_interrupt(tmp_path):
     (tmp_path / "press.opts").write_text("-output_dir out\n")
     options, line = {"options_file": tmp_path / "press.opts", "overwrite": True}, "mlgimp: error: ended by SIGTERM"

@@ -5,6 +5,7 @@ import argparse
 import functools
 import logging
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -25,7 +26,8 @@ from mlgimp.errors import Error
 
 def command(main):
     """Decorates the main function of a command: what it returns, if not 0 or None, is the exit status; an Error ends it with its line
-    on standard error and exit status 1; a reader of its output that has gone, such as head, ends it in silence."""
+    on standard error and exit status 1, an interrupt with a line and 130, as in shells; a reader of its output that has gone, such as head,
+    ends it in silence."""
     @functools.wraps(main)
     def ended(*arguments):
         try:
@@ -35,6 +37,9 @@ def command(main):
                 raise SystemExit(status)
         except Error as problem:
             raise SystemExit(f"error: {problem}") from None
+        except KeyboardInterrupt as problem:
+            print(str(problem) or "interrupted", file=sys.stderr)
+            raise SystemExit(128 + signal.SIGINT) from None
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python would still write
             raise SystemExit(1) from None

@@ -30,23 +30,9 @@ import indentation_outputs as outputs
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, tips, zeros
+from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, report_page, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
-
-SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
-         ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
-         ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
-         ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
-         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""),
-         ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "C_IT_percent", "%"), ("relaxation R_IT", "R_IT_percent", "%"),
-         ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
-         ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
-         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"),
-         ("HM", "HM_GPa", "GPa"), ("HMs", "HMs_GPa", "GPa"), ("H_IT", "H_IT_GPa", "GPa"), ("E_IT", "E_IT_GPa", "GPa"),
-         ("E_IT/(1 - nu^2)", "E_IT_plane_strain_GPa", "GPa"), ("eta_IT", "eta_IT_percent", "%"), ("HV", "HV", ""), ("HBW", "HBW", ""), ("HRC", "HRC", ""),
-         ("HRB", "HRB", ""))
-
 
 LETTERS = 40  # of names beside each other, for which there is room below a panel
 MOST_NAMES = 8  # of curves in a legend
@@ -274,7 +260,7 @@ def print_figures(each):
         return
     row, _ = max(fitted(each), key=lambda pair: pair[0]["load_mN"])
     print(f"{each.name}: unloading {row['cycle']} of {len(each.rows)}" + (f", {each.curve.tip.name}" if each.curve.tip else ""))
-    for label, name, unit in SHOWN:
+    for label, name, unit in report_page.SHOWN:
         if not math.isnan(row[name]):
             error = (row["expected_error"] or {}).get(name, math.nan)
             print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip() + f" +- {100 * error:.2g} %" * math.isfinite(error))
@@ -326,7 +312,8 @@ def draw_curve(axes, colour, each, label, with_fits):
         if math.isfinite(row["contact_depth_um"]):
             foot = fit.depth - fit.load / fit.stiffness
             axes.plot([foot, fit.depth], [0, fit.load], color="0.5", linestyle=":", linewidth=1)
-            axes.plot(row["contact_depth_um"], 0, "o", color=colour, markersize=5, clip_on=False, label="contact depth")
+            axes.plot(row["contact_depth_um"], 0, "o", color=colour, markersize=5, clip_on=False)
+            axes.plot([], [], "o", color="0.3", markersize=5, label="contact depth")  # of all curves, in the legend
 
 
 def draw_figures(both, shown, by_name):
@@ -373,7 +360,7 @@ def main(arguments=None):
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
     draw(analyses, folder / "indentation.png")
-    outputs.write(folder, analyses, found, options, SHOWN)
+    outputs.write(folder, analyses, found, options)
     for each in analyses:
         print_figures(each)
         outputs.print_figures(each.name, found)

@@ -11,8 +11,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import save
 
-from mlgimp import csm, export, load_depth, oliver_pharr, report_page, uncertainty
-from mlgimp.errors import Error, ResultError
+from mlgimp import csm, export, load_depth, oliver_pharr, page_parts, report_page, uncertainty
+from mlgimp.errors import Error
 from mlgimp.heads import STIFFNESS_UNITS
 
 Found = namedtuple("Found", "over_depth summaries uncertainties")
@@ -39,7 +39,7 @@ def add_options(parser, checked, column):
     group.add_argument("--export", choices=export.FORMATS, help="writes each curve as NAME.txt with columns of nm, uN, s")
     group.add_argument("--export-noise", type=checked(export.NOISE, load_depth.numbers), metavar="NM,UN", help="noise that is added to it (0,0)")
     group.add_argument("--seed", type=int, default=1, help="of random numbers (1)")
-    group.add_argument("--report", action="store_true", help="writes report.html, a page that needs no other file")
+    group.add_argument("--report", action="store_true", help="writes indentation.html, a page that needs no other file")
 
 
 def check(options):
@@ -104,7 +104,7 @@ def described(name, found):
 
 # ---- files ----
 
-def write(folder, analyses, found, options, shown):
+def write(folder, analyses, found, options):
     """Writes and prints what is found, and what else the options ask for."""
     if found.over_depth:
         csm.write(folder / "csm.csv", found.over_depth)
@@ -122,7 +122,7 @@ def write(folder, analyses, found, options, shown):
             export.write(path, curve, options.export)
             print(path)
     if options.report:
-        write_report(folder, analyses, found, options, shown)
+        write_report(folder, analyses, found, options)
 
 
 def file_name(name):
@@ -142,8 +142,8 @@ def print_figures(name, found):
         print(line)
 
 
-def write_report(folder, analyses, found, options, shown):
-    """Writes report.html."""
+def write_report(folder, analyses, found, options):
+    """Writes indentation.html."""
     runs = {Path(path).resolve().name: path for path in options.curves if Path(path).is_dir()}
     tests = []
     for each in analyses:
@@ -155,16 +155,13 @@ def write_report(folder, analyses, found, options, shown):
             test["facts"], test["options"] = report_page.facts_of(each.curve, run)
             test["notes"] = list(each.curve.notes)
             test["warnings"] += [f"unloading {row['cycle']}: {row['warnings']}" for row in each.rows if row["warnings"]]
-            test["figures"] = report_page.figures_of(largest(each)[0], shown, known) if each.rows else []
+            test["figures"] = report_page.figures_of(largest(each)[0], known) if each.rows else []
             test["sources"] = sources_of(known) if known else []
         tests.append(test)
     pictures = [path for path in (folder / "indentation.png", folder / "csm.png" if found.over_depth else None) if path and path.exists()]
     text = report_page.page("Indentation: " + ", ".join(each.name for each in analyses), tests, pictures, shlex.join(["scripts/indentation.py", *sys.argv[1:]]))
-    path = folder / "report.html"
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        raise ResultError(path, f"cannot be written ({problem.strerror})") from None
+    path = folder / "indentation.html"
+    page_parts.write(path, text)
     print(path)
 
 

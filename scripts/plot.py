@@ -6,6 +6,7 @@ they are slices through the tip's axis, stress_xx.png, _zz and _xz, and there is
     scripts/plot.py output/wedge_3level --window near
     scripts/plot.py output/film --frame 7 --out pictures
     scripts/plot.py output/film --movie film.gif --component von_mises_stress
+    scripts/plot.py output/cone --style paper --picture von_mises_stress --log --out figure.pdf
 """
 
 import argparse
@@ -13,7 +14,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
-from command import Parser, command, save
+from command import Parser, command
 
 from mlgimp import fields, movie, pictures, results
 from mlgimp.errors import Error
@@ -41,7 +42,11 @@ def main(arguments=None):
     parser.add_argument("directory", metavar="DIR", help="result folder of a run")
     parser.add_argument("--frame", type=int, metavar="N",
                         help="frame to draw (default: the last, for the pressure of contact that of the largest load)")
-    parser.add_argument("--out", metavar="DIR", help="folder for the pictures (default: the result folder)")
+    parser.add_argument("--out", metavar="DIR", help="folder for the pictures (default: the result folder), or of one --picture a file .png, .pdf or .svg")
+    parser.add_argument("--picture", metavar="NAME", help="only this one")
+    parser.add_argument("--style", choices=pictures.LOOKS, default="screen",
+                        help="paper: as wide as a column of a journal, 85 mm, with text of 8 points and no title, in .pdf files")
+    parser.add_argument("--log", action="store_true", help="colours by logarithms, of fields that span decades")
     parser.add_argument("--movie", metavar="FILE",
                         help="only write a movie of all frames; its name ends in .gif, or in .mp4 where ffmpeg is installed")
     parser.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress",
@@ -49,16 +54,26 @@ def main(arguments=None):
     add_window_option(parser)
     options = parser.parse_args(arguments)
     if options.movie:
-        movie.movie(options.directory, options.movie, options.component, options.window)
+        movie.movie(options.directory, options.movie, options.component, options.window, options.log)
         print(options.movie)
         return
-    drawn = gallery(options.directory, options.frame, options.window)
-    out = Path(options.out or options.directory)
-    pictures.make_folder(out)
-    if not results.has_indenter(results.read_history(options.directory)):
+    with pictures.looking(options.style):
+        draw(options)
+
+
+def draw(options):
+    """Draws and writes the pictures that the command line asks for."""
+    drawn = gallery(options.directory, options.frame, options.window, options.log)
+    if options.picture and options.picture not in drawn:
+        raise Error(f"--picture {options.picture}: must be one of {', '.join(drawn)}")
+    if not options.picture and not results.has_indenter(results.read_history(options.directory)):
         print("no load_depth.png: this run has no indenter, or one that has not moved")
-    for name, draw in drawn.items():
-        save(draw(), out / f"{name}.png")
+    out = options.out or options.directory
+    if options.picture:
+        print(*pictures.save_all({options.picture: drawn[options.picture]()}, out))
+        return
+    for name, draw_it in drawn.items():  # one after the other, as each takes memory
+        print(*pictures.save_all({name: draw_it()}, Path(out)))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Writes the tables of studies (see report.py) into a Markdown document, between marks, and compares them with what is there."""
+"""Writes the tables of studies (see studies_page.py) into a Markdown document, between marks, and compares them with what is there."""
 
 END_MARK = "<!-- end -->"
 ROW_HEADER = ["figure", "seen", "goal"]

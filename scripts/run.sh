@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the wedge nanoindentation of the paper on the idle cores of this machine and draws its pictures in output/.
+# Runs the wedge nanoindentation of the paper on the idle cores of this machine and draws its pictures and a page about it in output/.
 # usage: scripts/run.sh [PYTHON]
 set -eu
 python=${1:-python3}
@@ -32,3 +32,4 @@ echo "wedge indentation of aluminium to 450 nm on three levels and $ranks ranks:
 $start bin/mlgimp -options_file options/$name.opts -output_dir output/$name -overwrite -monitor
 echo "drawing output/$name/*.png"
 $python scripts/plot.py output/$name --window=0,18e-6,22e-6,40.5e-6
+$python scripts/report.py output/$name

@@ -18,8 +18,8 @@ import time
 import pytest
 
 import harness
-import report
 import report_markdown
+import studies_page
 
 PREFIX = "verify_"  # of the functions that are studies
 FOLDER = harness.ROOT / "output" / "verify"
@@ -41,7 +41,7 @@ def split_detail(detail):
 
 
 class Study:
-    """Expectations, figures, plots and tables for the page. See scripts/report.py."""
+    """Expectations, figures, plots and tables for the page. See scripts/studies_page.py."""
 
     def __init__(self, name, title, text):
         self.name, self.title, self.text = name, title, text
@@ -61,17 +61,17 @@ class Study:
         rest, seen, goal = split_detail(detail)
         if not seen:
             seen, goal = ("yes" if good else "no"), "yes"
-        self.figures.append(report.row(f"{name}: {rest}" if rest else name, seen, goal, good, self.command))
+        self.figures.append(studies_page.row(f"{name}: {rest}" if rest else name, seen, goal, good, self.command))
 
     def figure(self, name, value, unit=""):
         """A figure without a goal."""
         self.expect.that(name, True, f"{value:.4g} {unit}".strip())
 
     def table(self, title, header, cells):
-        self.tables.append(report.table(title, header, cells))
+        self.tables.append(studies_page.table(title, header, cells))
 
     def plot(self, title, xlabel, ylabel, *curves, **options):
-        self.plots.append(report.figure(title, xlabel, ylabel, curves, **options))
+        self.plots.append(studies_page.figure(title, xlabel, ylabel, curves, **options))
 
     def result(self):
         """All that the page needs, as a dict."""
@@ -121,8 +121,8 @@ def write(studies):
     FOLDER.mkdir(parents=True, exist_ok=True)
     (FOLDER / "report.md").write_text(report_markdown.fill_in(DOCUMENT.read_text(), studies))
     shown = studies + [check_document(studies)]
-    (FOLDER / "report.html").write_text(report.page("Verification of mlgimp", INTRODUCTION, shown))
-    return report.falls_short(shown)
+    (FOLDER / "report.html").write_text(studies_page.page("Verification of mlgimp", INTRODUCTION, shown))
+    return studies_page.falls_short(shown)
 
 
 def main(words):

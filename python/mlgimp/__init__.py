@@ -16,13 +16,14 @@ from . import csm, imprint, presets, uncertainty
 from .calibration import calibrate
 from .case_check import check
 from .creep_fits import fit_creep
-from .errors import Error, ResultError, RunError
+from .errors import Error, Interrupted, ResultError, RunError
 from .fitting import fit
 from .folder import Results, read
 from .indentation import indent
 from .instrument import Tip
 from .load_depth import read_measured, read_tests
 from .program import run
+from .sweeps import sweep
 
-__all__ = ["Error", "ResultError", "RunError", "Results", "Tip", "calibrate", "check", "fit", "fit_creep", "indent", "read", "read_measured", "read_tests",
-           "run"]
+__all__ = ["Error", "Interrupted", "ResultError", "RunError", "Results", "Tip", "calibrate", "check", "fit", "fit_creep", "indent", "read",
+           "read_measured", "read_tests", "run", "sweep"]

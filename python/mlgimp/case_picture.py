@@ -1,6 +1,5 @@
 """The picture of a case before it runs: bodies, the indenter, loads, sides of the domain, and boxes of levels."""
 
-import math
 from collections import namedtuple
 
 import numpy as np
@@ -9,8 +8,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
-from . import fields, load_depth, results, tips
+from . import fields, load_depth, outlines, results
 from .errors import ResultError
+from .fields import INDENTER_COLOUR
 from .pictures import in_si_unit, lab_unit, styled
 
 Case = namedtuple("Case", "options points boxes cell_sizes axes domain")
@@ -19,7 +19,7 @@ Case.__doc__ = """What is drawn of a case: its options; the points at the start,
 up; and the domain, [lower, upper][2] m."""
 
 BODY_COLOURS = "#cfdbe8", "#efdcc3", "#d5e5cf", "#e6d3e3", "#dddddd"
-INDENTER_COLOUR, LOAD_COLOUR, LEVEL_COLOUR = "0.55", "#D55E00", "0.1"
+LOAD_COLOUR, LEVEL_COLOUR = "#D55E00", "0.1"
 SIDES = {"free": ("0.35", ":", 1.2), "symmetry": ("#0072B2", "-.", 1.8), "axis": ("#009E73", "-.", 1.8), "fixed": ("#CC0000", "-", 2.4)}
 ABOVE, BESIDE = 0.14, 0.06  # room around the domain, of its longer edge
 SCALE = 0.72  # of the size that a picture of a field has
@@ -66,43 +66,10 @@ def in_plane(case, text):
 
 # ---- the indenter ----
 
-def half_widths(options, heights):
-    """Returns how far (m) the indenter reaches to the left and to the right of its axis at heights (m) above its tip."""
-    kind = options["-indenter"]
-
-    def size(name):
-        return float(options[f"-indenter_{name}"])
-    if kind in ("sphere", "cylinder"):
-        width = np.sqrt(np.maximum(heights * (2 * size("radius") - heights), 0))
-        width[heights > size("radius")] = size("radius")  # the shaft
-        return width, width
-    if kind == "flat_punch":
-        edge = float(options.get("-indenter_edge_radius", 0))
-        whole = size("width") / 2 if options["-geometry"] == "plane_strain" else size("radius")
-        width = whole - edge + np.sqrt(tips.bulge(heights, edge))
-        return width, width
-    if kind in ("area_function", "profile", "height_map", "knoop"):
-        tip = load_depth.tip_of_run(options)
-        width = 1e-6 * np.sqrt(tip.area(1e6 * heights) / np.pi) if tip else 0 * heights
-        return width, width
-    faces, angle = tips.PYRAMIDS.get(kind) or (int(size("faces")) if kind == "pyramid" else 0, size("half_angle"))
-    width = tips.section_radius(heights, angle, float(options.get("-indenter_tip_radius", 0)))
-    if not faces:
-        return width, width
-    normals = np.cos(math.radians(float(options.get("-indenter_turn", 0))) + 2 * math.pi * np.arange(faces) / faces)
-    return width / np.max(-normals), width / np.max(normals)
-
-
 def outline(case, top):
     """Returns the corners [n][2] (m) of the part of the indenter below a height, on its side of a side of symmetry."""
     tip = in_plane(case, case.options["-indenter_tip"])
-    if case.options["-indenter"] == "polygon":
-        corners = np.array(load_depth.numbers(case.options["-indenter_vertices"])).reshape(-1, 2)
-        return corners + tip - corners[np.argmin(corners[:, 1])]
-    heights = (top - tip[1]) * np.linspace(0, 1, 200) ** 2
-    left, right = half_widths(case.options, heights)
-    corners = np.concatenate([np.column_stack([tip[0] - left, tip[1] + heights])[::-1],
-                              np.column_stack([tip[0] + right, tip[1] + heights])])
+    corners = outlines.outline(case.options, top - tip[1]) + tip
     if abs(tip[0] - case.domain[0, 0]) < 1e-6 * np.ptp(case.domain):
         corners[:, 0] = np.maximum(corners[:, 0], case.domain[0, 0])
     return corners

@@ -15,3 +15,7 @@ class ResultError(Error):
 
 class RunError(Error):
     """A run of the program that did not reach its end; the text is the program's one line."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run that the user has stopped; the text says where its results are and how to go on."""

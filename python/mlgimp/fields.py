@@ -5,29 +5,38 @@ from collections import namedtuple
 
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.patches import Rectangle
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from . import checks, results
+from . import checks, outlines, results
 from .checks import Rule
 from .errors import Error, ResultError
-from .pictures import DOTS_PER_INCH, Unit, in_si_unit, lab_unit, si_unit, styled
+from .pictures import LOOK, Unit, entitle, in_lines, in_si_unit, lab_unit, shrink, si_unit, styled
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
-Panel = namedtuple("Panel", "title points boxes axes")
+Panel = namedtuple("Panel", "title points boxes axes indenter", defaults=(None,))
 Panel.__doc__ = """What is drawn of a frame: title; points, a dict with position [n][2] m, half_size [n][2] m (current half
 extents), stress [n][4] Pa (of the plane: xx, yy, across it, xy) and scalars [n]; boxes of levels [levels][lower, upper][2] m; and the
-names of the axes along, up and across, "xyz" in two dimensions and "xzy" of a slice in space."""
+names of the axes along, up and across, "xyz" in two dimensions and "xzy" of a slice in space; and the corners [n][2] m of the
+indenter at that time, None where there is none."""
 
 STRESS_COLUMN = {"xx": 0, "yy": 1, "zz": 2, "xy": 3}
 SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressure", "Pa"),  # datasets, with label and unit
-           "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K")}
+           "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K"),
+           "speed": ("speed", "m/s")}
+INDENTER_COLOUR = "0.55"
+HEADROOM = 0.1  # of the height of what is drawn, above it, for the indenter
 LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a field's axes in inches
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
 UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
 MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+LINE = 0.22  # inches of a line of a title
+TOP = 0.12  # inches above panels without a title
 BELOW = 1.5  # inches below panels with a colour bar there
 GAP = 1.1  # inches for ticks and label, between two panels
+DECADES = 3  # of a logarithmic scale
+SPREAD = 10  # times the median size: a field whose largest values are less spans no decades
 NEAR = "near"  # window that shows the finest level
 WINDOW = Rule(lambda ends: len(ends) == 4 and bool(np.isfinite(ends).all()) and ends[0] < ends[1] and ends[2] < ends[3],
               f"xmin,xmax,ymin,ymax with min < max, or {NEAR}")
@@ -35,20 +44,49 @@ WINDOW = Rule(lambda ends: len(ends) == 4 and bool(np.isfinite(ends).all()) and 
 
 # ---- what is drawn ----
 
-def read_panel(directory, number=None, title=None):
-    """Returns the Panel of a frame, by default of the last one."""
+def read_panel(directory, number=None, title=None, is_half=False):
+    """Returns the Panel of a frame, by default of the last one; is_half: an axisymmetric one is not mirrored at the axis."""
     path = results.find_frame(directory, number)
     frame, history, summary = results.read_frame(path), results.read_history(directory), results.read_summary(directory)
     points, boxes = results.all_points(frame.levels), results.level_boxes(summary, frame.time)
+    if "velocity" in points:
+        points["speed"] = np.linalg.norm(points["velocity"], axis=1)
     is_space = points["position"].shape[1] == 3
     if is_space:
         points, boxes = slice_of(points, boxes, tip_across(history, frame.time))
-    elif "hoop_impulse_x" in history:
-        points, boxes = mirrored(points, boxes)
     if not len(points["position"]):
         raise ResultError(path, "holds no points")
-    title = f"{title or results.case_name(directory)}, t = {in_si_unit(frame.time, 's')}"
-    return Panel(title, points, boxes, "xzy" if is_space else "xyz")
+    indenter = indenter_at(history, frame.time, summary.get("options", {}), points)
+    if has_axis(history) and not is_half:
+        points, boxes = mirrored(points, boxes)
+    title = f"{title or results.case_name(directory)}, {state_at(history, frame.time)}"
+    return Panel(title, points, boxes, "xzy" if is_space else "xyz", indenter)
+
+
+def has_axis(history):
+    """Whether a History is that of an axisymmetric run."""
+    return "hoop_impulse_x" in history
+
+
+def state_at(history, time):
+    """Returns the time, and of a run with an indenter depth and load then, as text in readable units."""
+    words = [f"t = {in_si_unit(time, 's')}"]
+    if results.has_indenter(history):
+        depth, load = (np.interp(time, history.beside(name, "time"), history[name]) for name in ("depth", "load"))
+        words += [f"depth {in_si_unit(depth, 'm')}", f"load {in_si_unit(load, 'N')}"]
+    return ", ".join(words)
+
+
+def indenter_at(history, time, options, points):
+    """Returns the corners [n][2] (m) of the indenter at a time (s), higher than all points; None where there is none, or its shape is not
+    known. Where the picture shows half of the body, it is the half of the indenter there."""
+    if options.get("-indenter", "none") == "none":
+        return None
+    tip = outlines.place_of_tip(history, time, options)[[0, -1]]
+    corners = outlines.outline(options, 2 * np.max(np.ptp(points["position"], axis=0)))
+    if outlines.has_half(options):
+        corners[:, 0] = (np.maximum if points["position"][:, 0].mean() > tip[0] else np.minimum)(corners[:, 0], 0)
+    return corners + tip if len(corners) else None
 
 
 def tip_across(history, time):
@@ -108,12 +146,27 @@ def spelt(component, axes):
 # ---- colours ----
 
 def colour_scale(values, centred):
-    """Returns the Scale of a field from its values [n], with the outer 0.5 % at each end left out.
+    """Returns the Scale of a field from its values [n], with the outer 0.5 % at each end left out, see scale_between."""
+    return scale_between(*ends_of(values), centred)
+
+
+def ends_of(values):
+    """Returns the least and the largest of values [n] without the outer 0.5 % at each end; zeros where there are none."""
+    return tuple(np.percentile(values, [0.5, 99.5])) if len(values) else (0.0, 0.0)
+
+
+def common_scale(ends, component):
+    """Returns the Scale that holds a component in several frames, from the ends of its values in each, [(least, largest)]."""
+    lows, highs = zip(*ends)
+    return scale_between(min(lows), max(highs), component == "xy")
+
+
+def scale_between(low, high, centred):
+    """Returns the Scale of a field whose values lie between two ends.
 
     A field of both signs, or any `centred` one, gets limits that are symmetric about a white 0; one of a
     single sign gets colours that darken away from 0.
     """
-    low, high = np.percentile(values, [0.5, 99.5]) if len(values) else (0, 0)
     largest = max(abs(low), abs(high))
     if centred or (low < 0 < high and min(-low, high) > 0.05 * largest) or largest == 0:
         return Scale(-largest or -1, largest or 1, "RdBu_r")
@@ -121,10 +174,25 @@ def colour_scale(values, centred):
     return Scale(low - margin, high + margin, "magma" if low + high < 0 else "magma_r")
 
 
+def norm_of(scale, factor=1, is_log=False):
+    """Returns matplotlib's norm of a Scale times a factor; is_log: by logarithms of the sizes over DECADES, and less than those is 0."""
+    low, high = scale.low * factor, scale.high * factor
+    least = max(abs(low), abs(high)) / 10**DECADES
+    if not is_log:
+        return Normalize(low, high)
+    return LogNorm(least, high, clip=True) if low >= 0 else SymLogNorm(least, vmin=low, vmax=max(high, least))
+
+
+def spans_decades(values):
+    """Whether a field [n] has values that are much larger than most."""
+    sizes = np.abs(values[values != 0])
+    return len(sizes) > 0 and max(map(abs, ends_of(values))) > SPREAD * np.median(sizes)
+
+
 def unit_of(values, component):
     """Returns the Unit that a component's values are drawn in."""
     symbol = SCALARS.get(component, ("", "Pa"))[1]
-    return si_unit(values, symbol) if symbol == "Pa" else Unit(1, symbol)
+    return si_unit(values, symbol) if symbol in ("Pa", "m/s") else Unit(1, symbol)
 
 
 def label_of(component, unit, axes="xyz"):
@@ -133,12 +201,17 @@ def label_of(component, unit, axes="xyz"):
     return f"{name} ({unit.name})" if unit.name else name
 
 
+def label_in_words(component, axes="xyz"):
+    """Returns the name of a component without formulas."""
+    return SCALARS[component][0] if component in SCALARS else f"stress {spelt(component, axes)}"
+
+
 def add_colourbar(axes, mappable, label, scale, values):
     """Adds a colour bar at the right of axes, or below them where they are low.
 
     Its ends are pointed where some of the values [n] that are drawn lie outside the scale, in the same unit.
     """
-    width, height = axes.get_window_extent().size / axes.figure.dpi
+    width, height = axes.get_window_extent().size / axes.figure.dpi / shrink()
     upright = height > UPRIGHT
     place = [1 + 0.2 / width, 0, 0.18 / width, 1] if upright else [0, -0.85 / height, 1, 0.18 / height]
     ends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
@@ -157,12 +230,13 @@ def in_window(points, window):
     return np.all((upper >= window[0::2]) & (lower <= window[1::2]), axis=1)
 
 
-def extent(points):
-    """Returns the window (xmin, xmax, ymin, ymax) in m that the points fill, with a small margin."""
-    lower = np.min(points["position"] - points["half_size"], axis=0)
-    upper = np.max(points["position"] + points["half_size"], axis=0)
+def extent(panel):
+    """Returns the window (xmin, xmax, ymin, ymax) in m that the points of a Panel fill, with a small margin, and room for the indenter."""
+    lower = np.min(panel.points["position"] - panel.points["half_size"], axis=0)
+    upper = np.max(panel.points["position"] + panel.points["half_size"], axis=0)
     margin = 0.02 * np.max(upper - lower)
-    return np.column_stack([lower - margin, upper + margin]).ravel()
+    above = 0 if panel.indenter is None else HEADROOM * (upper[1] - lower[1])
+    return np.column_stack([lower - margin, upper + margin + [0, above]]).ravel()
 
 
 def given_window(window):
@@ -174,7 +248,7 @@ def given_window(window):
 def window_of(panels, window=None):
     """Returns the window (xmin, xmax, ymin, ymax) in m for panels: the one given, all that there is, or near the finest level."""
     window = given_window(window)
-    extents = np.array([extent(each.points) for each in panels])
+    extents = np.array([extent(each) for each in panels])
     everything = np.where([True, False] * 2, extents.min(axis=0), extents.max(axis=0))
     if isinstance(window, np.ndarray):
         if not any(in_window(each.points, window).any() for each in panels):
@@ -189,6 +263,16 @@ def window_of(panels, window=None):
     return np.where([True, False] * 2, np.maximum(near, everything), np.minimum(near, everything))
 
 
+def room_for(count):
+    """Returns the largest (width, height) in inches of each of `count` panels side by side."""
+    whole = LOOK.get().width
+    if whole is None:
+        return np.array([min(LARGEST_PANEL[0], LARGEST_ROW / count), LARGEST_PANEL[1]])
+    left, _, right, _ = np.array(MARGIN) * shrink()
+    width = (whole - left - right - (count - 1) * GAP * shrink()) / count
+    return np.array([width, width * LARGEST_PANEL[1] / LARGEST_PANEL[0]])
+
+
 def fitted(window, count):
     """Returns the window, widened where it is too slender to draw, and its (width, height) in inches.
 
@@ -196,8 +280,8 @@ def fitted(window, count):
     """
     middle = np.array([window[0] + window[1], window[2] + window[3]]) / 2
     size = np.array([window[1] - window[0], window[3] - window[2]])
-    inches_per_metre = min(np.min(LARGEST_PANEL / size), LARGEST_ROW / count / size[0])
-    size = np.maximum(size, SMALLEST_PANEL / inches_per_metre)
+    inches_per_metre = np.min(room_for(count) / size)
+    size = np.maximum(size, np.array(SMALLEST_PANEL) * shrink() / inches_per_metre)
     return np.column_stack([middle - size / 2, middle + size / 2]).ravel(), size * inches_per_metre
 
 
@@ -229,17 +313,19 @@ def dots_of(axes):
     return tuple(np.maximum(np.rint(axes.get_window_extent().size[::-1]), 1).astype(int))
 
 
-def draw_field(axes, panel, component, window, scale, units):
-    """Draws a component over axes that show the window (m), with the boxes of levels, and returns the image.
+def draw_field(axes, panel, component, window, scale, units, is_log=False):
+    """Draws a component over axes that show the window (m), with the boxes of levels and the indenter, and returns the image.
 
-    units: Units of (length, stress).
+    units: Units of (length, stress); is_log: colours by logarithms.
     """
     length, stress = units
     dots = paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
-    image = axes.imshow(dots, cmap=scale.colormap, vmin=scale.low * stress.factor, vmax=scale.high * stress.factor, origin="lower",
-                        extent=window * length.factor, interpolation="nearest", aspect="auto")
+    image = axes.imshow(dots, cmap=scale.colormap, norm=norm_of(scale, stress.factor, is_log), origin="lower", extent=window * length.factor,
+                        interpolation="nearest", aspect="auto")
     for lower, upper in panel.boxes * length.factor:
-        axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7))
+        axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor="0.15", linewidth=0.7 * shrink()))
+    if panel.indenter is not None:
+        axes.add_patch(Polygon(panel.indenter * length.factor, facecolor=INDENTER_COLOUR, edgecolor="0.2", linewidth=0.8 * shrink()))
     axes.set(xlim=window[:2] * length.factor, ylim=window[2:] * length.factor)
     axes.set(xlabel=f"{panel.axes[0]} ({length.name})", ylabel=f"{panel.axes[1]} ({length.name})")
     set_ticks(axes)
@@ -248,7 +334,7 @@ def draw_field(axes, panel, component, window, scale, units):
 
 def set_ticks(axes):
     """Gives both directions as many ticks, at round numbers, as their length on paper has room for."""
-    width, height = axes.get_window_extent().size / axes.figure.dpi
+    width, height = axes.get_window_extent().size / axes.figure.dpi / shrink()
     axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(1.4 * width, 2, 8)), steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(2 * height, 1, 8)), steps=[1, 2, 5, 10]))
 
@@ -256,28 +342,31 @@ def set_ticks(axes):
 def in_lengths(panel, origin, length):
     """Returns the Panel with places as distances from origin [2] (m) in multiples of a length (m)."""
     points = dict(panel.points, position=(panel.points["position"] - origin) / length, half_size=panel.points["half_size"] / length)
-    return panel._replace(points=points, boxes=(panel.boxes - origin) / length)
+    indenter = None if panel.indenter is None else (panel.indenter - origin) / length
+    return panel._replace(points=points, boxes=(panel.boxes - origin) / length, indenter=indenter)
 
 
 @styled
-def fields(panels, component, window=None, scale=None, length=None):
+def fields(panels, component, window=None, scale=None, length=None, is_log=False):
     """Returns the picture of one component, with a Panel for each of panels side by side.
 
     All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units; length is
-    the Unit of places, by default one of the laboratory.
+    the Unit of places, by default one of the laboratory. is_log: colours by logarithms, where the field spans decades.
     """
-    window, (width, height) = fitted(window_of(panels, window), len(panels))
+    window, size = fitted(window_of(panels, window), len(panels))
     values = np.concatenate([values_of(each.points, component)[in_window(each.points, window)] for each in panels])
     scale = scale or colour_scale(values, centred=component == "xy")
     units = length or lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
-    left, bottom, right, top = MARGIN
-    bottom = bottom if height > UPRIGHT else BELOW
-    full = left + len(panels) * (width + GAP) - GAP + right, bottom + height + top
-    figure = plt.figure(figsize=full, dpi=DOTS_PER_INCH)
+    (left, bottom, right, top), gap, (width, height) = np.array(MARGIN) * shrink(), GAP * shrink(), size
+    bottom = bottom if height > UPRIGHT * shrink() else BELOW * shrink()
+    titles = [in_lines(panel.title, width + (gap if len(panels) > 1 else right)) for panel in panels]
+    top = top + LINE * max(title.count("\n") for title in titles) if LOOK.get().has_titles else TOP * shrink()
+    full = max(left + len(panels) * (width + gap) - gap + right, LOOK.get().width or 0), bottom + height + top
+    figure = plt.figure(figsize=full)
     for place, panel in enumerate(panels):
-        axes = figure.add_axes([(left + place * (width + GAP)) / full[0], bottom / full[1], width / full[0], height / full[1]])
-        image = draw_field(axes, panel, component, window, scale, units)
-        axes.set_title(panel.title)
+        axes = figure.add_axes([(left + place * (width + gap)) / full[0], bottom / full[1], width / full[0], height / full[1]])
+        image = draw_field(axes, panel, component, window, scale, units, is_log and spans_decades(values))
+        entitle(axes, titles[place])
         if place > 0:
             axes.set_ylabel("")
     add_colourbar(axes, image, label_of(component, units[1], panels[0].axes), scale, values)

@@ -24,6 +24,12 @@ class Results:
     def __repr__(self):
         return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', 'not ended')}, {len(self.frames)} frames"
 
+    def _repr_html_(self):
+        """What a notebook shows of a run: load and depth, the last field, hardness and modulus, warnings, its folder."""
+        need("matplotlib")
+        from .notebook_view import html_of
+        return html_of(self)
+
     @cached_property
     def history(self):
         """The columns of history.csv by name, arrays [rows]: history["load"] in N. history.table() is a pandas.DataFrame where
@@ -77,31 +83,40 @@ class Results:
             imprint.write(checks.path("out", out), image, f"imprint of {results.case_name(self.folder)}")
         return image
 
-    def plot(self, *names, frame=None, window=None, out=None):
+    def plot(self, *names, frame=None, window=None, out=None, log=False, style="screen"):
         """Draws pictures with these names, by default all that the run has, and returns them as {name: matplotlib Figure}.
 
         names: load_depth, contact_pressure, stress_xx, stress_yy, stress_xy, von_mises_stress, energy, of metals pressure,
         equivalent_plastic_strain and in space plastic_surface, with -test_times test.
         frame: its number, by default the last, and for contact_pressure that of the largest load.
         window: (xmin, xmax, ymin, ymax) in m, also as a text with commas, or "near" for the finest level.
-        out: a folder, into which they are written as NAME.png and closed.
+        log: colours by logarithms, of fields that span decades.
+        style: "paper" for a figure as wide as a column of a journal, 85 mm, with text of 8 points and no title.
+        out: a folder, into which they are written as NAME.png, for paper NAME.pdf, and closed; or of one picture a file .png, .pdf or .svg.
         """
         need("matplotlib")  # only where something is drawn
         from . import pictures
         from .gallery import gallery
-        drawn = gallery(self.folder, frame, window)
-        for name in names:
-            if name not in drawn:
-                raise Error(f"{self.folder}: no picture {name}; there are {', '.join(drawn)}")
-        figures = {name: drawn[name]() for name in names or drawn}
-        if out is not None:
-            pictures.make_folder(out)
-            for name, figure in figures.items():
-                pictures.save(figure, Path(out) / f"{name}.png")
+        with pictures.looking(style):
+            drawn = gallery(self.folder, frame, window, log)
+            for name in names:
+                if name not in drawn:
+                    raise Error(f"{self.folder}: no picture {name}; there are {', '.join(drawn)}")
+            figures = {name: drawn[name]() for name in names or drawn}
+            if out is not None:
+                pictures.save_all(figures, out)
         return figures
 
-    def movie(self, path, component="von_mises_stress", window=None):
-        """Writes a movie of all frames to path, which ends in .gif or .mp4; component: xx, yy, xy, von_mises_stress, ..."""
+    def report(self, path=None):
+        """Writes a page about the run, with a slider over the fields of its frames, that any browser shows without a network, and returns
+        its path, by default report.html in the folder."""
+        need("matplotlib")
+        from .run_report import report
+        return report(self.folder, path)
+
+    def movie(self, path, component="von_mises_stress", window=None, log=False):
+        """Writes a movie of all frames with one colour scale to path, which ends in .gif or .mp4; component: xx, yy, xy,
+        von_mises_stress, ...; window and log as in plot."""
         need("matplotlib")
         from .movie import movie
-        movie(self.folder, path, component, window)
+        movie(self.folder, path, component, window, log)

@@ -5,11 +5,11 @@ import numpy as np
 from . import fields, pictures, results, surface
 
 
-def gallery(directory, number=None, window=None):
+def gallery(directory, number=None, window=None, is_log=False):
     """Returns the pictures of a result folder as {name: function that draws it and returns a matplotlib Figure}.
 
     number: frame, by default the last, and for the pressure of contact that of the largest load. window: (xmin, xmax, ymin, ymax)
-    in m, "near" for the finest level, None for all that there is. Of a run without frames there are those of the history.
+    in m, "near" for the finest level, None for all that there is. is_log: fields that span decades by logarithms. Of a run without frames there are those of the history.
     """
     history, title = results.read_history(directory), results.case_name(directory)
     drawn = {}
@@ -25,7 +25,7 @@ def gallery(directory, number=None, window=None):
         drawn["contact_pressure"] = lambda: surface.contact_pressure(directory, number)
     for component in components_of(panel):
         name = component if component in fields.SCALARS else f"stress_{fields.spelt(component, panel.axes)}"
-        drawn[name] = lambda component=component: fields.fields([panel], component, window)
+        drawn[name] = lambda component=component: fields.fields([panel], component, window, is_log=is_log)
     if panel.axes == "xzy" and is_plastic(panel):
         drawn["plastic_surface"] = lambda: surface.plastic_surface(directory, number)
     drawn["energy"] = lambda: pictures.energy(history, title)
@@ -34,7 +34,7 @@ def gallery(directory, number=None, window=None):
 
 def components_of(panel):
     """Returns the components that are drawn of a Panel: three stresses, von Mises stress, and of metals the other scalars."""
-    scalars = [name for name in fields.SCALARS if name in panel.points and (name == "von_mises_stress" or is_plastic(panel))]
+    scalars = [name for name in fields.SCALARS if name in panel.points and name != "speed" and (name == "von_mises_stress" or is_plastic(panel))]
     return ["xx", "yy", "xy", *scalars]
 
 

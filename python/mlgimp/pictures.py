@@ -1,5 +1,7 @@
 """What all pictures share: units of the laboratory, the look, saving; and the line plots of a run."""
 
+import contextlib
+import contextvars
 import functools
 from collections import namedtuple
 from pathlib import Path
@@ -14,6 +16,7 @@ Unit = namedtuple("Unit", "factor name")  # value in SI x factor = value in the 
 
 LABORATORY = {"m": Unit(1e6, "µm"), "N": Unit(1e3, "mN")}  # what is used where numbers stay readable
 READABLE = 0.1, 2e4  # the largest number on an axis
+LETTER = 0.55  # mean width of letters, of their height
 FEW = 40  # rows, below which points are joined
 SHALLOW = 0.1  # of the largest depth: where a tip has hardly touched, figures may be any, and no axis follows them
 DOTS_PER_INCH = 160
@@ -24,23 +27,82 @@ STYLE = {
     "axes.prop_cycle": plt.cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"],
                                   linestyle=["-", "--", "-.", "-", "--", "-."]),  # curves may coincide
 }
+Look = namedtuple("Look", "text width has_titles ending dots")
+Look.__doc__ = """How pictures look: size of the text in points, width of a whole picture in inches or None for each its own, whether it has a title,
+the ending of its file, and dots per inch."""
+LOOKS = {"screen": Look(STYLE["font.size"], None, True, ".png", DOTS_PER_INCH),
+         "paper": Look(8, 85 / 25.4, False, ".pdf", 600)}  # a column of a journal is 85 mm wide
+ENDINGS = ".png", ".pdf", ".svg"
+LOOK = contextvars.ContextVar("look", default=LOOKS["screen"])
+PAPER_LINES = {"axes.linewidth": 0.6, "lines.linewidth": 1.0, "grid.linewidth": 0.5, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
+               "xtick.major.size": 2.5, "ytick.major.size": 2.5, "svg.fonttype": "none", "pdf.fonttype": 42}
 ENERGIES = {"kinetic_energy": "-", "strain_energy": "-", "dissipated_energy": "-", "external_work": "--", "indenter_work": "--"}
 
 
+@contextlib.contextmanager
+def looking(style):
+    """While it is open, pictures are drawn and saved in a style of LOOKS."""
+    if style not in LOOKS:
+        raise checks.refusal("style", style, f"one of {', '.join(LOOKS)}")
+    token = LOOK.set(LOOKS[style])
+    try:
+        yield
+    finally:
+        LOOK.reset(token)
+
+
+def settings():
+    """Returns the settings of matplotlib for the present Look."""
+    look = LOOK.get()
+    if look == LOOKS["screen"]:
+        return STYLE
+    texts = {name: look.text for name in ("font.size", "axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize")}
+    return {**STYLE, **PAPER_LINES, **texts, "figure.dpi": look.dots, "axes.titlepad": 4, "legend.handlelength": 1.6}
+
+
 def styled(draw):
-    """Decorates a function that draws: STYLE counts while it does, the user's own settings before and after.
+    """Decorates a function that draws: settings() count while it does, the user's own settings before and after.
 
     rc_context would forget the backend, too, which a notebook chooses with its first figure.
     """
     @functools.wraps(draw)
     def drawn(*arguments, **named):
-        before = {name: plt.rcParams[name] for name in STYLE}
-        plt.rcParams.update(STYLE)
+        own = settings()
+        before = {name: plt.rcParams[name] for name in own}
+        plt.rcParams.update(own)
         try:
             return draw(*arguments, **named)
         finally:
             plt.rcParams.update(before)
     return drawn
+
+
+def size_of(width, height):
+    """Returns the size in inches of a picture that on a screen has a width and a height in inches."""
+    whole = LOOK.get().width
+    return (width, height) if whole is None else (whole, whole * height / width)
+
+
+def shrink():
+    """Returns how large the text, and what is made for it as margins, is beside that on a screen."""
+    return LOOK.get().text / LOOKS["screen"].text
+
+
+def entitle(axes, title):
+    """Gives axes a title, where pictures have one."""
+    if LOOK.get().has_titles:
+        axes.set_title(title)
+
+
+def in_lines(title, width):
+    """Returns a title in lines that fit into a width in inches, broken behind commas."""
+    letters, lines = int(width * 72 / (LETTER * STYLE["axes.titlesize"])), [""]
+    for part in title.split(", "):
+        if lines[-1] and len(f"{lines[-1]}, {part}") > letters:
+            lines.append(part)
+        else:
+            lines[-1] += ", " * bool(lines[-1]) + part
+    return "\n".join(lines)
 
 
 # ---- units ----
@@ -89,9 +151,9 @@ def draw_load_depth(axes, curves, load_unit, depth_unit):
 def load_depth(history, title):
     """Returns the picture of load against depth of one run."""
     load, depth = history["load"], history.beside("load", "depth")
-    figure, axes = plt.subplots(figsize=(6.4, 4.6))
+    figure, axes = plt.subplots(figsize=size_of(6.4, 4.6), layout="constrained")
     draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"))
-    axes.set_title(title)
+    entitle(axes, title)
     return figure
 
 
@@ -142,13 +204,13 @@ def test(history, title):
     """Returns the picture of depth and load of one run over the time of its test, from its first thousandth on."""
     time, depth, load = (history[name] for name in ("test_time", "depth", "load"))
     depth_unit, load_unit, rows = lab_unit(depth, "m"), lab_unit(load, "N"), time >= 1e-3 * time[-1]
-    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2), height_ratios=[2, 1], layout="constrained")
+    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=size_of(6.4, 5.2), height_ratios=[2, 1], layout="constrained")
     above.plot(time[rows], depth[rows] * depth_unit.factor)
     below.plot(time[rows], load[rows] * load_unit.factor)
     line_axes(above, "", f"depth ({depth_unit.name})")
     line_axes(below, "time of the test (s)", f"load ({load_unit.name})")
     below.set_xscale("log")
-    above.set_title(title)
+    entitle(above, title)
     figure.align_ylabels()
     return figure
 
@@ -160,7 +222,7 @@ def energy(history, title):
     time_unit, residual_unit = si_unit(history["time"], "s"), si_unit(residual, "J")
     unit = si_unit([history[name] for name in ENERGIES], "J")
     time = history["time"] * time_unit.factor
-    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(7.6, 6.2), height_ratios=[2.6, 1], layout="constrained")
+    figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=size_of(7.6, 6.2), height_ratios=[2.6, 1], layout="constrained")
     for name, style in ENERGIES.items():
         above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " "))
     below.plot(time, residual * residual_unit.factor, "-", color="0.25")
@@ -168,7 +230,7 @@ def energy(history, title):
     line_axes(above, "", f"energy ({unit.name})")
     line_axes(below, f"time ({time_unit.name})", f"residual ({residual_unit.name})")
     above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    above.set_title(title)
+    entitle(above, title)
     figure.align_ylabels()
     return figure
 
@@ -183,10 +245,27 @@ def make_folder(path):
         raise ResultError(path, f"must be a folder for pictures ({problem.strerror})") from None
 
 
+def save_all(figures, out):
+    """Writes figures, {name: Figure}, into a folder, or the only one to a file whose name ends as that of a picture, closes them, and returns
+    the paths."""
+    if Path(checks.path("out", out)).suffix.lower() in ENDINGS:
+        if len(figures) != 1:
+            raise ResultError(out, f"must be a folder for {len(figures)} pictures; a file holds one")
+        paths = [Path(out)]
+    else:
+        make_folder(out)
+        paths = [Path(out) / f"{name}{LOOK.get().ending}" for name in figures]
+    for figure, path in zip(figures.values(), paths):
+        save(figure, path)
+    return paths
+
+
 def save(figure, path):
-    """Writes a figure to a file whose ending says of what kind, and closes it."""
+    """Writes a figure to a file whose ending says of what kind, and closes it; where pictures have a width of their own, it keeps that."""
+    look = LOOK.get()
     try:
-        figure.savefig(path, dpi=DOTS_PER_INCH, bbox_inches="tight", pad_inches=0.12)
+        with plt.rc_context({name: settings()[name] for name in ("svg.fonttype", "pdf.fonttype") if name in settings()}):
+            figure.savefig(path, dpi=look.dots, **({"bbox_inches": "tight", "pad_inches": 0.12} if look.width is None else {}))
     except (OSError, ValueError) as problem:  # no such folder, no such kind of picture, a label that is no formula
         raise ResultError(path, f"cannot be drawn ({' '.join(str(problem).split())})") from None
     finally:

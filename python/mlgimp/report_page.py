@@ -1,23 +1,24 @@
-"""A page about tests, report.html: what was tested, pictures, figures with their uncertainties, notes. It needs no other file."""
+"""A page about tests, indentation.html: what was tested, pictures, figures with their uncertainties, notes. It needs no other file."""
 
-import base64
 import html
 import math
-import platform
-from datetime import datetime
-
-import numpy as np
-import scipy
 
 from . import results
+from .page_parts import bullets, document, folded, how_made, image, paragraphs, table
 
-STYLE = """body { font: 15px/1.45 sans-serif; color: #111; max-width: 60em; margin: 2em auto; padding: 0 1em; }
-h1 { font-size: 1.5em; } h2 { font-size: 1.2em; margin-top: 2em; border-bottom: 1px solid #ccc; }
-table { border-collapse: collapse; margin: 0.8em 0; } td, th { padding: 0.2em 0.9em 0.2em 0; text-align: left; vertical-align: top; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; } tr { border-bottom: 1px solid #eee; }
-img { max-width: 100%; } .warning { color: #a00; } code { overflow-wrap: anywhere; }
-@media print { body { margin: 0; max-width: none; } details > * { display: block; } h2, table, img { break-inside: avoid; } }"""
 MATERIAL = ("_model", "_youngs_modulus", "_poissons_ratio", "_yield_stress", "_hardening", "_hardening_modulus", "_hardening_exponent", "_density")
+SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
+         ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
+         ("hardness", "hardness_GPa", "GPa"), ("load over true area", "true_hardness_GPa", "GPa"), ("reduced modulus", "reduced_modulus_GPa", "GPa"),
+         ("specimen's modulus", "modulus_GPa", "GPa"), ("the same with the true area", "true_modulus_GPa", "GPa"), ("epsilon", "epsilon", ""),
+         ("beta", "beta", ""), ("pile-up (< 0: sink-in)", "pile_up_um", "um"), ("plastic over total work", "plastic_share", ""), ("cells in half the width", "cells", ""),
+         ("hold from", "hold_start_s", "s"), ("hold to", "hold_end_s", "s"), ("creep C_IT", "C_IT_percent", "%"), ("relaxation R_IT", "R_IT_percent", "%"),
+         ("rate of creep at its end", "creep_rate_um_per_s", "um/s"), ("rate of unloading", "unloading_rate_mN_per_s", "mN/s"),
+         ("stiffness without creep", "corrected_stiffness_mN_per_um", "mN/um"), ("hardness with it", "corrected_hardness_GPa", "GPa"),
+         ("reduced modulus with it", "corrected_reduced_modulus_GPa", "GPa"), ("specimen's modulus with it", "corrected_modulus_GPa", "GPa"),
+         ("HM", "HM_GPa", "GPa"), ("HMs", "HMs_GPa", "GPa"), ("H_IT", "H_IT_GPa", "GPa"), ("E_IT", "E_IT_GPa", "GPa"),
+         ("E_IT/(1 - nu^2)", "E_IT_plane_strain_GPa", "GPa"), ("eta_IT", "eta_IT_percent", "%"), ("HV", "HV", ""), ("HBW", "HBW", ""), ("HRC", "HRC", ""),
+         ("HRB", "HRB", ""))
 
 
 def page(title, tests, pictures, command=""):
@@ -27,42 +28,23 @@ def page(title, tests, pictures, command=""):
     uncertainty, interval), "sources": rows of texts of a table whose first is its head, "notes", "warnings": texts}. pictures: paths of
     PNG files. All texts may have any letters.
     """
-    parts = ["<!DOCTYPE html>", '<html lang="en">', "<head>", '<meta charset="utf-8">', f"<title>{html.escape(title)}</title>",
-             f"<style>{STYLE}</style>", "</head>", "<body>", f"<h1>{html.escape(title)}</h1>"]
-    for number, path in enumerate(pictures, start=1):
-        data = base64.b64encode(path.read_bytes()).decode()
-        parts.append(f'<p><img alt="picture {number}: {html.escape(path.name)}" src="data:image/png;base64,{data}"></p>')
+    parts = [f"<p>{image(path.read_bytes(), 'png', f'picture {number}: {path.name}')}</p>" for number, path in enumerate(pictures, start=1)]
     for test in tests:
         parts += section(test)
-    versions = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
-    parts += ["<h2>How it was made</h2>", f"<p>{datetime.now():%Y-%m-%d %H:%M}, {html.escape(versions)}.</p>"]
-    parts += [f"<p><code>{html.escape(command)}</code></p>"] * bool(command)
-    return "\n".join([*parts, "</body>", "</html>", ""])
+    return document(title, parts + how_made(command))
 
 
 def section(test):
     """Returns the parts of the page about a test."""
     parts = [f"<h2>{html.escape(test['name'])}</h2>", table([], test["facts"])]
-    parts += [f'<p class="warning">{html.escape(line)}</p>' for line in test["warnings"]]
+    parts += paragraphs(test["warnings"], "warning")
     if test["figures"]:
         parts.append(table(("", "value", "", "uncertainty", "95 % of the draws"), test["figures"], {1, 3, 4}))
     if test["sources"]:
         head, *rows = test["sources"]
         parts += ["<h3>Standard uncertainties by source</h3>", table(head, rows, set(range(2, len(head))))]
-    if test["notes"]:
-        parts += ["<ul>", *(f"<li>{html.escape(line)}</li>" for line in test["notes"]), "</ul>"]
-    if test["options"]:
-        parts += ["<details>", "<summary>All options of the run</summary>", table([], sorted(test["options"].items())), "</details>"]
-    return parts
-
-
-def table(head, rows, numbers=()):
-    """Returns a table of texts; numbers: places of the columns that are aligned at their right ends."""
-    def cells(kind, row):
-        return "".join(f'<{kind} class="number">{html.escape(str(text))}</{kind}>' if place in numbers else f"<{kind}>{html.escape(str(text))}</{kind}>"
-                       for place, text in enumerate(row))
-    lines = ["<table>"] + [f"<tr>{cells('th', head)}</tr>"] * bool(head)
-    return "\n".join([*lines, *(f"<tr>{cells('td', row)}</tr>" for row in rows), "</table>"])
+    parts += bullets(test["notes"])
+    return parts + (folded("All options of the run", table([], sorted(test["options"].items()))) if test["options"] else [])
 
 
 # ---- what the page says of a test ----
@@ -76,18 +58,20 @@ def facts_of(curve, folder=None):
         return found + [("measured curve", curve.name)], {}
     summary = results.read_summary(folder)
     options = {name: str(value) for name, value in summary.get("options", {}).items()}
-    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.startswith("-indenter_") and value and value != "0"
+    has_elastic_tip = options.get("-indenter_youngs_modulus", "none") != "none"
+    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.startswith("-indenter_") and value not in ("", "0", "none")
               and name.removeprefix("-indenter_") in ("half_angle", "radius", "tip_radius", "faces", "friction")]
-    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.endswith(MATERIAL)]
+    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.endswith(MATERIAL) and value != "none"
+              and (has_elastic_tip or not name.startswith("-indenter_"))]
     found += [("status of the run", str(summary.get("status", "not ended")))]
     found += [("version", ", ".join(f"{name} {value}" for name, value in summary["versions"].items()))] if isinstance(summary.get("versions"), dict) else []
     return found, options
 
 
-def figures_of(row, shown, uncertainty=None):
-    """Returns rows of texts of a dict of results: shown is (label, name, unit) of each figure; what is not known is left out."""
+def figures_of(row, uncertainty=None):
+    """Returns rows of texts of a dict of results, those of SHOWN; what is not known is left out."""
     found = []
-    for label, name, unit in shown:
+    for label, name, unit in SHOWN:
         if math.isnan(row[name]):
             continue
         error, interval = (row["expected_error"] or {}).get(name, math.nan), ""

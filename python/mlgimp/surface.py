@@ -6,7 +6,7 @@ from matplotlib import pyplot as plt
 
 from . import fields, load_depth, results
 from .errors import ResultError
-from .pictures import Unit, in_si_unit, lab_unit, line_axes, si_unit, styled
+from .pictures import LOOK, Unit, entitle, lab_unit, line_axes, shrink, si_unit, size_of, styled
 
 PRESSED = 0.05  # of the largest pressure: what counts as contact when the part to show is chosen
 SHOWN = 2.5  # times the reach of the contact
@@ -53,7 +53,7 @@ def contact_pressure(directory, number=None):
     """Returns the picture of the contact's pressure: over the radius, or x in plane strain, and in space on the surface."""
     number = frame_of_largest_load(directory) if number is None else number
     time, points, tip, options = read_surface(directory, number)
-    title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
+    title = f"{results.case_name(directory)}, {fields.state_at(results.read_history(directory), time)}"
     values = points["contact_pressure"]
     if len(tip) == 2:
         return draw_surface(points, tip, options, values, ("pressure of contact", "Pa"), title)
@@ -61,7 +61,7 @@ def contact_pressure(directory, number=None):
     place, pressure = points["position"][order, 0] - tip[0], values[order]
     reach = reach_of(points, tip, values)
     length, unit = lab_unit(reach, "m"), si_unit(pressure, "Pa")
-    figure, axes = plt.subplots(figsize=(6.8, 4.6))
+    figure, axes = plt.subplots(figsize=size_of(6.8, 4.6), layout="constrained")
     axes.plot(place * length.factor, pressure * unit.factor, "o-", markersize=3, linewidth=1, label="on the surface's points")
     area, radius = results.read_contact_area(results.find_frame(directory, number)), "radius" if has_axis(options) else "x from the tip"
     if area > 0:
@@ -69,7 +69,7 @@ def contact_pressure(directory, number=None):
                      label="load over contact area")
     line_axes(axes, f"{radius} ({length.name})", f"pressure of contact ({unit.name})")
     axes.set_xlim((0 if place.min() > 0 else max(place.min(), -reach)) * length.factor, reach * length.factor)
-    axes.set_title(title)
+    entitle(axes, title)
     axes.legend()
     return figure
 
@@ -97,7 +97,7 @@ def plastic_surface(directory, number=None):
     """Returns the picture of a metal's surface in space, by default at the end, coloured by its equivalent plastic strain."""
     number = results.number_in(results.find_frame(directory, number))
     time, points, tip, options = read_surface(directory, number)
-    title = f"{results.case_name(directory)}, t = {in_si_unit(time, 's')}"
+    title = f"{results.case_name(directory)}, {fields.state_at(results.read_history(directory), time)}"
     values = points["equivalent_plastic_strain"]
     return draw_surface(points, tip, options, values, fields.SCALARS["equivalent_plastic_strain"], title)
 
@@ -115,8 +115,9 @@ def draw_surface(points, tip, options, values, quantity, title):
     length, unit = lab_unit(place, "m"), si_unit(values, "Pa") if quantity[1] == "Pa" else Unit(1, "")
     triangles = tri.Triangulation(*place[:, :2].T).triangles
     colours = values[triangles].mean(axis=1) * unit.factor
-    figure = plt.figure(figsize=(8.6, 4.2))
-    axes = figure.add_axes([0.0, -0.12, 0.82, 1.24], projection="3d")
+    is_wide = LOOK.get().width is None
+    figure = plt.figure(figsize=size_of(8.6, 4.2 if is_wide else 6.4))
+    axes = figure.add_axes([0.0, -0.12, 0.82, 1.24] if is_wide else [0.0, 0.16, 0.88, 0.84], projection="3d")
     surface = axes.plot_trisurf(*(place * length.factor).T, triangles=triangles, cmap="magma_r", linewidth=0.1, antialiased=False,
                                 shade=False)
     surface.set_array(colours)
@@ -127,11 +128,13 @@ def draw_surface(points, tip, options, values, quantity, title):
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y"), (axes.zaxis, "z")):
         axis.set_label_text(f"{name} ({length.name})")
         axis.set_major_locator(plt.MaxNLocator(2 if name == "z" else 5, steps=[1, 2, 5, 10]))
-        axis.labelpad = 10
+        axis.labelpad = 10 * shrink()
     axes.view_init(elev=50, azim=-58)
-    bar = figure.colorbar(surface, cax=figure.add_axes([0.88, 0.22, 0.02, 0.6]))
+    place, way = ([0.88, 0.22, 0.02, 0.6], "vertical") if is_wide else ([0.2, 0.17, 0.6, 0.025], "horizontal")
+    bar = figure.colorbar(surface, cax=figure.add_axes(place), orientation=way)
     bar.set_label(f"{quantity[0]} ({unit.name})" if unit.name else quantity[0])
-    figure.suptitle(title, y=1.02, size=13)
+    if LOOK.get().has_titles:
+        figure.suptitle(title, y=1.02, size=13)
     return figure
 
 

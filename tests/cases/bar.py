@@ -4,7 +4,7 @@ import pytest
 
 import analytic
 import harness
-import report as page
+import studies_page as page
 from mlgimp import results
 
 E, NU, RHO = 100e9, 0.25, 2500

@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 import harness
-import report as page
+import studies_page as page
 from harness import run
 
 REFERENCE = harness.ROOT / "tests" / "reference"

@@ -4,7 +4,7 @@ import pytest
 
 import harness
 import ranks as on_ranks
-import report as page
+import studies_page as page
 from limits import FAST
 
 ALUMINIUM = {"materials": "al", "al_youngs_modulus": 70e9, "al_poissons_ratio": 0.33, "al_density": 2700, "bodies": "block", "frames": 2}

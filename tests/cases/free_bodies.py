@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 import harness
-import report as page
+import studies_page as page
 from wedge import momentum_left
 
 STEEL = {"steel_youngs_modulus": 200e9, "steel_poissons_ratio": 0.3, "steel_density": 7800}

@@ -4,7 +4,7 @@ import math
 import analytic
 import numpy
 import pytest
-import report as page
+import studies_page as page
 from harness import run, up_to
 
 E, NU, RHO = 70e9, 0.33, 2700.0

@@ -7,7 +7,7 @@ import h5py
 import numpy
 
 import harness
-import report as page
+import studies_page as page
 from levels import smooth_load
 
 SEGMENTS = numpy.array((-0.75, -0.25, 0.25, 0.75))  # midpoints of a face, of its half edge

@@ -1,7 +1,7 @@
 """Three levels against one: load and stress of the wedge indentation, budgets, and the cost of levels."""
 import numpy
 import pytest
-import report as page
+import studies_page as page
 from harness import ROOT, read_csv, run, run_once, up_to
 from wedge import energy_error, momentum_left, plot_budgets
 

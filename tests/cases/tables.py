@@ -3,7 +3,7 @@ import math
 import subprocess
 
 import harness
-import report as page
+import studies_page as page
 
 ORDER_GOAL = 1.8  # of the rms error on one level
 

@@ -1,7 +1,7 @@
 """Quality of the contact in the wedge indentation: noise, first contact, penetration, work against energy."""
 import numpy
 import pytest
-import report as page
+import studies_page as page
 from harness import ROOT, read_csv, run, run_once, up_to
 from mlgimp import results
 

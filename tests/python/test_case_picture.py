@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import harness
-from mlgimp import case_picture, pictures, tips
+from mlgimp import case_picture, outlines, pictures, tips
 from mlgimp.errors import Error
 
 pytestmark = pytest.mark.fast
@@ -22,14 +22,14 @@ pytestmark = pytest.mark.fast
     ({"-indenter": "vickers", "-indenter_turn": "45"}, *[math.sqrt(2) * math.tan(math.radians(68))] * 2),  # edges
 ])
 def test_width_of_indenters(options, left, right):
-    found = case_picture.half_widths(options, np.array([0.0, 1.0]))
+    found = outlines.half_widths(options, np.array([0.0, 1.0]))
     assert np.allclose([side[1] for side in found], [left, right])
 
 
 def test_tip_radius_is_that_of_the_program():
     options = {"-indenter": "cone", "-indenter_half_angle": "70.3", "-indenter_tip_radius": "2"}
     heights = np.linspace(0, 3, 7)
-    assert np.allclose(case_picture.half_widths(options, heights)[0], tips.section_radius(heights, 70.3, 2))
+    assert np.allclose(outlines.half_widths(options, heights)[0], tips.section_radius(heights, 70.3, 2))
 
 
 @pytest.mark.parametrize("name, axes, boxes, labels", [

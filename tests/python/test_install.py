@@ -15,7 +15,8 @@ def test_install(tmp_path):
                    env=environment, check=True, timeout=60)
     share = prefix / "share" / "mlgimp"
     assert not any(folder.endswith("__pycache__") for folder, _, _ in os.walk(share))
-    assert (share / "scripts" / "plot.py").is_file() and os.path.samefile(share / "bin" / "mlgimp", prefix / "bin" / "mlgimp")
+    assert (share / "scripts" / "plot.py").is_file() and (share / "python" / "mlgimp" / "viewer.js").is_file()
+    assert os.path.samefile(share / "bin" / "mlgimp", prefix / "bin" / "mlgimp")
     words = ["-options_file", share / "options" / "wedge_500nm.opts", "-max_steps", "2", "-frames", "1", "-monitor", "false"]
     subprocess.run([prefix / "bin" / "mlgimp", *words], cwd=tmp_path, env=environment, check=True, timeout=60)
     assert (tmp_path / "output" / "wedge_500nm" / "summary.json").is_file()

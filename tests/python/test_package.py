@@ -191,7 +191,7 @@ def test_movie_has_a_colour_bar_in_each_frame(pressed, tmp_path, monkeypatch):
     monkeypatch.setattr(movie.GifWriter, "grab_frame", grab)
     monkeypatch.setattr(movie.GifWriter, "finish", lambda self: None)
     movie.movie(pressed[0].folder, tmp_path / "m.gif")
-    assert len(seen) == len(pressed[0].frames) > 3 and set(seen) == {("von Mises stress (kPa)", True, True, 1, 2)}
+    assert len(seen) == len(pressed[0].frames) > 3 and set(seen) == {("von Mises stress (kPa)", True, True, 1, 3)}  # two boxes and the indenter
 
 
 def test_paint():
@@ -373,6 +373,7 @@ def test_installs_without_a_network(tmp_path):
     shutil.copytree(harness.ROOT / "python", tmp_path / "python", ignore=shutil.ignore_patterns("*.egg-info", "__pycache__"))
     install = [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-build-isolation", "--no-deps", "--target", "there", "."]
     subprocess.run(install, cwd=tmp_path, check=True, capture_output=True)
+    assert all((tmp_path / "there" / "mlgimp" / name).is_file() for name in ("page.css", "viewer.js"))
     look = "import mlgimp.program; print(mlgimp.__file__, mlgimp.program.find_program())"
     done = subprocess.run([sys.executable, "-c", look], cwd="/", check=True, capture_output=True, text=True,
                           env={**os.environ, "PYTHONPATH": str(tmp_path / "there"), "MLGIMP_BIN": str(harness.BIN)})

@@ -7,8 +7,8 @@ import unittest
 
 import pytest
 
-import report
 import report_markdown
+import studies_page
 import verify
 
 pytestmark = pytest.mark.fast
@@ -27,8 +27,8 @@ def study(limit=0.01):
         made.expect.that("points kept", True)
     made.table("Numbers", ["n", "error"], [[16, "1e-3"], [32, "2e-4"]])
     sizes = [0.25, 0.5, 1.0]
-    made.plot("Errors", "cell size (m)", "error (m)", report.curve("seen", sizes, [0.1, 0.4, float("nan")], "points"),
-              report.slope(2, sizes, 0.1), log=True, caption="A caption.")
+    made.plot("Errors", "cell size (m)", "error (m)", studies_page.curve("seen", sizes, [0.1, 0.4, float("nan")], "points"),
+              studies_page.slope(2, sizes, 0.1), log=True, caption="A caption.")
     return {**made.result(), "runs": ["bin/mlgimp -cell_size 1"]}
 
 
@@ -38,12 +38,12 @@ class Studies(unittest.TestCase):
         self.assertEqual(rows, [("load | error", "0.004", "<= 0.01", True), ("stress error", "0.2", "<= 0.1", False),
                                 ("seconds", "12.5 s", "", True), ("unit: part: residual", "1e-14", "<= 1e-12", True),
                                 ("points kept", "yes", "yes", True)])
-        self.assertEqual([line["name"] for line in report.falls_short([study()])], ["stress error"])
+        self.assertEqual([line["name"] for line in studies_page.falls_short([study()])], ["stress error"])
 
     def test_curves_are_finite_and_thin(self):
-        self.assertEqual(report.curve("", [1, 2, 3], [1, float("inf"), 2])["x"], [1, 3])
-        long = report.curve("", range(5000), range(5000))["x"]
-        self.assertLessEqual(len(long), report.MOST_POINTS)
+        self.assertEqual(studies_page.curve("", [1, 2, 3], [1, float("inf"), 2])["x"], [1, 3])
+        long = studies_page.curve("", range(5000), range(5000))["x"]
+        self.assertLessEqual(len(long), studies_page.MOST_POINTS)
         self.assertEqual((long[0], long[-1]), (0, 4999))
 
     def test_choice_of_studies(self):
@@ -54,7 +54,7 @@ class Studies(unittest.TestCase):
 
 
 class Page(unittest.TestCase):
-    text = report.page("Made up", ["An <introduction>."], [study()])
+    text = studies_page.page("Made up", ["An <introduction>."], [study()])
 
     def test_all_is_there(self):
         for words in ("Bars &lt;pulled&gt;", "load | error", "≤ 0.01", "falls short", "3 of 4 figures with a goal reach it; 1 fall short",

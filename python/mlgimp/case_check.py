@@ -74,4 +74,4 @@ def text_of(found, error_of=FIGURES):
 
 def time_of(seconds):
     """Returns a time in words."""
-    return f"{seconds:.2g} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+    return f"{seconds:.3g} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

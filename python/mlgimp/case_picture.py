@@ -24,7 +24,7 @@ SIDES = {"free": ("0.35", ":", 1.2), "symmetry": ("#0072B2", "-.", 1.8), "axis":
 ABOVE, BESIDE = 0.14, 0.06  # room around the domain, of its longer edge
 SCALE = 0.72  # of the size that a picture of a field has
 WINDOW, ENLARGED = 1.8, 3.0  # half widths of the contact that its enlarged surroundings reach; their width in inches
-MOST_LINES = 200  # of cells; more would be grey
+MOST_LINES, MOST_SIZES = 200, 5  # of cells, more would be grey; of cells that are listed, more would not fit
 TALLEST = 5.6  # inches that the domain may be high
 SLICE_OF_3D = 2  # the axis that is up in space, and the second one here
 
@@ -113,7 +113,8 @@ def draw_boxes(axes, case, window, factor):
     for lower, upper in case.boxes[1:] * factor:
         axes.add_patch(Rectangle(lower, *(upper - lower), fill=False, edgecolor=LEVEL_COLOUR, linewidth=1.0))
     unit = lab_unit(min(case.cell_sizes), "m")
-    sizes = ", ".join(f"{size * unit.factor:.4g}" for size in case.cell_sizes)
+    sizes = [f"{size * unit.factor:.4g}" for size in case.cell_sizes]
+    sizes = ", ".join(sizes) if len(sizes) <= MOST_SIZES else f"{sizes[0]} to {sizes[-1]}"
     if len(case.boxes) < 2:
         return [Line2D([], [], linestyle="", label=f"one level, cells of {sizes} {unit.name}")]
     numbers_of_levels = {2: "box of level 1", 3: "boxes of levels 1 and 2"}
@@ -146,7 +147,7 @@ def draw_contact(figure, corner, case, contact):
     unit = lab_unit(window - surface, "m")
     axes.set(xlim=window[:2] * unit.factor, ylim=window[2:] * unit.factor, xticks=[], yticks=[])
     draw_bodies(axes, case, window, unit.factor)
-    draw_cells(axes, window, min(case.cell_sizes), surface, unit.factor)
+    draw_cells(axes, window, half / contact["cells"], surface, unit.factor)
     draw_indenter(axes, case, window, unit.factor)
     down = np.array([0, surface - contact["depth"] - tip[1]])
     axes.add_patch(Polygon((outline(case, window[3] - down[1]) + down) * unit.factor, fill=False, edgecolor="0.1", linewidth=1.2, linestyle="--"))

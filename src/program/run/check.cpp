@@ -66,11 +66,20 @@ double LargestDepth(const Case &c)
   return std::isfinite(end) ? indenter.Depth(indenter.Tip(end)) : NAN;
 }
 
+/// The cells under the tip at the end, m: where boxes follow the contact, finest levels end as it grows.
+double CellAtEnd(const Case &c, double half_width)
+{
+  const FollowSettings &follow = c.hierarchy.follow;
+  int level = c.LevelAtTip();
+  while (follow.kind == FollowKind::kContact && level > 0 && half_width / c.CellSize(level) > follow.cells_max) --level;
+  return c.CellSize(level);
+}
+
 Json ContactJson(const Case &c)
 {
   const double depth = LargestDepth(c);
   if (!(depth > 0)) return nullptr;
-  const double half = c.model.indenter->HalfWidth(depth), cell = c.CellSize(c.LevelAtTip()), cells = half / cell;
+  const double half = c.model.indenter->HalfWidth(depth), cells = half / CellAtEnd(c, half);
   return {{"depth", depth},
           {"surface", c.model.indenter->initial_surface},
           {"half_width", half},

@@ -63,13 +63,22 @@ def test_a_failure_is_a_row(tmp_path, runs):
         assert good["status"] == "completed" and len(runs) == count
 
 
-def test_functions_and_indent(tmp_path, runs):
-    rows = sweeps.rows_of(ball, {"stiffness": [1e7]}, radius=8.0, folder=tmp_path / "ball", progress=False)
+@pytest.fixture(scope="module")
+def indented(tmp_path_factory):
+    """Rows of a sweep of mlgimp.indent, of which the first cannot be run."""
+    return sweeps.rows_of(mlgimp.indent, {"yield_stress": [4e8], "depth": [-1, 200e-9]}, youngs_modulus=70e9, cells=4, block=8, tolerance=0.1, frames=2,
+                          folder=tmp_path_factory.mktemp("metal"), progress=False)
+
+
+def test_a_function(tmp_path, runs):
+    rows = sweeps.rows_of(ball, {"stiffness": [1e7]}, radius=8.0, folder=tmp_path, progress=False)
     assert rows[0]["status"] == "completed" and runs[-1]["rubber_youngs_modulus"] == 1e7 and rows[0]["stiffness"] == 1e7
-    rows = sweeps.rows_of(mlgimp.indent, {"yield_stress": [4e8], "depth": [-1, 200e-9]}, youngs_modulus=70e9, cells=4, block=8, tolerance=0.1,
-                          folder=tmp_path / "metal", progress=False)
-    assert rows[0]["status"].startswith("failed: depth=-1: must be")
-    assert rows[1]["status"] == "completed" and 0.5 < rows[1]["hardness_GPa"] < 5 and 40 < rows[1]["modulus_GPa"] < 140 and rows[1]["largest_load_mN"] > 0
+
+
+def test_indent(indented):
+    bad, good = indented
+    assert bad["status"].startswith("failed: depth=-1: must be")
+    assert good["status"] == "completed" and 0.5 < good["hardness_GPa"] < 5 and 40 < good["modulus_GPa"] < 140 and good["largest_load_mN"] > 0
 
 
 def test_table_of_pandas(tmp_path, monkeypatch):
@@ -172,15 +181,14 @@ def test_words_of_an_interrupt(tmp_path):
 
 # ---- what a notebook shows ----
 
-def test_what_a_notebook_shows(tmp_path):
-    """Two pictures, figures, the folder and warnings, small; of a run without an indenter one picture, of one without frames the curve."""
-    run = mlgimp.indent("j2", youngs_modulus=70e9, yield_stress=4e8, depth=200e-9, cells=4, block=8, tolerance=0.1, file=tmp_path / "metal.opts",
-                        options={"output_dir": tmp_path / "metal", "frames": 2})
+def test_what_a_notebook_shows(indented):
+    """Two pictures, figures, the folder and warnings, small; of a run without frames the curve."""
+    run = mlgimp.read(indented[1]["folder"])
     text = html_of(run)
     checker = Checker(text)
     words = " ".join(checker.words)
     assert len(text) < 300e3 and [tag for tag, _ in checker.seen].count("img") == 2 and run._repr_html_() == text
-    for needed in ("completed, 3 frames in", str(tmp_path / "metal"), "hardness", "± ", "largest load", "mN"):
+    for needed in ("completed, 3 frames in", str(run.folder), "hardness", "± ", "largest load", "mN"):
         assert needed in words, needed
     for path in run.folder.glob("points_*"):
         path.unlink()

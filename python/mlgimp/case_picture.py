@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from . import fields, load_depth, outlines, results
 from .errors import ResultError
 from .fields import INDENTER_COLOUR
-from .pictures import in_si_unit, lab_unit, styled
+from .pictures import in_si_unit, lab_unit, styled, title_of
 
 Case = namedtuple("Case", "options points boxes cell_sizes axes domain")
 Case.__doc__ = """What is drawn of a case: its options; the points at the start, a dict with position and half_size [n][2] m and body
@@ -233,7 +233,7 @@ def case(directory, contact=None):
     axes = figure.add_axes([0.8 / wide, 0.7 / high, width / wide, height / high])
     unit = lab_unit(window, "m")
     axes.set(xlim=window[:2] * unit.factor, ylim=window[2:] * unit.factor,
-             xlabel=f"{drawn.axes[0]} ({unit.name})", ylabel=f"{drawn.axes[1]} ({unit.name})", title=results.case_name(directory))
+             xlabel=f"{drawn.axes[0]} ({unit.name})", ylabel=f"{drawn.axes[1]} ({unit.name})", title=title_of(directory))
     fields.set_ticks(axes)
     axes.spines[["top", "right", "bottom", "left"]].set_visible(False)
     parts = draw_bodies, draw_indenter, draw_loads, draw_boxes, draw_velocities, draw_sides

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from . import checks, outlines, results
 from .checks import Rule
 from .errors import Error, ResultError
-from .pictures import LOOK, Unit, entitle, in_lines, in_si_unit, lab_unit, shrink, si_unit, styled
+from .pictures import LOOK, Unit, entitle, in_lines, in_si_unit, lab_unit, shrink, si_unit, styled, title_of
 
 Scale = namedtuple("Scale", "low high colormap")  # limits of a colour scale in SI, and its colours
 Panel = namedtuple("Panel", "title points boxes axes indenter", defaults=(None,))
@@ -59,7 +59,7 @@ def read_panel(directory, number=None, title=None, is_half=False):
     indenter = indenter_at(history, frame.time, summary.get("options", {}), points)
     if has_axis(history) and not is_half:
         points, boxes = mirrored(points, boxes)
-    title = f"{title or results.case_name(directory)}, {state_at(history, frame.time)}"
+    title = f"{title or title_of(directory)}, {state_at(history, frame.time)}"
     return Panel(title, points, boxes, "xzy" if is_space else "xyz", indenter)
 
 

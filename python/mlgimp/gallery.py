@@ -11,7 +11,7 @@ def gallery(directory, number=None, window=None, is_log=False):
     number: frame, by default the last, and for the pressure of contact that of the largest load. window: (xmin, xmax, ymin, ymax)
     in m, "near" for the finest level, None for all that there is. is_log: fields that span decades by logarithms. Of a run without frames there are those of the history.
     """
-    history, title = results.read_history(directory), results.case_name(directory)
+    history, title = results.read_history(directory), pictures.title_of(directory)
     drawn = {}
     if results.has_indenter(history):
         drawn["load_depth"] = lambda: pictures.load_depth(history, title)

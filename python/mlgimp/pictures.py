@@ -88,6 +88,11 @@ def shrink():
     return LOOK.get().text / LOOKS["screen"].text
 
 
+def title_of(directory):
+    """Returns the name of the case in a result folder, of which matplotlib shows each letter: a $ begins no formula."""
+    return results.case_name(directory).replace("$", r"\$")
+
+
 def entitle(axes, title):
     """Gives axes a title, where pictures have one."""
     if LOOK.get().has_titles:

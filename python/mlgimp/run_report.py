@@ -71,7 +71,7 @@ def case(directory, history, summary):
 
 def curves(directory, history, summary):
     """Load and depth: the curve, and over the time of the test where it has one."""
-    title, parts = results.case_name(directory), []
+    title, parts = pictures.title_of(directory), []
     if results.has_indenter(history):
         words = (f"load over depth, up to {pictures.in_si_unit(np.nanmax(history['load']), 'N')} and "
                  f"{pictures.in_si_unit(np.nanmax(history['depth']), 'm')}")
@@ -85,7 +85,7 @@ def curves(directory, history, summary):
 def fields_over_frames(directory, history, summary):
     """Fields: those of the frames on a canvas with a slider, and what of them is not here."""
     shown = film(directory)
-    shown.values["marks"] = marks(history, results.case_name(directory), [shot["time"] for shot in shown.values["frames"]])
+    shown.values["marks"] = marks(history, pictures.title_of(directory), [shot["time"] for shot in shown.values["frames"]])
     choices = "".join(f'<option value="{html.escape(each["name"])}">{html.escape(each["label"])}</option>' for each in shown.values["fields"])
     parts = ["<h2>Fields</h2>", VIEWER.format(choices=choices), page_parts.data("film", shown.values)]
     notes = ["In space it is the slice through the tip's axis."] * (shown.values["axes"][1] == "z")
@@ -138,7 +138,7 @@ def balances(directory, history, summary):
         return []
     words = "energies and works over time, and the residual of their balance"
     lost = [f"{summary['points_lost']} points were lost."] if summary.get("points_lost") else []
-    return ["<h2>Balances</h2>", drawing(pictures.energy(history, results.case_name(directory)), words),
+    return ["<h2>Balances</h2>", drawing(pictures.energy(history, pictures.title_of(directory)), words),
             table(("", "largest", "not accounted for", "share"), budgets.rows_of(found), {1, 2, 3}), *paragraphs(lost, "warning")]
 
 

@@ -6,7 +6,7 @@ from matplotlib import pyplot as plt
 
 from . import fields, load_depth, results
 from .errors import ResultError
-from .pictures import LOOK, Unit, entitle, lab_unit, line_axes, shrink, si_unit, size_of, styled
+from .pictures import LOOK, Unit, entitle, lab_unit, line_axes, shrink, si_unit, size_of, styled, title_of
 
 PRESSED = 0.05  # of the largest pressure: what counts as contact when the part to show is chosen
 SHOWN = 2.5  # times the reach of the contact
@@ -53,7 +53,7 @@ def contact_pressure(directory, number=None):
     """Returns the picture of the contact's pressure: over the radius, or x in plane strain, and in space on the surface."""
     number = frame_of_largest_load(directory) if number is None else number
     time, points, tip, options = read_surface(directory, number)
-    title = f"{results.case_name(directory)}, {fields.state_at(results.read_history(directory), time)}"
+    title = f"{title_of(directory)}, {fields.state_at(results.read_history(directory), time)}"
     values = points["contact_pressure"]
     if len(tip) == 2:
         return draw_surface(points, tip, options, values, ("pressure of contact", "Pa"), title)
@@ -97,7 +97,7 @@ def plastic_surface(directory, number=None):
     """Returns the picture of a metal's surface in space, by default at the end, coloured by its equivalent plastic strain."""
     number = results.number_in(results.find_frame(directory, number))
     time, points, tip, options = read_surface(directory, number)
-    title = f"{results.case_name(directory)}, {fields.state_at(results.read_history(directory), time)}"
+    title = f"{title_of(directory)}, {fields.state_at(results.read_history(directory), time)}"
     values = points["equivalent_plastic_strain"]
     return draw_surface(points, tip, options, values, fields.SCALARS["equivalent_plastic_strain"], title)
 

@@ -170,10 +170,10 @@ def copy_of(run, folder, *names):
 
 def test_a_run_that_goes_on(runs, tmp_path):
     """Without summary.json: the page says that levels and indenter are not known, and has the rest."""
-    folder = copy_of(runs("plane"), tmp_path / "läuft <b>", "history.csv", "points_*.h5")
+    folder = copy_of(runs("plane"), tmp_path / "läuft <b> a$_$b", "history.csv", "points_*.h5")
     run = mlgimp.read(folder)
     _, words, data = parts_of(run, None)
-    assert "has not ended" in words and "läuft <b>" in words and data["indenter"] is None and data["frames"][0]["boxes"] == []
+    assert "has not ended" in words and "läuft <b> a$_$b" in words and data["indenter"] is None and data["frames"][0]["boxes"] == []
     assert (folder / "report.html").exists()
 
 

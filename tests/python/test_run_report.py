@@ -294,6 +294,33 @@ def test_an_axisymmetric_field_is_an_image_at_the_axis(browser, runs, tmp_path):
     assert browser.value(lines) > 40
 
 
+def test_the_value_under_the_mouse(browser, runs, tmp_path):
+    """That of the point there, in the unit of the scale; beside the body only the place."""
+    run = runs("plane")
+    browser.open(run.report(tmp_path / "page.html"))
+    assert browser.value(READY)
+    browser.value(CHOOSE % "pressure")
+    points = run.frame(-1)
+    point = int(np.argmin(np.linalg.norm(points["position"] - [2, 9], axis=1)))
+    look = """(() => { const box = frameOfView(), place = canvas.getBoundingClientRect(), one = scaling();
+      const x = (box.left + (%r - view[0]) * box.perMetre) / one, y = (box.top + (view[3] - %r) * box.perMetre) / one;
+      canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: place.left + x, clientY: place.top + y, buttons: 0 }));
+      return [document.getElementById("value").textContent, field.unit]; })()"""
+    said, unit = browser.value(look % tuple(points["position"][point].tolist()))
+    factor = {"Pa": 1, "kPa": 1e-3, "MPa": 1e-6}[unit]
+    place, _, value = said.partition(": pressure ")
+    assert float(value.split()[0]) == pytest.approx(points["pressure"][point] * factor, rel=0.02) and value.split()[1] == unit
+    assert re.fullmatch(r"x = (5\.9|6)\d* m, y = 10\.[456]\d* m", browser.value(look % (6.0, 10.5))[0]) and browser.errors == []
+
+
+def test_an_old_browser_says_so(browser, runs, tmp_path):
+    own = browser.ask("Page.addScriptToEvaluateOnNewDocument", browser.session, source="delete window.DecompressionStream")["identifier"]
+    browser.open(runs("tension").report(tmp_path / "page.html"))
+    browser.ask("Page.removeScriptToEvaluateOnNewDocument", browser.session, identifier=own)
+    assert browser.value('document.getElementById("state").textContent') == "This browser is older than 2023 and cannot unpack the fields."
+    assert browser.errors == []
+
+
 def test_a_hundred_frames_move_smoothly(browser, tmp_path, expect):
     """The median time to draw one of 17 000 points, measured in the page. Seen: 5 ms; 50 are 20 frames in a second."""
     folder = made_film(tmp_path, frames=100, edge=130)

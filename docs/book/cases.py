@@ -64,6 +64,13 @@ CASES = [
          "At its largest depth the ball carries four times 5.7 mN. With 4/3 M √R h³ᐟ² a half space would carry four times 5.5 mN; the "
          "block has only 12 times the contact's radius.",
          (("stress_zz", (0, 3.2e-6, 9.6e-6, 13.2e-6)),)),
+    Case("fused_silica_tip", "A laboratory's tip in fused silica",
+         "A worn Berkovich tip, given by its area function, goes 250 nm into fused silica on a frame of 1 N/µm, with five small unloadings on "
+         "the way (`-indenter_unloadings 5`); then it goes back. Lengths, forces and the material are written as people say them: `250nm`, "
+         "`1N/um`, `-silica_preset fused_silica`.",
+         "Each small unloading has its own stiffness, so that one test gives hardness and modulus over the depth: `scripts/indentation.py "
+         "output/fused_silica_tip --csm`. The hardness is 10.4 GPa at 50 nm, where the tip is round, and 11.0 GPa from 100 nm on.",
+         (("load_depth", None), ("von_mises_stress", "near"))),
     Case("indium_hold", "A hold on indium",
          "A cone takes 1 mN within 10 s, holds it for ten minutes and lets go. Indium creeps by a power of the stress, so that what counts "
          "is the time of the test, `-test_times`, which the simulation takes as fast as the creeping tip allows.",

@@ -103,5 +103,5 @@ def number_of(options, name, default):
     try:
         [value] = units.numbers_of(options.get(name) or default)
         return value
-    except (TypeError, ValueError):
-        raise Error(f"-{name} {options[name]}: must be a number") from None
+    except (Error, TypeError, ValueError):
+        raise Error(f"-{name} {options[name]}: must be a number, or one with its unit") from None

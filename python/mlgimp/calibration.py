@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import checks, corrections, cycles, load_depth, oliver_pharr, tips
+from . import checks, corrections, csm, cycles, load_depth, oliver_pharr, tips
 from .checks import Rule
 from .errors import Error, ResultError
 
@@ -96,24 +96,29 @@ def checked_modulus(modulus, poisson, tip_modulus, tip_poisson, reduced):
 
 def unloadings(curves, frame, window):
     """Returns the names of all unloadings of Curves without the compliance of a frame (um/mN), and their depths (um), loads (mN), stiffnesses
-    and the standard errors of these (mN/um), all [depths]."""
-    tests, found = [], []
-    for curve in curves:
-        for name, *figures in unloadings_of(curve, frame, window):
-            tests.append(name)
-            found.append(figures)
-    if len({round(depth, 9) for depth, *_ in found}) < LEAST_TESTS:
+    and the standard errors of these (mN/um), all [depths]. Those of runs, whose waves of cells change exponent and stiffness together, are
+    fitted with the median of their exponents (see csm.with_common_exponent)."""
+    found = fits(curves, frame, window, oliver_pharr.EXPONENTS)
+    if len({round(fit.depth, 9) for _, fit in found}) < LEAST_TESTS:
         raise Error(f"a calibration needs unloadings from at least {LEAST_TESTS} different depths; there are {len(found)}")
-    return tests, *np.array(found).T
+    if all(curve.cells is not None for curve in curves):
+        common = float(np.median([fit.exponent for _, fit in found]))
+        found = fits(curves, frame, window, (common * (1 - csm.ONE), common * (1 + csm.ONE)))
+    figures = [[fit.depth, fit.load, fit.stiffness, fit.stiffness_error] for _, fit in found]
+    return [name for name, _ in found], *np.array(figures).T
 
 
-def unloadings_of(curve, frame, window):
-    """Returns (name, depth, load, stiffness, its error) of the unloadings of a Curve that can be fitted; raises a ResultError where none can."""
+def fits(curves, frame, window, exponents):
+    """Returns [(name, oliver_pharr.Unloading)] of all unloadings of Curves."""
+    return [each for curve in curves for each in fits_of(curve, frame, window, exponents)]
+
+
+def fits_of(curve, frame, window, exponents):
+    """Returns [(name, oliver_pharr.Unloading)] of the unloadings of a Curve that can be fitted; raises a ResultError where none can."""
     free, found, problem = curve._replace(depth=curve.depth - frame * curve.load), [], None
     for number, cycle in enumerate(cycles.find_cycles(free), start=1):
         try:
-            fit = oliver_pharr.fit_unloading(free, cycle, window)
-            found.append((f"{curve.name} unloading {number}", fit.depth, fit.load, fit.stiffness, fit.stiffness_error))
+            found.append((f"{curve.name} unloading {number}", oliver_pharr.fit_unloading(free, cycle, window, exponents)))
         except ResultError as why:
             problem = why
     if not found:

@@ -1,5 +1,6 @@
 """What -check says of a case before it runs, which is what the run then is; nothing is written."""
 import json
+import time
 
 import numpy
 import pytest
@@ -74,3 +75,25 @@ def test_from_python(tmp_path, monkeypatch):
     assert lines[0].endswith(" points, cells of 500, 250 nm") and any(line.startswith("warning: ") for line in lines)
     with pytest.raises(mlgimp.RunError, match="^mlgimp: error: -m_preset gold: must be one of"):
         mlgimp.check(CASE, m_preset="gold")
+
+
+SHIPPED = "pressure", "sphere_axisymmetric", "punch_axisymmetric", "wedge_3level", "cone_metal", "film_stress", "taylor_bar", "berkovich_3d"
+
+
+def verify_time(study):
+    """What -check says of the time
+
+    Eight shipped cases, each looked at and run at once after the other: steps and seconds that -check foresees, of those that the run takes.
+    """
+    rows = []
+    for name in SHIPPED:
+        begin = time.time()
+        done = harness.subprocess.run(harness.command(["-options_file", f"options/{name}.opts", "-check", "json"], 1), capture_output=True, text=True,
+                                      env=harness.environment(1), cwd=harness.ROOT)
+        looked, found = time.time() - begin, json.loads(done.stdout)
+        run = harness.run({}, file=f"{name}.opts").summary
+        rows.append([name, found["steps"] / run["steps"], found["seconds"] / run["wall_seconds"], run["wall_seconds"], looked])
+    study.expect("steps, largest difference, of them", max(abs(row[1] - 1) for row in rows), at_most=0.1)
+    study.expect("seconds, largest difference, of them", max(abs(row[2] - 1) for row in rows), at_most=0.3)
+    study.expect("-check itself, longest", max(row[4] for row in rows), at_most=3)
+    study.table("Cases", ["case", "steps", "seconds", "seconds of the run", "seconds of -check"], [[row[0], *(f"{value:.3g}" for value in row[1:])] for row in rows])

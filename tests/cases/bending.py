@@ -4,6 +4,7 @@ import pytest
 from scipy.integrate import solve_bvp
 
 import harness
+import report as page
 
 E, NU, DENSITY = 1e9, 0.3, 1000
 LENGTH, THICKNESS = 12e-3, 1e-3
@@ -48,3 +49,19 @@ def test_bent_beam_stays(expect, weight, cells):
     expect(f"{name}: tip at the end over that at half of the time", tips[-1] / tips[1], near=1, tolerance=2e-3)
     expect(f"{name}: noise over strain energy", history["noise_energy"][-1] / history["strain_energy"][-1], at_most=1e-3)
     expect.that(f"{name}: warnings", result.summary["warnings"] == [], f"{result.summary['warnings']}")
+
+
+def verify_elastica(study):
+    """A cantilever under its weight
+
+    It falls and comes to rest, damped: deflection of its end, of an inextensible beam without shear, by the elastica. Cells in its thickness: 4 and 8.
+    """
+    shown = numpy.linspace(0.05, 4, 30)
+    ours = {}
+    for weight in (0.25, 1, 4):
+        for cells in (4, 8):
+            tip = deflections(harness.run(cantilever(weight, cells, 4)))[-1]
+            ours.setdefault(cells, []).append((weight, tip))
+            study.compare(f"w L^3/EI = {weight:g}, {cells} cells: deflection of the end", tip, elastica(weight), 0.02, "L")
+    study.plot("Deflection of the end", "w L^3/EI", "deflection / L", *(page.curve(f"{cells} cells", *zip(*found), "dots") for cells, found in ours.items()),
+               page.curve("elastica", shown, [elastica(weight) for weight in shown], "reference"), page.curve("small deflections", shown, shown / 8, "guide"))

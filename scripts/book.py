@@ -128,7 +128,9 @@ def take(page, studies):
     if not data["rows"]:
         raise Error(f"{page.name}: no row of {', '.join(name for name, _ in page.parts)} is on this page")
     (results.FOUND / f"{page.name}.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
-    save_small(picture(page, studies, data["rows"]), results.FOUND / f"{page.name}.png")
+    figure = picture(page, studies, data["rows"])
+    save_small(figure, results.FOUND / f"{page.name}.png")
+    pictures.plt.close(figure)
 
 
 def known():

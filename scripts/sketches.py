@@ -155,7 +155,9 @@ def main():
     """Draws all sketches."""
     pictures.make_folder(SKETCHES)
     for name in DRAWN:
-        save_small(sketch(name), SKETCHES / f"{name}.png")
+        figure = sketch(name)
+        save_small(figure, SKETCHES / f"{name}.png")
+        pictures.plt.close(figure)
 
 
 if __name__ == "__main__":

@@ -56,7 +56,7 @@ def verify_cattaneo_mindlin(study):
     for q in SHARES:
         there = numpy.flatnonzero((share[:-1] < q) & (share[1:] >= q))[0]
         ours = numpy.interp(q, share[there:there + 2], warmth[there:there + 2])
-        study.compare(f"heat at {q:g} of the force at which all slips", ours, heat(q), 0.1, "(mu P)^2/(pi E*)")
+        study.compare(f"heat at {q:g} of the force at which all slips", ours, heat(q), 0.05, "(mu P)^2/(pi E*)")
     study.compare("half the contact's width", numpy.mean(history["contact_area"]) / 2, WIDTH, 0.02, "cells")
     study.figure("heat of the pressing before, of that at 0.9", history["friction_work"][0] / ((FRICTION * LOAD)**2 / (math.pi * E_STAR)) / heat(0.9))
     shown = numpy.linspace(0, 0.99, 100)

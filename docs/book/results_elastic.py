@@ -20,7 +20,7 @@ CONTACT = [
          "cells, that of the contact 8. The pressures of single columns are compared with half an ellipse.",
          ("H. Hertz (1882): Über die Berührung fester elastischer Körper. J. reine angew. Math. 92, 156-171. doi:10.1515/crll.1882.92.156", JOHNSON),
          "Width and pressures follow from the load that was measured, by the formulas of textbooks; the sources themselves were not read.",
-         (("indentation.sphere_on_levels", ""),), "2 % of the width, 4 % of the peak, by the cells", EXACT, cells="8", plot="Load against depth",
+         (("indentation.sphere_on_levels", ""),), "2 % of the width, 4 % of the peak, by the cells", EXACT, cells="8", plot="Pressures of columns",
          headline="half width|largest p_i", files=("sphere_axisymmetric",), sketch="gallery/sphere_axisymmetric_case.png"),
     Page("hertz_cylinder", "Hertz: a cylinder on a half plane",
          "A rigid cylinder of 60 half widths in radius is pressed on a large elastic block in plane strain. " + HALF_PLANE, (JOHNSON,), FROM_ANALYTIC,
@@ -128,7 +128,7 @@ CONTACT = [
          "the interface lies on lines of the grid or between them.",
          ("Interpolation between films that end on lines of the grid, by the program itself.",),
          "This is a study of convergence: a cell that the interface cuts shares one strain, as layers side by side do, and is too stiff by an error "
-         "of the first order.", (("film.interface", ""),), "3 % with cells of a fourth of the film, 0.5 % with a sixteenth", "0.1 % of the cubic",
+         "of the first order.", (("film.interface", ""),), "3 % with cells of a fourth of the film, 0.5 % with a sixteenth", "0.1 % of the cubic", plot="Error",
          sketch="sketches/film.png"),
 ]
 

@@ -102,6 +102,14 @@ def ring(axes, pressure=False):
         arrow(axes, start * direction, end * direction, LOAD_COLOUR if pressure else "black")
 
 
+def squeezed_ring(axes):
+    """Draws a ring between two plates."""
+    axes.add_patch(Annulus((0, 0), 0.7, 0.12, facecolor=BODY_COLOURS[0], edgecolor="0.4"))
+    for side in (-1, 1):
+        axes.add_patch(Rectangle((-0.9, 0.7 * side - (0.12 if side < 0 else 0)), 1.8, 0.12, facecolor=INDENTER_COLOUR, edgecolor="0.3"))
+        arrow(axes, (0, 1.08 * side), (0, 0.83 * side))
+
+
 def disk(axes):
     """Draws a disk that spins."""
     axes.add_patch(Circle((0, 0), 0.75, facecolor=BODY_COLOURS[0], edgecolor="0.4"))
@@ -136,7 +144,8 @@ def collision(axes):
 
 
 DRAWN = {**{name: pressed(name) for name in TIPS}, "punch": punch, "sideways": sideways, "load": load, "film_load": lambda axes: load(axes, film=True),
-         "film": film, "bar": bar, "beam": beam, "ring": ring, "ring_pressure": lambda axes: ring(axes, pressure=True), "disk": disk, "square": square,
+         "film": film, "bar": bar, "beam": beam, "ring": ring, "ring_pressure": lambda axes: ring(axes, pressure=True), "squeezed_ring": squeezed_ring,
+         "disk": disk, "square": square,
          "levels": lambda axes: square(axes, levels=True), "border": border, "collision": collision}
 
 

@@ -137,7 +137,7 @@ def headline(page, rows):
     values = {sign: [number(row["seen"]) for row in chosen if row["goal"].startswith(sign) and number(row["seen"]) is not None] for sign in ("<=", ">=")}
     if values["<="]:
         return f"off by {max(values['<=']):.2g} at most"
-    return f"{min(values['>=']):.3g} at least" if values[">="] else "as expected"
+    return f"{min(values['>=']):.3g} at least" if values[">="] else "as expected" if chosen else "–"
 
 
 # ---- pages ----
@@ -183,7 +183,7 @@ def text_of(page, data):
 def front_row(page, data):
     """Returns the line of a page in the table of its chapter."""
     goals, short = len(with_goal(data["rows"])), len(missed(data["rows"]))
-    verdict = f'<span class="short">{short} of {goals} fall short</span>' if short else f'<span class="good">all {goals}</span>'
+    verdict = f'<span class="short">{short} of {goals} fall short</span>' if short else f'<span class="good">all {goals}</span>' if goals else "no goals"
     return [f"[{page.title}]({page.name}.md)", headline(page, data["rows"]), page.ours, page.theirs, page.cells or data["cells"] or "–",
             data["steps"] or "–", seconds_as_text(data["seconds"]), verdict]
 

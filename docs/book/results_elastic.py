@@ -11,7 +11,8 @@ SMALL_STRAIN = "exact for small strain; slopes of 1/40 change it by 0.1 %"
 HALF_PLANE = ("The block is a half model of 100 and 200 cells along each side with half a contact of 7.5 cells, and of 300 cells with 12, pressed, "
               "held and damped. In plane strain a depth has no value of its own, so that all is compared for the load that was measured.")
 SNEDDON_KNOWN = ("Sneddon's integral for the profile is evaluated by the midpoint rule (`sneddon` in `tests/cases/tips.py`); the paper itself was "
-                 "not read. Loads and radii are those of a half space, extrapolated from blocks of 16 and 32 contact radii.")
+                 "not read. Loads and radii are those of a half space, extrapolated from blocks of 16 and 32 contact radii; the picture has the "
+                 "larger block by itself, which is a little stiffer.")
 SNEDDON_OURS = "1 % of the load, 1.5 % of the radius, by the cells"
 
 CONTACT = [
@@ -139,6 +140,13 @@ FREE = [
          "The values are those of the closed form of textbooks; the source itself was not read.", (("axisymmetry.lame", ""),),
          "0.02 % of the displacement, 3 % of stresses, of the first order in the cells", EXACT, cells="16 and 32 across", plot="Stresses",
          headline="stress: rms", sketch="sketches/ring_pressure.png"),
+    Page("squeezed_ring", "A ring between two plates",
+         "A thin elastic ring, whose wall is a tenth of its radius, lies between two plates that come closer, in plane strain.",
+         ("S. Timoshenko (1956): Strength of materials, part II. Van Nostrand.",),
+         "The energy of a curved beam, with tension and shear, is added up around the ring in `tests/cases/bending.py`; the book was not read for this page.",
+         (("bending.squeezed_ring", ""),), "1 %, by the cells", "0.5 %: the flattening at the plates", cells="4 and 8 across", plot="Load at rest",
+         sketch="sketches/squeezed_ring.png",
+         notes="The ring becomes softer as it flattens: the rows without a goal have that."),
     Page("elastica", "The elastica: a beam under its weight",
          "A cantilever twelve times as long as thick falls under its weight and comes to rest, damped. Deflections go up to half of the length.",
          ("L. Euler (1744): Methodus inveniendi lineas curvas maximi minimive proprietate gaudentes. Bousquet, Lausanne.",),

@@ -3,6 +3,7 @@ import itertools
 import math
 
 import numpy
+import pytest
 import scipy.optimize
 
 import harness
@@ -353,6 +354,14 @@ def slip_lines(angle):
     return 2 * (1 + psi) * face * math.sin(b), 1 + psi, face * math.cos(b) - 1
 
 
+@pytest.mark.fast
+def test_slip_lines(expect):
+    """60 degrees as in textbooks; a flat wedge has Prandtl's pressure, (2 + pi) k."""
+    for seen, value in zip(slip_lines(60), (9.5928, 1.8873, 0.4673)):
+        expect("60 degrees: load, pressure, lip", seen, near=value, tolerance=1e-4)
+    expect("pressure of a flat wedge over 2 k", slip_lines(89.999)[1], near=1 + math.pi / 2, tolerance=1e-4)
+
+
 def blunt_wedge(angle, velocity, softer=1):
     """Options of a wedge on cells of half the size, down to a half width of 8 um; softer: by which share of the yield stress, and as much slower."""
     load, pressure, _ = slip_lines(angle)
@@ -365,10 +374,12 @@ def verify_wedge(study):
 
     Of what Hill, Lee and Tupper (1947) have: load, mean pressure on the contact's width, rise of the lip; what contact gave beyond the
     indenter's work, and what the energies miss of it. 60 degrees: 8 and 16 cells in 8.1 um, the half width at the end. 70.3, 75 and 80
-    degrees: 16 cells in the half width. E/sy is 1000, and 4000 where the rows say so: what is elastic sinks in beside a blunt wedge, which a rigid body does not.
+    degrees: 16 cells in the half width. E/sy is 1000, and 4000 where the rows say so: what is elastic sinks in beside a blunt
+    wedge, which a rigid body does not.
     """
     for angle, cells, options, softer in ((60, 8, {"cell_size": 2e-6}, 1), (60, 16, {"cell_size": 1e-6}, 1), (70.3, 16, blunt_wedge(70.3, 1.8), 1),
-                                          (70.3, 16, blunt_wedge(70.3, 1.8, 4), 4), (75, 16, blunt_wedge(75, 1.4), 1), (80, 16, blunt_wedge(80, 1.0), 1), (80, 16, blunt_wedge(80, 1.0, 4), 4)):
+                                          (70.3, 16, blunt_wedge(70.3, 1.8, 4), 4), (75, 16, blunt_wedge(75, 1.4), 1),
+                                          (80, 16, blunt_wedge(80, 1.0), 1), (80, 16, blunt_wedge(80, 1.0, 4), 4)):
         result = harness.run({**options, "frames": 1}, file="wedge_plastic.opts")
         history, frame, k = result.history, result.frame(), metals.SHEAR_YIELD / softer
         name = f"{angle:g} degrees, {cells} cells{f', E/sy {1000 * softer}' if softer > 1 else ''}: "

@@ -2,6 +2,7 @@
 import math
 
 import numpy
+import pytest
 from scipy.integrate import quad
 from scipy.linalg import expm, schur
 from scipy.special import j1
@@ -145,7 +146,7 @@ def verify_boussinesq(study):
                page.curve("exact", depth[near] / RADIUS, circle_stress(depth[near]), "reference"))
 
 
-def layered_compliance(wave, thickness):
+def layered_compliance(wave, thickness, ratio=RATIO):
     """How far a pressure J0(k r), or cos(k x), moves the surface of a film that is bonded to a substrate, over 2/(E* k), that of the film alone.
 
     Equilibrium and Hooke's law are four equations over the depth for the amplitudes of displacement along the surface and down, of shear and of
@@ -155,9 +156,17 @@ def layered_compliance(wave, thickness):
         lam, mu = analytic.lame_constants(modulus, NU)
         stiff = lam + 2 * mu
         return numpy.array([[0, 1, 1 / mu, 0], [-lam / stiff, 0, 0, 1 / stiff], [stiff - lam**2 / stiff, 0, 0, lam / stiff], [0, 0, -1, 0]])
-    dying = schur(system(RATIO * E), sort="lhp")[1][:, :2]
+    dying = schur(system(ratio * E), sort="lhp")[1][:, :2]
     at_surface = expm(-system(E) * wave * thickness) @ dying
     return at_surface[1] @ numpy.linalg.solve(at_surface[2:], [0, -1]) / (2 / E_STAR)
+
+
+@pytest.mark.fast
+def test_compliance_of_a_film(expect):
+    """As the film alone where both are alike, or waves are short; as the substrate where they are long. Seen: 2e-15, 1e-8, 1.4e-3."""
+    expect("film on its like", layered_compliance(1, 1.0, 1), near=1, tolerance=1e-12)
+    expect("short waves", layered_compliance(12, 1.0), near=1, tolerance=1e-6)
+    expect("long waves, of the substrate", RATIO * layered_compliance(1e-3, 1.0), near=1, tolerance=5e-3)
 
 
 def middle_of_film(thickness):

@@ -2,6 +2,8 @@
 import math
 
 import numpy
+import pytest
+from scipy.integrate import quad
 
 import harness
 import report as page
@@ -42,6 +44,16 @@ def heat(share):
     that keep their volume.
     """
     return (1 - share) * numpy.log(1 - share) + share - share**2 / 2
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("share", SHARES)
+def test_heat(expect, share):
+    """The integral, by numbers. Seen: 1e-9."""
+    def rate(q):
+        stick = math.sqrt(1 - q)  # of the half width, which is 1, as are mu P and pi E*
+        return 2 * quad(lambda x: 2 / math.pi * math.sqrt(1 - x**2) * 2 * math.acosh(x / stick), stick, 1)[0]
+    expect("heat, of the integral", heat(share) / quad(rate, 0, share)[0], near=1, tolerance=1e-6)
 
 
 def verify_cattaneo_mindlin(study):

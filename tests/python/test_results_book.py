@@ -106,7 +106,7 @@ def test_a_page_that_falls_short_says_why():
 
 @pytest.mark.parametrize("name", ["elastic_ring", "expanding_ring", "lame"])
 def test_cheap_pages_are_found_again(name):
-    """Their studies, run here, have the figures of the book to half a per cent of the goal's middle, whatever the machine."""
+    """Their studies, run here, have the figures of the book within half a per cent, and errors within 0.001, whatever the machine."""
     [page] = [each for each in results.PAGES if each.name == name]
     [(study_name, _)] = page.parts
     module, _, function = study_name.partition(".")
@@ -116,7 +116,7 @@ def test_cheap_pages_are_found_again(name):
     assert not study.expect.missed
     committed = {line["name"]: result_page.number(line["seen"]) for line in DATA[name]["rows"]}
     found = {line["name"]: result_page.number(line["seen"]) for line in study.figures}
-    assert found == pytest.approx(committed, rel=5e-3)
+    assert found == pytest.approx(committed, rel=5e-3, abs=1e-3)
 
 
 # ---- made-up pages ----
@@ -157,6 +157,8 @@ def test_headlines():
     assert result_page.headline(PAGE, ROWS[1:3]) == "off by 0.05 at most"
     assert result_page.headline(PAGE, ROWS[2:3]) == "2.04 at least"
     assert result_page.headline(PAGE, [row("points kept", "yes", "yes")]) == "as expected"
+    assert result_page.headline(PAGE, ROWS[3:4]) == "–"
+    assert result_page.front_row(PAGE, book.data_of(PAGE, {"bars.pull": {**STUDY, "rows": ROWS[3:4]}}))[-1] == "no goals"
 
 
 @pytest.mark.fast

@@ -159,8 +159,8 @@ FREE = [
          ("Equilibrium.",), "The stretch is that of the law by hand, in `tests/cases/bar.py`.", (("bar.static_stress", ""),),
          "0.9 % of the stress at 5 % strain, by the cells", EXACT, cells="4 across the bar",
          sketch="sketches/bar.png",
-         notes="Bars held for long at tensile strains of 5 % and more grow noise: the table has the largest error by the coefficients a,b of "
-         "`-short_wave_viscosity` and the time of the hold, in transits of waves."),
+         notes="The table has the largest error by the coefficients a,b of `-short_wave_viscosity` and the time of the hold, in transits of waves: it does "
+         "not grow with time, with or without the viscosity."),
     Page("bar_waves", "d'Alembert: waves in a bar",
          "The end of a bar between rollers is pulled by a traction that rises over half of a transit of waves, to a strain of 1e-5. The waves run "
          "there and back twice.", ("J. d'Alembert (1747): the wave equation.",), FROM_ANALYTIC, (("bar.waves", ""),),

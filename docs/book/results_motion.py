@@ -55,9 +55,9 @@ WAVES = [
          "A block vibrates freely for 20 periods, with strains of 0.5 and 5 %, and while it turns by 2 rad. Its energy should stay; the table has several "
          "schemes.", (ENERGY,), SELF, (("tables.free_block", ""),), "that of the mean over a period", EXACT, cells="24 across",
          sketch="sketches/square.png",
-         notes="""On 16 x 16 cells the default keeps 0.997, 0.998 and 0.962. With the half sizes |F_aa| l0 of the literature a rotating block loses twice as
-much, and USL fails; here they are the norms of the rows of F ([method.md](../method.md)). The choice of a,b by the energy on 16 x 16 cells; how long a
-bar can be held in tension is on the page of the bar at rest:
+         notes="""With the half sizes |F_aa| l0 of the literature a rotating block loses twice as much, and USL fails; here they are the norms of the rows of F
+([method.md](../method.md)). What an earlier version kept on 16 x 16 cells, by which a,b were chosen; how stress behaves in a bar that is held for long
+is on the page of the bar at rest:
 
 | a,b | 5 % | 5 %, rotating |
 | --- | --- | --- |

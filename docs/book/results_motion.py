@@ -40,8 +40,8 @@ ORDER = [
          sketch="sketches/ring.png",
          notes="The patch is that of section 1 of [method.md](../method.md): stresses equal along the radius and around it, at any stretch. The modes "
          "start from the displacement u = A J1(k r), as initial velocities that grow with r are not those of the lumped nodes next to the axis. With the "
-         "border half way, where the radial speed is largest, 16 coarse cells to the wall lose 3.4 % of the energy in 20 periods with the finer level at "
-         "the axis and gain 2.7 % with it outside; from 32 cells on both are below 1 %. Plane waves along the axis are thrown back as in plane strain: "
+         "border half way, where the radial speed is largest, 16 coarse cells to the wall lose 4.9 % of the energy in 20 periods with the finer level at "
+         "the axis and 1.5 % with it outside; from 32 cells on both are below 0.4 %. Plane waves along the axis are thrown back as in plane strain: "
          "0.0045 of the amplitude at 16 coarse cells a wavelength, 0.0014 at 32 (`bin/test_levels_waves`)."),
 ]
 

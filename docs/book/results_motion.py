@@ -20,8 +20,7 @@ ORDER = [
          (("tables.manufactured", ""),), "second order", EXACT, cells="16 to 128 across", plot="One level: rms error",
          headline="rms",
          sketch="sketches/square.png",
-         notes="Without viscosity MUSL is spoilt by noise from n = 64 on, with 2 % of XPIC from n = 128 on. The order of XPIC's largest error falls to 1.7 "
-         "over the same range. With F <- exp(dt L) F in place of (I + dt L) F the order of USL's mean error from n = 32 to 64 is 1.82 instead of 2.02, and "
+         notes="With F <- exp(dt L) F in place of (I + dt L) F the order of USL's mean error from n = 32 to 64 is 1.82 instead of 2.02, and "
          "that of its largest error 1.36 instead of 1.99. `bin/test_manufactured table 128` prints the table."),
     Page("manufactured_levels", "Manufactured solution across borders of levels",
          "The same square with a finer level in one half, in its middle, and with three levels, with ratios of 2, 3 and 4.", (WALLSTEDT,), MADE,

@@ -7,10 +7,10 @@
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
-from command import ROOT, command
+from command import ROOT, command  # first, as it says in one line where there is no numpy
+
+import numpy as np
 from gallery import save_small
 from matplotlib.patches import Annulus, Circle, Polygon, Rectangle
 

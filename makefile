@@ -119,18 +119,19 @@ test: deps
 	@$(MAKE) $(ON_CORES) $(PROGRAMS)
 	@MLGIMP_BIN=$(BIN) $(PYTHON) -m pytest -n $(JOBS) --dist loadfile $(if $(WORDS),-k "$(WORDS)")
 
+# SELECT="word word": only studies whose name contains one of the words; BOOK="word word": those of such pages of the verification book.
 verify: deps
 	@$(MAKE) $(ON_CORES) programs
-	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(SELECT)
+	@MLGIMP_BIN=$(BIN) $(PYTHON) tests/verify.py $(if $(BOOK),--book $(BOOK),$(SELECT))
 
 # The book, from README.md, docs/ and the pictures of the gallery that are there.
-BOOK          = output/docs
-BOOK_PACKAGES = python3-sphinx python3-myst-parser furo python3-sphinx-copybutton libjs-katex fonts-katex
+PAGES         = output/docs
+PAGE_PACKAGES = python3-sphinx python3-myst-parser furo python3-sphinx-copybutton libjs-katex fonts-katex
 docs:
-	@sh scripts/install_packages.sh $(BOOK_PACKAGES)
-	@rm -rf $(BOOK)
-	@$(PYTHON) -m sphinx -q -E -n -W --keep-going -c docs -d $(BUILD)/docs . $(BOOK)
-	@echo "$(BOOK)/index.html"
+	@sh scripts/install_packages.sh $(PAGE_PACKAGES)
+	@rm -rf $(PAGES)
+	@$(PYTHON) -m sphinx -q -E -n -W --keep-going -c docs -d $(BUILD)/docs . $(PAGES)
+	@echo "$(PAGES)/index.html"
 
 # SELECT="NAME NAME": runs and draws only these cases of the gallery.
 gallery: deps

@@ -67,6 +67,15 @@ def falls_short(studies):
 def draw(drawing):
     """A plot as an SVG picture in a data URL."""
     canvas, axes = pictures.plt.subplots(figsize=(6.4, 4.4))
+    draw_on(axes, drawing)
+    text = io.StringIO()
+    canvas.savefig(text, format="svg", metadata={"Date": None})
+    pictures.plt.close(canvas)
+    return "data:image/svg+xml;base64," + base64.b64encode(text.getvalue().encode()).decode()
+
+
+def draw_on(axes, drawing):
+    """Draws a plot on axes."""
     for each, marker in zip(drawing["curves"], itertools.cycle(MARKERS)):
         style = {"marker": marker} if each["kind"] == "points" else {}
         axes.plot(each["x"], each["y"], label=each["label"], **STYLES[each["kind"]], **style)
@@ -81,10 +90,6 @@ def draw(drawing):
     if len(drawing["curves"]) > 1:
         widest = max(map(len, labels))
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=1 if widest > 34 else 2 if widest > 16 else 3)
-    text = io.StringIO()
-    canvas.savefig(text, format="svg", metadata={"Date": None})
-    pictures.plt.close(canvas)
-    return "data:image/svg+xml;base64," + base64.b64encode(text.getvalue().encode()).decode()
 
 
 def log_ticks(axes, curves):

@@ -94,7 +94,8 @@ def to_arguments(options):
     return arguments
 
 
-ran = []  # command lines of the program so far, without where their results went
+Ran = namedtuple("Ran", "command folder")
+ran = []  # runs of the program so far: command line without where the results went, and that folder
 
 
 def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=1200):
@@ -104,7 +105,7 @@ def run(options, file=None, ranks=1, folder=None, must_succeed=True, timeout=120
     """
     folder = pathlib.Path(folder or tempfile.mkdtemp(dir=scratch()))
     arguments = (["-options_file", f"options/{file}"] if file else []) + to_arguments(options)
-    ran.append(shlex.join(command(arguments, ranks)).replace(f"{ROOT}/", ""))
+    ran.append(Ran(shlex.join(command(arguments, ranks)).replace(f"{ROOT}/", ""), folder))
     arguments += to_arguments({"output_dir": folder, "overwrite": None, "monitor": "false"})
     done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, env=environment(ranks), cwd=ROOT,
                           timeout=timeout)
@@ -182,6 +183,17 @@ def scratch():
 def clean_up():
     if _scratch:
         shutil.rmtree(_scratch, ignore_errors=True)
+
+
+def size_of(folder):
+    """(steps of the finest level, cells of it in half the widest contact) of a run; None where there are no such."""
+    from mlgimp import errors, results
+    try:
+        finest = json.loads((pathlib.Path(folder) / "summary.json").read_text())["levels"][-1]
+        widest = max(results.read_history(folder).get("contact_half_width", [0]), default=0)
+    except (OSError, ValueError, KeyError, errors.Error):
+        return None, None
+    return finest["steps"], round(float(widest / finest["cell_size"]), 1) or None
 
 
 class Expectations:

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Runs the studies that take longer than a test should, the functions verify_* in tests/cases, and reports on them.
 
-usage: tests/verify.py [WORD ...]      only the studies whose name (file.study) is, or else contains, one of the words
-       tests/verify.py --report        none: only writes the page and the document anew
+usage: tests/verify.py [WORD ...]          only the studies whose name (file.study) is, or else contains, one of the words
+       tests/verify.py --book WORD ...     those of the pages of the verification book whose name is, or else contains, one
+       tests/verify.py --report            none: only writes the page and the document anew
 
 Writes to output/verify/: report.html, one page with all figures, goals and plots; report.md, docs/report.md
 with the figures of this run; studies/NAME.json, what each study found. Studies that were not selected are shown as they
-were found last. The exit status is 0 only if every study shown reached all its goals.
+were found last. Data and pictures of the book's pages go to docs/images/results. The exit status is 0 only if every study
+shown reached all its goals.
 """
 import datetime
 import inspect
@@ -18,8 +20,10 @@ import time
 import pytest
 
 import harness
-import report_markdown
+import book
 import studies_page
+import report_markdown
+import results
 
 PREFIX = "verify_"  # of the functions that are studies
 FOLDER = harness.ROOT / "output" / "verify"
@@ -38,6 +42,11 @@ def split_detail(detail):
     rest, _, figure = text.rpartition(": ")
     is_figure = re.match(r"[-+.\d\[]|nan|inf", figure)
     return (rest, figure, goal or "") if is_figure else (text, "", "")
+
+
+def most(values):
+    """The largest that is not None, or None."""
+    return max((value for value in values if value is not None), default=None)
 
 
 class Study:
@@ -63,6 +72,11 @@ class Study:
             seen, goal = ("yes" if good else "no"), "yes"
         self.figures.append(studies_page.row(f"{name}: {rest}" if rest else name, seen, goal, good, self.command))
 
+    def compare(self, name, ours, theirs, tolerance, unit=""):
+        """A value of ours over an exact or published one; the page of the book has both."""
+        self.expect(f"{name}, of the exact one", ours / theirs, near=1, tolerance=tolerance)
+        self.figures[-1] |= {"ours": f"{ours:.4g} {unit}".strip(), "theirs": f"{theirs:.4g} {unit}".strip()}
+
     def figure(self, name, value, unit=""):
         """A figure without a goal."""
         self.expect.that(name, True, f"{value:.4g} {unit}".strip())
@@ -74,11 +88,13 @@ class Study:
         self.plots.append(studies_page.figure(title, xlabel, ylabel, curves, **options))
 
     def result(self):
-        """All that the page needs, as a dict."""
+        """All that the page needs, as a dict; steps and cells: the most of a run, None where no run has them."""
+        runs = harness.ran[self.runs_before:]
+        sizes = [harness.size_of(each.folder) for each in runs]
         return {"name": self.name, "title": self.title, "text": self.text, "command": f"tests/verify.py {self.name}",
                 "seconds": time.time() - self.begin, "date": datetime.datetime.now().isoformat(" ", "minutes"),
-                "runs": list(dict.fromkeys(harness.ran[self.runs_before:])), "rows": self.figures, "tables": self.tables,
-                "plots": self.plots}
+                "runs": list(dict.fromkeys(each.command for each in runs)), "steps": most(size[0] for size in sizes),
+                "cells": most(size[1] for size in sizes), "rows": self.figures, "tables": self.tables, "plots": self.plots}
 
     def store(self):
         stored(self.name).parent.mkdir(parents=True, exist_ok=True)
@@ -107,12 +123,14 @@ def known(names):
 
 
 def check_document(studies):
-    """A study about docs/report.md itself: it has the rows of all studies, with the same goals."""
-    study = Study("--report", "docs/report.md",
-                  "The committed document has a row for each figure of this page, with the same goal.")
-    lines = report_markdown.differences(DOCUMENT.read_text(), studies)
+    """A study about the documents themselves: each row is in docs/report.md, with the same goal, or else on one page of the book."""
+    study = Study("--report", "docs/report.md and the book",
+                  "The committed document has a row for each figure of this page, with the same goal, or the verification book has it.")
+    in_book = {each["name"]: each for each in studies if each["name"] in results.STUDIES}
+    lines = report_markdown.differences(DOCUMENT.read_text(), [each for each in studies if each["name"] not in in_book])
+    lines += book.differences(in_book)
     differ = f"{len(lines)} differences, the first: {lines[0]}" if lines else ""
-    study.expect.that("docs/report.md has the figures and goals of this page", not lines, differ)
+    study.expect.that("docs/report.md and the book have the figures and goals of this page", not lines, differ)
     return study.result()
 
 
@@ -125,12 +143,32 @@ def write(studies):
     return studies_page.falls_short(shown)
 
 
-def main(words):
+def select(studies, arguments):
+    """Names of the studies that the command line asks for; none with --report."""
+    if arguments == ["--report"]:
+        return []
+    if arguments[:1] == ["--book"]:
+        return list(dict.fromkeys(study for page in book.pages_of(arguments[1:]) for study, _ in page.parts))
+    chosen = choose(studies, arguments)
+    if not chosen:
+        sys.exit(f"error: {' '.join(arguments)}: must be part of one of {', '.join(studies)}")
+    return chosen
+
+
+def take_into_book(chosen):
+    """Data and pictures of the pages with a study that was run now, of those whose studies are all known."""
+    found = book.known()
+    for page in results.PAGES:
+        if book.complete(page, found) and any(name in chosen for name, _ in page.parts):
+            book.take(page, found)
+
+
+@book.command
+def main(arguments):
     studies = collect()
-    chosen = [] if words == ["--report"] else choose(studies, words)
-    if not chosen and words != ["--report"]:
-        sys.exit(f"error: {' '.join(words)}: must be part of one of {', '.join(studies)}")
+    chosen = select(studies, arguments)
     failed = chosen and pytest.main(["-m", "study", "-s", *(studies[name] for name in chosen)])
+    take_into_book(chosen)
     missed = write(known(studies))
     for line in missed:
         print(f"falls short: {line['name']}: {line['seen']} ({line['goal']})")
@@ -139,4 +177,4 @@ def main(words):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])

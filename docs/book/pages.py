@@ -1,14 +1,16 @@
-"""Pages of the book that are written when it is built: those of the gallery, from cases.py and the numbers of scripts/gallery.py,
-into docs/gallery/. It also gives two pages all the room, and the page of options on one sheet its style."""
+"""Pages of the book that are written when it is built: those of the gallery, from cases.py and the numbers of scripts/gallery.py, into
+docs/gallery/, and those of the verification book, from results.py and what studies found, into docs/results/. It also gives some pages
+all the room, and the page of options on one sheet its style."""
 
 import json
 from pathlib import Path
 
+import results
 from cases import CASES
 
 DOCS = Path(__file__).resolve().parents[1]
 PICTURES = DOCS / "images" / "gallery"
-SHEET, FRONT = "docs/cheat_sheet", "docs/index"
+SHEET, FRONT, RESULTS = "docs/cheat_sheet", "docs/index", "docs/results/index"
 
 PAGE = """# {title}
 
@@ -75,10 +77,14 @@ def overview():
 
 
 def write_pages(app):
-    """Writes the pages of the gallery where they are not what they should be, so that Sphinx reads only what has changed."""
+    """Writes the pages of the gallery and of the verification book."""
     numbers = json.loads((PICTURES / "numbers.json").read_text())
-    pages = {"index": overview(), **{case.name: page_of(case, numbers[case.name]) for case in CASES}}
-    folder = DOCS / "gallery"
+    write(DOCS / "gallery", {"index": overview(), **{case.name: page_of(case, numbers[case.name]) for case in CASES}})
+    write(DOCS / "results", results.texts())
+
+
+def write(folder, pages):
+    """Writes pages {name: text} where they are not what they should be, so that Sphinx reads only what has changed, and no others."""
     folder.mkdir(exist_ok=True)
     for path in folder.glob("*.md"):
         if path.stem not in pages:
@@ -90,8 +96,8 @@ def write_pages(app):
 
 
 def style_page(app, page, template, context, document):
-    """Hides the contents of two pages, which are at the right of others, and gives the page of options its narrow columns."""
-    if page in (SHEET, FRONT):
+    """Hides the contents of some pages, which are at the right of others, and gives the page of options its narrow columns."""
+    if page in (SHEET, FRONT, RESULTS):
         context["meta"] = {**(context["meta"] or {}), "hide-toc": ""}
     if page == SHEET:
         app.add_css_file("cheat_sheet.css")

@@ -6,6 +6,7 @@ import numpy
 from mlgimp import creep
 
 import harness
+import studies_page as page
 
 SHARES = (0.5, 0.75, 1.0)  # of the depth at the end of a hold, where depths are compared: on five cells and more in the contact's radius
 
@@ -110,7 +111,7 @@ def verify_lee_radok(study):
     Lee and Radok's solution (1960) for a ball of 100 um on a generalized Maxwell solid, 8 of the finest cells in the contact's
     radius at the end, in a block of 64 of these radii: a load within 1 s and a hold, one term and two; and a depth.
     """
-    radius = 100e-6
+    radius, curves = 100e-6, []
     for name, times, shares in (("one term", [5.0], [2 / 3]), ("two terms", [0.5, 20.0], [0.3, 0.3])):
         law = {"model": "viscoelastic", "youngs_modulus": 3e9, "poissons_ratio": 0.3, "density": 1200, "relaxation_times": times,
                "relaxation_shares": shares}
@@ -120,3 +121,7 @@ def verify_lee_radok(study):
         exact = creep.lee_radok(seconds, [0, 1], [0, 1e-3], 3e9, 0.3, shares, times, radius=radius)
         for second, depth in zip(seconds, exact):
             study.expect(f"{name}: depth at {second:g} s, of the exact one", at(history, second, "depth") / depth, near=1, tolerance=0.015)
+        rows = history["test_time"] <= 101
+        curves += [page.curve(name, history["test_time"][rows], 1e9 * history["depth"][rows]),
+                   page.curve("_exact" if curves else "Lee and Radok", seconds, 1e9 * exact, "reference")]
+    study.plot("Depth over time", "time (s)", "depth (nm)", *curves)

@@ -3,6 +3,7 @@ import numpy
 import pytest
 
 import harness
+import studies_page as page
 from mlgimp import load_depth, oliver_pharr
 
 # Lengths in cells, E = 1: a sphere on a block of 16 x 16, of which the upper part is a film; slow beside waves, which need 14 to 17.
@@ -84,6 +85,9 @@ def verify_interface(study):
         study.expect(f"cells of {cell}: load with half a cell of film more, of that by interpolation, less 1", errors[-1], at_most=0.04 * cell)
     for coarse, fine in zip(errors, errors[1:]):
         study.expect("order of the error", numpy.log2(coarse / fine), at_least=0.9)
+    sizes = [0.25, 0.5, 1]
+    study.plot("Error of the load", "cell size / quarter of the film", "error of the load",
+               page.curve("half a cell of film more", sizes, errors[::-1], "points"), page.slope(1, sizes, errors[-1]), log=True)
 
 
 def verify_shipped(study):

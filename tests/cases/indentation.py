@@ -153,8 +153,9 @@ SPACE = {**SPHERE, "geometry": "3d", "domain_lower": "0,0,0", "domain_upper": "6
 
 def round_sphere(expect):
     result = harness.run(ROUND)
-    hertz(expect, "axisymmetric sphere", nodal_pressure(result, (0, 44), 1, axisymmetric=True), 120, result.history["load"][-1], (0.02, 0.02, 0.04))
-    return result
+    pressures = nodal_pressure(result, (0, 44), 1, axisymmetric=True)
+    hertz(expect, "axisymmetric sphere", pressures, 120, result.history["load"][-1], (0.02, 0.02, 0.04))
+    return result, pressures
 
 
 def test_sphere_on_levels(expect):
@@ -167,14 +168,25 @@ def verify_sphere_on_levels(study):
 
     Radius of 120 of the finest cells, contact radius of 8, on blocks of equal section; a quarter of the block in space.
     """
-    flat, space = round_sphere(study.expect), harness.run(SPACE)
-    load = 4 * space.history["load"]
-    hertz(study.expect, "sphere in space", nodal_pressure(space, (0, 0, 44), 1), 120, load[-1], (0.015, 0.02, 0.04))
+    (flat, of_flat), space = round_sphere(study.expect), harness.run(SPACE)
+    load, of_space = 4 * space.history["load"], nodal_pressure(space, (0, 0, 44), 1)
+    hertz(study.expect, "sphere in space", of_space, 120, load[-1], (0.015, 0.02, 0.04))
     depths = numpy.linspace(0.25, 0.49, 9)
     loads = [numpy.interp(depths, history["depth"], scale * history["load"]) for history, scale in ((flat.history, 1), (space.history, 4))]
     study.expect("sphere: load in axisymmetry against space at equal depth", deviation(*loads), at_most=0.015)
+    plot_pressures(study, {"axisymmetric": (of_flat, flat.history["load"][-1]), "space": (of_space, load[-1])})
     study.plot("Load against depth", "depth (cells)", "load (E* h2)", page.curve("axisymmetric", flat.history["depth"], flat.history["load"]),
                page.curve("space", space.history["depth"], load))
+
+
+def plot_pressures(study, found):
+    """Pressures of columns over the radius, and Hertz's; found: {name: (pressures, load)}, E* = 1."""
+    curves = []
+    for name, (at, load) in found.items():
+        a = (0.75 * load * 120) ** (1 / 3)
+        curves.append(page.curve(name, numpy.sqrt((at.places**2).sum(axis=1)) / a, at.pressures / (2 * a / (math.pi * 120)), "dots"))
+    r = numpy.sin(numpy.linspace(0, math.pi / 2, 60))
+    study.plot("Pressures of columns", "r / a", "pressure / Hertz's largest", *curves, page.curve("Hertz", r, numpy.sqrt(1 - r**2), "reference"))
 
 
 # ---- cone and pyramids ----

@@ -7,6 +7,7 @@ import numpy
 import pytest
 
 import harness
+import studies_page as page
 from ranks import BALL, FLIGHT, RING, expect_same
 
 SHEAR_YIELD = 70e6 / math.sqrt(3)
@@ -250,6 +251,26 @@ def test_taylor_bar(expect):
     on_two = shape(harness.run(TWO_LEVELS, file="taylor_bar.opts"))
     expect("length on two levels, of that on one", on_two[0] / length, near=1, tolerance=0.01)
     expect("foot on two levels, of that on one", on_two[1] / foot, near=1, tolerance=0.01)
+
+
+def verify_taylor_bar(study):
+    """Taylor's bar
+
+    A copper rod of 32.4 mm meets a rigid wall at 227 m/s (options/taylor_bar.opts): length and radius of the foot at the end, with cells of .4 and .2 mm.
+    """
+    for cell in (0.4, 0.2):
+        result = harness.run({**TAYLOR, "cell_size": 1e-3 * cell, "frames": 20}, file="taylor_bar.opts")
+        length, foot = shape(result)
+        study.expect(f"cells of {cell} mm: length, mm", length, near=21.4, tolerance=0.3)
+        study.expect(f"cells of {cell} mm: radius of the foot, mm", foot, near=7.05, tolerance=0.3)
+        given = result.history["kinetic_energy"][:1]
+        study.expect(f"cells of {cell} mm: energies less those at the start, of them", energy_left(result.history, given), near=0, tolerance=0.02)
+    frame = result.frame()
+    outer, heights = 1e3 * (frame["position"] + frame["half_size"])[:, 0], 1e3 * frame["position"][:, 1]
+    middles = numpy.arange(0.1, heights.max(), 0.2)
+    outline = [outer[numpy.abs(heights - middle) < 0.15].max() for middle in middles]
+    study.plot("The rod at the end, cells of 0.2 mm", "radius (mm)", "height (mm)", page.curve("outline", [*outline, 0], [*middles, length]),
+               page.curve("length and foot, other codes", (0, 7.05), (21.4, 0), "dots"))
 
 
 @pytest.mark.mpi

@@ -145,10 +145,10 @@ def test_tests_of_rows(expect):
 
 
 def test_claims(expect):
-    """Each row of docs/verification.md is a claim, its figure, and a test that exists."""
+    """Each row of docs/verification.md is a claim, its figure, and a test that exists; results that are published or exact are in the book."""
     page = (harness.ROOT / "docs" / "verification.md").read_text()
     rows = [row for row in rows_of(page) if row[0] != "claim"]
-    expect("claims", len(rows), at_least=30)
+    expect("claims", len(rows), at_least=20)
     expect("lines of docs/verification.md", page.count("\n"), at_most=150)
     bare = [row[0] for row in rows if not re.search(r"\d", row[1]) or "`" not in row[-1]] + unknown_tests(rows)
     expect.that("claims have figures and tests", not bare, ", ".join(bare))

@@ -5,6 +5,7 @@ import numpy
 import pytest
 
 import harness
+import studies_page as page
 from refusals import Table, expect_refused
 
 # An elastic body of small strain under a tip of revolution whose contact is eight cells wide in the end; cells are 1.
@@ -63,10 +64,10 @@ def of_fourth_power(r):
     return 0.025 * (r / CELLS)**3
 
 
-def profile_file(folder, height, reach):
+def profile_file(folder, height, reach, name="profile.txt"):
     """A file with a profile from its heights."""
     r = numpy.linspace(0, reach, 400)
-    path = folder / "profile.txt"
+    path = folder / name
     numpy.savetxt(path, numpy.column_stack([r, height(r)]), header="r z")
     return path
 
@@ -82,8 +83,17 @@ def tip_cases(folder):
 
 def pressed(tip, slope, radius, radii):
     """Ratios of load and radius to Sneddon's at his depth."""
+    return ratios_of(press(tip, slope, radius, radii), slope, radius)
+
+
+def press(tip, slope, radius, radii):
+    """Result of a tip that is pressed to Sneddon's depth of a contact radius, on a block of so many of them."""
+    return harness.run({**block(radii), **tip, "indenter_depths": sneddon(slope, radius)[0]})
+
+
+def ratios_of(result, slope, radius):
     depth, load = sneddon(slope, radius)
-    found, width = deepest(harness.run({**block(radii), **tip, "indenter_depths": depth}), depth)
+    found, width = deepest(result, depth)
     return found / (MODULUS * load), width / radius
 
 
@@ -212,7 +222,7 @@ def test_refusals(expect, tmp_path):
 def verify_sneddon(study):
     """Tips of revolution against Sneddon's integral
 
-    An elastic body under tips of five profiles with eight of the finest cells in the contact's radius: load and radius at rest at the depth
+    An elastic body under tips of eight profiles with eight of the finest cells in the contact's radius: load and radius at rest at the depth
     of Sneddon's solution, in a half space, extrapolated from blocks of 16 and 32 radii, whose sides take as much from the depth as they
     are near.
     """
@@ -221,14 +231,41 @@ def verify_sneddon(study):
 
     def conosphere(r):
         return numpy.minimum(ball(R / 2, r), 1 / CONE)  # the ball's slope grows to that of the flank
+    parabola = profile_file(study_folder(), lambda r: r**2 / (2 * R), 3 * CELLS, "paraboloid.txt")
     cases = tip_cases(study_folder()) | {
         "ball": ({"indenter": "sphere", "indenter_radius": R}, lambda r: ball(R, r), CELLS),
         "conosphere": ({"indenter": "cone", "indenter_half_angle": ANGLE, "indenter_tip_radius": R / 2}, conosphere, CELLS),
+        "cone": ({"indenter": "cone", "indenter_half_angle": ANGLE}, lambda r: numpy.full_like(r, 1 / CONE), CELLS),
+        "paraboloid": ({"indenter": "profile", "indenter_profile": parabola}, lambda r: r / R, CELLS),
     }
     for name, (tip, slope, radius) in cases.items():
-        ratios = [pressed(tip, slope, radius, radii) for radii in (16, 32)]
+        results = [press(tip, slope, radius, radii) for radii in (16, 32)]
+        ratios = [ratios_of(result, slope, radius) for result in results]
         for k, (what, limit) in enumerate((("load", 0.01), ("radius", 0.015))):
             study.expect(f"{name}: {what}, of Sneddon's", 2 * ratios[1][k] - ratios[0][k], near=1, tolerance=limit)
+        exact = [sneddon(slope, a) for a in numpy.linspace(0.1, 1, 40) * radius]
+        plot_loads(study, name, results[1], *zip(*exact))
+    round_punch(study)
+
+
+def plot_loads(study, name, result, depths, loads):
+    """Load over depth on the larger block, and Sneddon's on a half space; loads over E*."""
+    history = result.history
+    study.plot(f"{name}: load over depth", "depth (cells)", "load (E* of a cell squared)",
+               page.curve("block of 32 radii", history["depth"], history["load_quasi_static"] / MODULUS),
+               page.curve("Sneddon, half space", depths, loads, "reference"))
+
+
+def round_punch(study):
+    """The same of a flat punch, whose load is 2 E* a h: the radius is given, and so is the depth."""
+    depth, results = CELLS / 80, []
+    for radii in (16, 32):
+        results.append(harness.run({**block(radii), "indenter": "flat_punch", "indenter_radius": CELLS, "indenter_depths": depth}))
+    loads, widths = zip(*(deepest(result, depth) for result in results))
+    small, large = (load / (2 * MODULUS * CELLS * depth) for load in loads)
+    study.expect("flat punch: load, of 2 E* a h", 1 / (2 / large - 1 / small), near=1, tolerance=0.01)  # compliances add
+    study.expect("flat punch: radius, of its own", widths[1] / CELLS, near=1, tolerance=0.015)
+    plot_loads(study, "flat punch", results[1], [0, depth], [0, 2 * CELLS * depth])
 
 
 def study_folder():

@@ -12,6 +12,7 @@ import pytest
 from harness import ROOT
 
 sys.path.append(str(ROOT / "docs" / "book"))
+import results
 from cases import CASES
 
 GALLERY = ROOT / "docs" / "images" / "gallery"
@@ -63,7 +64,7 @@ def assert_drawn(formulas):
 def test_every_page_is_in_a_table_of_contents():
     front = ROOT / "docs" / "index.md"
     pages = {ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")} | set((ROOT / "docs").glob("*.md")) - {front}
-    assert in_contents(front) - {ROOT / "docs" / "gallery" / "index.md"} == pages
+    assert in_contents(front) - {ROOT / "docs" / folder / "index.md" for folder in ("gallery", "results")} == pages
 
 
 @pytest.mark.fast
@@ -78,7 +79,8 @@ def test_the_gallery_has_its_pictures_and_numbers():
 def test_the_book_builds_without_warnings(tmp_path):
     book = build(ROOT, tmp_path)
     assert (book / "index.html").exists()
-    for page in ("README", "CONTRIBUTING", "CHANGELOG", "docs/index", "docs/method", *(f"docs/gallery/{case.name}" for case in CASES)):
+    for page in ("README", "CONTRIBUTING", "CHANGELOG", "docs/index", "docs/method", *(f"docs/gallery/{case.name}" for case in CASES),
+                 "docs/results/index", *(f"docs/results/{page.name}" for page in results.PAGES)):
         text = (book / f"{page}.html").read_text()
         loaded = re.findall(r'<(?:script|link|img)[^>]* (?:src|href)="([^"]+)"', text)
         assert loaded and not [each for each in loaded if each.startswith(("http:", "https:", "//"))], page

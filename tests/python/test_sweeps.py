@@ -132,12 +132,17 @@ except KeyboardInterrupt as problem:
 """
 
 
+def heed_interrupts():
+    """What a shell starts in the background ignores them, and all that it starts does."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_an_interrupt_keeps_what_is_done(tmp_path, ranks):
     """Also where it reaches the whole group of processes, as from a terminal or a notebook: a checkpoint, results, and how to go on."""
     folder = tmp_path / "run"
     script = STOPPED.format(python=str(harness.ROOT / "python"), case=LONG, ranks=ranks, folder=str(folder))
-    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=heed_interrupts,
                                env={**harness.environment(ranks), "MLGIMP_BIN": str(harness.BIN)})
     end = time.monotonic() + 30
     while time.monotonic() < end and not ((folder / "history.csv").exists() and (folder / "history.csv").read_text().count("\n") > 3):
@@ -158,7 +163,7 @@ def test_a_sweep_that_is_interrupted_goes_on(tmp_path):
     options.write_options(tmp_path / "press.opts", CASE)
     words = [sys.executable, str(harness.ROOT / "scripts" / "sweep.py"), str(tmp_path / "press.opts"), "--vary", "indenter_velocities", "2", "0.01", "1",
              "--out", str(tmp_path / "s"), "--jobs", "1"]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=heed_interrupts,
                                env={**harness.environment(1), "MLGIMP_BIN": str(harness.BIN)})
     end = time.monotonic() + 30
     while time.monotonic() < end and not (tmp_path / "s" / "indenter_velocities_0.01" / "history.csv").exists():

@@ -19,7 +19,7 @@ def run_in(tree, words):
                                "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}).stdout
 
 
-def verify_debian(study):
+def verify_installed(study):
     """The Debian package
 
     Built by dpkg-buildpackage of what is committed, and installed by apt into a tree of Debian that had nothing but its base.

@@ -34,7 +34,8 @@ void ReadLoads(OptionReader &reader, const std::vector<std::string> &bodies, Cas
 void ReadIndenter(OptionReader &reader, Case *c);
 /// The surface of an indenter of a kind, none with -help. Collective on all ranks where a file describes it.
 void ReadTip(OptionReader &reader, const std::string &kind, Case *c);
-/// Half the angle of the cone with the same area at each depth as a regular pyramid that has a name, degrees; 0 where the kind is none.
+/// Half the angle of the cone with the same area at each depth as a regular pyramid that has a name, degrees; 0 where the kind is
+/// none.
 double EquivalentHalfAngle(const std::string &kind);
 /// What goes with a method of contact that has been chosen.
 void ReadContact(OptionReader &reader, ContactSettings *contact);

@@ -1,13 +1,14 @@
 """Materials and tips by name, as the program has them: `bin/mlgimp -presets` lists them with their sources."""
 
 import functools
+import os
 import re
 import subprocess
 from collections import namedtuple
 
 from . import units
 from .errors import Error
-from .program import find_program
+from .program import ENVIRONMENT, find_program
 
 Preset = namedtuple("Preset", "name values percents source")
 Preset.__doc__ = """A material or a tip: its name; values, a dict of texts {option without prefix and dash: value with its unit}; percents, a dict of the
@@ -20,7 +21,7 @@ LAWS = "neo_hookean", "hypoelastic", "j2", "st_venant_kirchhoff", "linear", "vis
 @functools.lru_cache(maxsize=1)
 def listed():
     """Returns the lines of all presets, ({name: Preset of a material}, {name: Preset of a tip})."""
-    found = subprocess.run([find_program(), "-presets"], capture_output=True, text=True, check=False)
+    found = subprocess.run([find_program(), "-presets"], capture_output=True, text=True, check=False, env={**ENVIRONMENT, **os.environ})
     if found.returncode != 0:
         raise Error(f"{find_program()} -presets: {found.stderr.strip() or 'fails'}")
     materials, tips = {}, {}

@@ -84,7 +84,7 @@ def in_si(text, kind=None):
 
 def argument(name, value, kind):
     """Returns the value of an argument in SI units: a number as it is, a text with its unit. None stays None, and what is neither is for others
-    to refuse. A text without a unit is refused, as nobody could say which one it has: 0 needs none."""
+    to refuse. A text without a unit is refused, since the unit that the caller means is not known; 0 needs none."""
     if not isinstance(value, str):
         return value
     try:

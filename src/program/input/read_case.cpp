@@ -160,11 +160,13 @@ void ReadOutput(OptionReader &reader, Case *c)
   out.directory = "output/" + c->name;
   reader.Read({"-output_dir", "folder for the results (default: output/ and the name of the options file)"}, &out.directory);
   reader.Read({"-overwrite", "replace the results that the folder holds"}, &out.overwrite);
-  std::string check = "none";
+  std::string check;
+  if (FindValue("-check", &check) && check.empty()) ExitOnError(PetscOptionsSetValue(nullptr, "-check", "text"));
+  check = "none";
   reader.Choice(
       {"-check", "sets the case up, takes a few steps to see what they cost, and prints what the case is, in place of a run"},
-      {"none", "text", "json", ""}, &check);
-  out.check = check == "none" ? "" : check.empty() ? "text" : check;
+      {"none", "text", "json"}, &check);
+  if (check != "none") out.check = check;
   reader.Read({"-history_interval", "level-0 steps between rows of history.csv", "", Closed(1, 2e9)}, &out.history_interval);
   reader.Read({"-frames", "number of equally spaced point frames behind that of the start, the last at the end; 0 = none", "",
                Closed(0, 1e6)},

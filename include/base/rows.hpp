@@ -62,6 +62,16 @@ template <int n> inline void LoadRows(const double *field, int count, Row *rows,
   LoadLast<n>(field, p, count, rows, stride);
 }
 
+/// The lanes of four vectors become four vectors, `stride` apart.
+inline void StoreTransposed(const Pack *parts, double *vectors, int stride)
+{
+  const Pack even[2] = {EvenLanes(parts[0], parts[1]), EvenLanes(parts[2], parts[3])},
+             odd[2] = {OddLanes(parts[0], parts[1]), OddLanes(parts[2], parts[3])};
+  StoreVector(vectors, Join(Low(even[0]), Low(even[1]))), StoreVector(vectors + stride, Join(Low(odd[0]), Low(odd[1])));
+  StoreVector(vectors + 2 * stride, Join(High(even[0]), High(even[1])));
+  StoreVector(vectors + 3 * stride, Join(High(odd[0]), High(odd[1])));
+}
+
 /// The other way, of points p to p + kLanes - 1.
 template <int n> inline void StoreLanes(const Row *rows, int p, double *field, int stride = n)
 {

@@ -31,6 +31,7 @@ public:
 
   const NodePartition &Nodes() const { return nodes_; }
   const NodalArrays &Arrays() const { return arrays_; }
+  NodalArrays &Arrays() { return arrays_; }
   HaloExchange &Halo() { return halo_; }
   /// What the weights of points go by.
   const Lattice &IndexSpace() const { return lattice_; }
@@ -47,10 +48,10 @@ public:
 
   // Collective on the grid's ranks.
 
-  /// Adds up what all ranks have added to the nodes, their own and ghosts alike: afterwards all know the sums there.
+  /// Adds up what all ranks have added to the nodes and cells, their own and ghosts alike: afterwards all know the sums there.
   PetscErrorCode ShareSums();
-  /// The same of rates, with or without the projection and the strain rate, and of cells, which get their means.
-  PetscErrorCode ShareRates(bool projection, bool strain_rate);
+  /// The same of so many rates, from the first on.
+  PetscErrorCode ShareRates(int count);
   /// Copies the owners' velocities to the ghosts, where more than shared sums has made them.
   PetscErrorCode BroadcastVelocity() { return halo_.Broadcast(arrays_.VelocityUnit(), arrays_.VelocityArray()); }
   /// Shows the grid to the viewer that the option -PREFIXdm_view names, and mass, momentum, velocity p/m and force of the nodes,

@@ -23,23 +23,30 @@ struct NodeVelocity {
   double *velocity, *change; ///< [dim] each
 };
 
-/// What a cell holds of the points of a material in it, kg: sums of mass, and of what else is named times mass.
+/// What a cell holds of the points of a material in it, kg.
 struct CellSums {
   double mass;
-  double growth;          ///< of volume, in the step
-  double relative_volume; ///< J, at the step's start
+  double relative_volume; ///< mass times J, at the step's start
+};
+
+/// The strain rate of a cell in its middle (components as NodeLayout's) times a weight, 1/s, and that weight: zero where a corner
+/// is empty, so that the cell has none.
+struct alignas(64) CellRate {
+  double strain[6];
+  double weight, unused;
 };
 
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
-/// velocity of the second extrapolation, strain rate (xx, yy, xy in the plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz,
-/// xz in space), momentum or velocity of the projection for XPIC.
+/// velocity of the second extrapolation, momentum or velocity of the projection for XPIC, smooth strain rate (xx, yy, xy in the
+/// plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz, xz in space). Each begins a vector of four in space, of two in the
+/// plane.
 struct NodeLayout {
   static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
   static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show
   static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
   static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
-  static constexpr int StrainRate(int dim) { return dim; }             ///< place of the strain rate among the rates
-  static constexpr int Projected(int dim) { return dim == 2 ? 6 : 9; } ///< place of the projection among them
+  static constexpr int Projected(int dim) { return dim == 2 ? 2 : 4; }  ///< place of the projection among the rates
+  static constexpr int StrainRate(int dim) { return dim == 2 ? 4 : 8; } ///< place of the strain rate among them
 };
 
 /// The arrays by place of the node, see NodePartition::Place and NodeLayout. Whoever may read them may also write them.
@@ -62,8 +69,12 @@ public:
   /// node's place from the first.
   CellSums *Cells(int average) const { return cells_ + average; }
   int CellStride() const { return cell_size_; }
+  /// Growth of volume of the cell above each node in the step; only where materials keep sums at cells.
+  double *Growths() const { return growths_; }
+  /// Of `count` cells of a layer, that of even or of odd ones; until the next call with more.
+  CellRate *Layer(int layer, std::ptrdiff_t count);
+  /// Sums of nodes and cells.
   void ClearSums() const;
-  /// Rates, and the sums of cells.
   void ClearRates() const;
 
   /// The values of a node as one unit of communication.
@@ -78,9 +89,12 @@ private:
 
   std::vector<CacheLine> memory_[3]; ///< of sums, velocities and rates
   std::vector<CellSums> cell_memory_;
+  std::vector<double> growth_memory_;
+  std::vector<CellRate> layers_[2];
   NodeSums *sums_ = nullptr;
   double *velocity_ = nullptr, *rates_ = nullptr;
   CellSums *cells_ = nullptr;
+  double *growths_ = nullptr;
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
   int cell_size_ = 0;                                 ///< materials that a cell has sums of
   UnitHandle sums_unit_, velocity_unit_;

@@ -62,7 +62,6 @@ struct NodalSettings {
   double mass_cutoff = 0; ///< nodes with less are skipped, kg
   double xpic_fraction = 0;
   int xpic_order = 2;
-  bool second_extrapolation = true; ///< strain from the velocities of the moved momentum (MUSL)
   bool HasBodyForces() const { return damping > 0 || Norm(gravity) > 0; }
 };
 
@@ -118,11 +117,14 @@ inline constexpr double kContactLead = 0.1, kTractionLead = 0.3;
 std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
                                                      const LightNodes &light);
 
+/// Makes of what SpreadChange has left in `rates` the momenta of points after the step, p + sum m S dv_p; without it p + m dv, as
+/// if nodes had their mass to themselves.
+void AddMomenta(const Grid &grid, bool spread);
+
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
 /// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
-/// see, do not count as work. Where there are no rates, P = p + m dv. ahead: what
-/// AdvanceContactNodes has put into `rates`.
-double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, bool rates,
+/// see, do not count as work. ahead: what AdvanceContactNodes has put into `rates`.
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
                     const std::map<std::ptrdiff_t, double> &ahead);
 
 // What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
@@ -164,14 +166,13 @@ struct SecondVelocityPlan {
   bool exchange;                                ///< adds up the kinetic energy that points get from forces, see AddExchange
 };
 
-/// Divides the sums in `rates` by the mass: second velocity, mean of the points' velocities for XPIC, smooth strain rate; at
+/// Divides the sums in `rates` by the mass: second velocity, mean of the points' velocities for XPIC; at
 /// sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
 void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
                  const SecondVelocityPlan &plan, Budgets &budgets);
 
 /// Makes of the means, on all nodes with those that hang on others, the projected velocity (2 v - mean for XPIC of order 2, v for
-/// order 1). The second velocity takes part in XPIC as the points' velocities do; without a second extrapolation it is the new
-/// velocity itself.
+/// order 1). The second velocity takes part in XPIC as the points' velocities do.
 void FinishRates(const Grid &grid, const NodalSettings &settings, const SecondVelocityPlan &plan);
 
 } // namespace mlgimp

@@ -53,13 +53,13 @@ template <class Work> PetscErrorCode Timed(PetscLogEvent event, Work work)
 struct Flops {
   explicit constexpr Flops(int dim)
       : rows(dim == 3 ? 9 : 3), stencil(26 * dim), scatter(rows * (8 + 3 * 16)), gather(3 * rows * 4 * dim * (1 + dim)),
-        points_to_grid(stencil + 17 + scatter), grid_to_points(stencil + gather + 6 * dim), scatter_rates(8 + scatter),
-        gather_rates(stencil + gather + rows * (24 + 8)), stress(22.5 * dim * dim), short_wave(8.75 * dim * dim), // size
-        node(10 * dim), rates(9 + 5 * dim)
+        points_to_grid(stencil + 17 + scatter), spread_change(stencil + dim + rows * (6 * dim + 4 + 3 * 8)), // size
+        grid_to_points(stencil + gather + rows * (6 * dim + 24) + 6 * dim), stress(22.5 * dim * dim),        // size
+        short_wave(8.75 * dim * dim), node(10 * dim), rates(16 * dim * dim)                                  // size
   {
   }
   double rows, stencil, scatter, gather;
-  double points_to_grid, grid_to_points, scatter_rates, gather_rates, stress, short_wave, node, rates;
+  double points_to_grid, spread_change, grid_to_points, stress, short_wave, node, rates;
 };
 
 } // namespace mlgimp

@@ -82,8 +82,12 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode FindLightNodes();
-  PetscErrorCode ExchangeRates(double dt, double xpic);
-  PetscErrorCode AddWorkOfLoads(bool rates, double dt);
+  /// What the step adds to the momenta of points, and what XPIC projects, on all nodes.
+  PetscErrorCode SpreadChange(double xpic);
+  /// Velocities and strain rates of the nodes for the points; the budgets that need momenta after the step.
+  PetscErrorCode FindRates(double dt, double xpic, bool spread);
+  PetscErrorCode AddWorkOfLoads(double dt);
+  PetscErrorCode GridToPoints(const GridToPointsPlan &plan);
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not added up. flops: of a point.
   template <class Sweep> PetscErrorCode ForEachStore(double flops, Sweep sweep);

@@ -54,8 +54,8 @@ public:
   /// Before points move: finds how corners of the surface will move. path: a bound of how far points have moved since any time,
   /// m.
   PetscErrorCode PrepareSurface(const LevelParts &level, double path);
-  /// After it: moves the surface. rates: points that do not average their volume are strained by the second velocity.
-  PetscErrorCode MoveSurface(const LevelParts &level, bool rates, double dt);
+  /// After it: moves the surface. second: points that do not average their volume are strained by the second velocity.
+  PetscErrorCode MoveSurface(const LevelParts &level, bool second, double dt);
   /// The level has no points: nothing touches it.
   void Deactivate();
 

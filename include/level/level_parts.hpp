@@ -9,6 +9,8 @@
 #include "points/points.hpp"
 #include "surface/pieces.hpp"
 
+#include <cstddef>
+#include <map>
 #include <vector>
 
 namespace mlgimp
@@ -23,13 +25,14 @@ struct LevelFailure {
 
 /// The step that a level takes, or took last.
 struct LevelStep {
-  long taken = 0;                     ///< steps before it; after its end also itself
-  double time = 0;                    ///< at its start, s
-  double scale = 1;                   ///< simulated time over that of the test
-  bool measures_noise = false;        ///< of the points' velocities, for Level::Totals
-  std::vector<FaceForce> applied;     ///< by loads
-  std::vector<NodeChange> held_nodes; ///< by sides
-  LevelFailure failure;               ///< in it or before
+  long taken = 0;                         ///< steps before it; after its end also itself
+  double time = 0;                        ///< at its start, s
+  double scale = 1;                       ///< simulated time over that of the test
+  bool measures_noise = false;            ///< of the points' velocities, for Level::Totals
+  std::vector<FaceForce> applied;         ///< by loads
+  std::vector<NodeChange> held_nodes;     ///< by sides
+  std::map<std::ptrdiff_t, double> ahead; ///< see AdvanceContactNodes
+  LevelFailure failure;                   ///< in it or before
 
   /// Keeps why the level cannot go on, if it is the first reason.
   void Fail(LevelFailure::Kind kind, const PointFailure &point = {})

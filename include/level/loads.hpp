@@ -38,7 +38,7 @@ void AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Lo
 void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets);
 /// (p + P)/2m of all local nodes, P the momentum after the step, as in WorkOnPoints, m/s [ghosted nodes][dim]. Sums, velocities
 /// and rates must be known on ghosts.
-std::vector<double> MeanMotion(const Grid &grid, bool rates, double mass_cutoff);
+std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff);
 /// Adds up the work of the forces, from the motion of all nodes with those that hang on others.
 void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, const std::vector<double> &motion, double dt,
                  Budgets &budgets);

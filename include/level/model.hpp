@@ -47,10 +47,10 @@ struct Model {
   PiecewiseLinear gravity_share{{0}, {1}}; ///< of nodal.gravity, over time
   BodyAcceleration acceleration;           ///< beside gravity; empty for none
 
-  /// True where a step has a second extrapolation of velocities, projections or strain rates to the nodes, or sums at cells.
-  bool UsesRates() const
+  /// Whether points follow a second extrapolation of velocities: with MUSL those that do not average their volume.
+  bool HasSecondVelocity() const
   {
-    return stress_update == StressUpdate::kMusl || short_wave.On() || nodal.xpic_fraction > 0 || VolumeAverages() > 0;
+    return stress_update == StressUpdate::kMusl && VolumeAverages() < static_cast<int>(materials.size());
   }
   bool HasContact() const { return indenter && contact.method != "none"; }
   const Material &MaterialOf(int body) const { return *materials[bodies[body].material]; }

@@ -5,6 +5,7 @@
 #include "physics/shape.hpp"
 
 #include <cstddef>
+#include <type_traits>
 
 namespace mlgimp
 {
@@ -81,32 +82,32 @@ inline Gathered<axes> Gather(const GroupStencil<dim, components> &at, int compon
   return sum;
 }
 
-/// How many rows of nodes a scatter adds to at once: as many as have their sums in registers.
-template <int dim> inline constexpr int kRowsAtOnce = dim == 2 && kRegisters >= 32 ? 3 : 1; // size
+/// How many rows of nodes a scatter adds to at once, with so many registers for a node: as many as have their sums in registers,
+/// beside a share for each row and what passes.
+constexpr int RowsAtOnce(int registers) { return 12 * registers + 2 < kRegisters ? 3 : 1; } // size
 
 /// Some of the rows of nodes along x of a group of points, from one on, and for each point the products of its weights along the
 /// other axes.
-template <int dim> struct NodeRows {
+template <int dim, int rows> struct NodeRows {
   const AxisStencils<dim> &block;
   int first, start;
-  double *middle[kRowsAtOnce<dim>];              ///< their middle nodes
-  double product[kRowsAtOnce<dim>][dim][kLanes]; ///< in space
+  double *middle[rows];              ///< their middle nodes
+  double product[rows][dim][kLanes]; ///< in space
 
   /// Of point p of the group: S of the other axes, or with the slope along an axis in the place of its weight.
   double Weight(int row, int p) const { return dim == 2 ? block.w[1][start + row][first + p] : product[row][0][p]; }
   double Slope(int row, int axis, int p) const { return dim == 2 ? block.g[1][start + row][first + p] : product[row][axis][p]; }
 };
 
-/// Calls work(rows) for all rows of nodes of a group of points in an array with so many components.
-template <int dim, int components, class Work>
+/// Calls work(NodeRows) for all rows of nodes of a group of points, so many at once, in an array with so many components.
+template <int dim, int components, int n, class Work>
 [[gnu::always_inline]] inline void ForEachRows(const AxisStencils<dim> &block, int first, const Lattice &grid, double *array,
                                                Work work)
 {
-  constexpr int n = kRowsAtOnce<dim>;
   double *const nearest = Opaque(array + static_cast<std::ptrdiff_t>(block.node[first]) * components);
 #pragma GCC unroll 9
   for (int start = 0; start < (dim == 2 ? 3 : 9); start += n) {
-    NodeRows<dim> rows = {block, first, start, {}, {}};
+    NodeRows<dim, n> rows = {block, first, start, {}, {}};
 #pragma GCC unroll 3
     for (int r = 0; r < n; ++r) {
       const int y = (start + r) % 3, z = (start + r) / 3;
@@ -123,16 +124,18 @@ template <int dim, int components, class Work>
   }
 }
 
-/// Adds S times the shares of a group of points to the components of their nodes, shares [][components] of the points of the
-/// block. Vectors hold the components of a point: sums over points then need no sums over lanes.
-template <int dim, int components>
+/// Adds S times the shares of a group of points to their nodes, to the first `vectors` vectors of four of their components;
+/// shares [][components] of the points of the group. Vectors hold the components of a point: sums over points then need no sums
+/// over lanes.
+template <int dim, int components, int vectors>
 inline void AddToNodes(const AxisStencils<dim> &block, int first, int count, const Lattice &grid, double *array,
                        const double *shares)
 {
-  constexpr int n = components / kWideLanes, kRows = kRowsAtOnce<dim>;
-  ForEachRows<dim, components>(block, first, grid, array, [&](const NodeRows<dim> &rows) {
-    WidePack sum[kRows][3][n];
-    const auto place = [&](int r, int k, int c) { return rows.middle[r] + (k - 1) * components + kWideLanes * c; };
+  using Vector = std::conditional_t<vectors % (kWideLanes / kLanes) == 0, WidePack, Pack>;
+  constexpr int lanes = sizeof(Vector) / sizeof(double), n = vectors * kLanes / lanes, kRows = RowsAtOnce(n);
+  ForEachRows<dim, components, kRows>(block, first, grid, array, [&](const NodeRows<dim, kRows> &rows) {
+    Vector sum[kRows][3][n];
+    const auto place = [&](int r, int k, int c) { return rows.middle[r] + (k - 1) * components + lanes * c; };
     const auto for_each = [&](auto work) {
 #pragma GCC unroll 3
       for (int r = 0; r < kRows; ++r)
@@ -141,14 +144,13 @@ inline void AddToNodes(const AxisStencils<dim> &block, int first, int count, con
 #pragma GCC unroll 4
           for (int c = 0; c < n; ++c) work(r, k, c);
     };
-    for_each([&](int r, int k, int c) { sum[r][k][c] = LoadVector<WidePack>(place(r, k, c)); });
+    for_each([&](int r, int k, int c) { sum[r][k][c] = LoadVector<Vector>(place(r, k, c)); });
     for (int p = 0; p < count; ++p) {
-      WidePack share[kRows][n];
+      Vector share[kRows][n];
 #pragma GCC unroll 3
       for (int r = 0; r < kRows; ++r)
 #pragma GCC unroll 4
-        for (int c = 0; c < n; ++c)
-          share[r][c] = rows.Weight(r, p) * LoadVector<WidePack>(shares + components * (first + p) + kWideLanes * c);
+        for (int c = 0; c < n; ++c) share[r][c] = rows.Weight(r, p) * LoadVector<Vector>(shares + components * p + lanes * c);
       for_each([&](int r, int k, int c) { sum[r][k][c] += block.w[0][k][first + p] * share[r][c]; });
     }
     for_each([&](int r, int k, int c) { StoreVector(place(r, k, c), sum[r][k][c]); });

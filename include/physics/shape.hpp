@@ -128,8 +128,8 @@ template <class Shape, int dim> inline Pack HalfSizes(int axis, const Extents<di
 /// In axisymmetry the slopes along the radius hold the mean radius of the part of the point on their side over the point's
 /// radius, so that a uniform stress leaves no force. A point ends at the axis and at sides of symmetry: one that reached beyond
 /// by rounding or strain would alone give mass to nodes there, whose stiffness over mass grows like its inverse size.
-/// Returns the number of half sizes that had to be clamped, where it `counts`.
-template <class Geometry, class Shape, bool counts, bool ends>
+/// Returns the number of half sizes that had to be clamped, where it `counts`; without `slopes`, those stay as they were.
+template <class Geometry, class Shape, bool counts, bool slopes, bool ends>
 int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
                         AxisStencils<Geometry::kDim> &stencils)
 {
@@ -153,7 +153,7 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
       if constexpr (counts) off += excess * excess > 1e-18 ? Spread(1) : Pack{};
       AxisWeights<Pack> at = Shape::Evaluate(a - nearest, l, inverse_h);
       place += nearest * grid.stride[axis];
-      if (Geometry::kHoop && axis == 0) {
+      if (slopes && Geometry::kHoop && axis == 0) {
         const HalfCentres<Pack> centres = Shape::Centres(a - nearest, l);
         const Pack radius = grid.origin[0] * inverse_h + nearest, inverse_radius = 1 / (grid.origin[0] * inverse_h + a);
         at.g[0] *= (radius + centres.below) * inverse_radius;
@@ -163,7 +163,7 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
 #pragma GCC unroll 3
       for (int k = 0; k < 3; ++k) {
         StoreVector(stencils.w[axis][k] + p, at.w[k]);
-        StoreVector(stencils.g[axis][k] + p, at.g[k]);
+        if constexpr (slopes) StoreVector(stencils.g[axis][k] + p, at.g[k]);
       }
     }
     StoreVector(stencils.node + p, place);
@@ -172,12 +172,12 @@ int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::
   StoreVector(stencils.node + count, Spread(-1)); // no group goes beyond
   return static_cast<int>(clamped[0] + clamped[1] + clamped[2] + clamped[3]);
 }
-template <class Geometry, class Shape, bool counts = true>
+template <class Geometry, class Shape, bool counts = true, bool slopes = true>
 int ComputeAxisStencils(const Lattice &grid, int count, const Extents<Geometry::kDim> &points,
                         AxisStencils<Geometry::kDim> &stencils)
 {
-  return grid.has_ends ? ComputeAxisStencils<Geometry, Shape, counts, true>(grid, count, points, stencils)
-                       : ComputeAxisStencils<Geometry, Shape, counts, false>(grid, count, points, stencils);
+  return grid.has_ends ? ComputeAxisStencils<Geometry, Shape, counts, slopes, true>(grid, count, points, stencils)
+                       : ComputeAxisStencils<Geometry, Shape, counts, slopes, false>(grid, count, points, stencils);
 }
 
 /// Calls work(node, weight, slopes) for the nodes of point p of a block: place in the ghosted array, S, and the derivatives

@@ -31,26 +31,23 @@ PetscErrorCode Grid::ShareSums()
 {
   const int dim = Geometry().dim;
   NodalField sums = {&Sums()->mass, NodeLayout::kSums, {}};
-  PetscFunctionBeginUser;
-  Choose(offsetof(NodeSums, mass) / sizeof(double), 2 + dim, &sums.chosen); // and owned mass, momentum
-  Choose(offsetof(NodeSums, force) / sizeof(double), dim, &sums.chosen);
-  PetscCall(halo_.Sum({sums}));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Grid::ShareRates(bool projection, bool strain_rate)
-{
-  const int dim = Geometry().dim;
-  NodalField rates = {arrays_.RatesArray(), NodeLayout::Rates(dim), {}};
   NodalField cells = {reinterpret_cast<double *>(arrays_.Cells(0)),
                       arrays_.CellStride() * static_cast<int>(sizeof(CellSums) / sizeof(double)),
                       {}};
   PetscFunctionBeginUser;
-  Choose(0, dim, &rates.chosen);
-  if (projection) Choose(NodeLayout::Projected(dim), dim, &rates.chosen);
-  if (strain_rate) Choose(NodeLayout::StrainRate(dim), dim == 2 ? 4 : 6, &rates.chosen);
+  Choose(offsetof(NodeSums, mass) / sizeof(double), 2 + dim, &sums.chosen); // and owned mass, momentum
+  Choose(offsetof(NodeSums, force) / sizeof(double), dim, &sums.chosen);
   Choose(0, static_cast<int>(cells.size), &cells.chosen);
-  PetscCall(halo_.Sum({rates, cells}));
+  PetscCall(halo_.Sum({sums, cells}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Grid::ShareRates(int count)
+{
+  NodalField rates = {arrays_.RatesArray(), NodeLayout::Rates(Geometry().dim), {}};
+  PetscFunctionBeginUser;
+  Choose(0, count, &rates.chosen);
+  PetscCall(halo_.Sum({rates}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

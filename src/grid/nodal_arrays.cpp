@@ -19,17 +19,26 @@ PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_ave
   rates_ = reinterpret_cast<double *>(memory_[2].data());
   cell_memory_.resize(cell_size_ * nodes);
   cells_ = cell_memory_.data();
+  growth_memory_.resize(cell_size_ > 0 ? nodes : 0);
+  growths_ = growth_memory_.data();
   PetscCall(sums_unit_.Create(NodeLayout::kSums));
   PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void NodalArrays::ClearSums() const { std::fill_n(sums_, memory_[0].size(), NodeSums{}); }
-
-void NodalArrays::ClearRates() const
+CellRate *NodalArrays::Layer(int layer, std::ptrdiff_t count)
 {
-  std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{});
+  std::vector<CellRate> &cells = layers_[layer % 2];
+  if (static_cast<std::ptrdiff_t>(cells.size()) < count) cells.resize(count);
+  return cells.data();
+}
+
+void NodalArrays::ClearSums() const
+{
+  std::fill_n(sums_, memory_[0].size(), NodeSums{});
   std::fill_n(cells_, cell_memory_.size(), CellSums{});
 }
+
+void NodalArrays::ClearRates() const { std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{}); }
 
 } // namespace mlgimp

@@ -146,17 +146,27 @@ std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std
   return ahead;
 }
 
-double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, bool rates,
-                    const std::map<std::ptrdiff_t, double> &ahead)
+void AddMomenta(const Grid &grid, bool spread)
+{
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
+    const NodeSums &node = grid.Sums()[place];
+    double *const after = grid.Rates(place);
+    const double *const change = grid.Velocity(place).change;
+    for (int axis = 0; axis < dim; ++axis) after[axis] = node.momentum[axis] + (spread ? after[axis] : node.mass * change[axis]);
+  });
+}
+
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, const std::map<std::ptrdiff_t, double> &ahead)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
   for (const NodeChange &one : contact_nodes) {
     const NodeSums &node = grid.Sums()[one.node];
     const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
+    const auto pushed = ahead.find(one.node);
     for (int axis = 0; axis < dim; ++axis) {
-      const double p = node.momentum[axis], given = node.mass * change[axis];
-      work += 0.5 * one.change[axis] * (p + (rates ? after[axis] - ahead.at(one.node) * given : p + given));
+      const double lead = pushed == ahead.end() ? 0 : pushed->second * node.mass * change[axis];
+      work += 0.5 * one.change[axis] * (node.momentum[axis] + after[axis] - lead);
     }
   }
   return work;
@@ -230,7 +240,7 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::p
   const NodeSums &sums = grid.Sums()[node];
   const auto [motion, change] = grid.Velocity(node);
   double *const velocity = grid.Rates(node);
-  const bool smooths = settings.second_extrapolation && sums.mass > settings.mass_cutoff;
+  const bool smooths = sums.mass > settings.mass_cutoff;
   for (int axis = 0; axis < grid.Geometry().dim; ++axis)
     velocity[axis] = motion[axis] + (smooths ? velocity[axis] - sums.momentum[axis] / sums.mass - change[axis] : 0);
 }
@@ -255,7 +265,7 @@ void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
   const bool exchange = plan.exchange;
   double energy = 0;
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto owned) {
-    constexpr int components = NodeLayout::Rates(dim);
+    constexpr int components = NodeLayout::StrainRate(dim);
     const NodeSums &node = grid.Sums()[place];
     double *const rates = grid.Rates(place);
     if (node.mass <= settings.mass_cutoff) {
@@ -276,15 +286,14 @@ void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
 void FinishRates(const Grid &grid, const NodalSettings &settings, const SecondVelocityPlan &plan)
 {
   const double mean = settings.xpic_order == 1 ? 0 : 1;
-  if (plan.xpic > 0 || !settings.second_extrapolation)
+  if (plan.xpic > 0)
     ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
       const double *const updated = grid.Velocity(place).velocity;
       double *const velocity = grid.Rates(place), *const projected = velocity + NodeLayout::Projected(dim);
-      for (int axis = 0; plan.xpic > 0 && axis < dim; ++axis) {
+      for (int axis = 0; axis < dim; ++axis) {
         projected[axis] = updated[axis] + mean * (updated[axis] - projected[axis]);
         velocity[axis] += plan.xpic * (projected[axis] - velocity[axis]);
       }
-      for (int axis = 0; !settings.second_extrapolation && axis < dim; ++axis) velocity[axis] = updated[axis];
     });
   HoldRates(grid, plan);
 }

@@ -1,6 +1,8 @@
 // Grids and layouts of a level, and its explicit step as a list of verbs.
 #include "level/level.hpp"
 
+#include "grid/cell_rates.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +23,6 @@ static NodalSettings NodalSettingsOf(const Model &model, double h)
   NodalSettings nodal = model.nodal;
   double density = HUGE_VAL;
   for (const auto &material : model.materials) density = std::min(density, material->Density());
-  nodal.second_extrapolation = model.stress_update == StressUpdate::kMusl;
   nodal.full_mass = density * (model.geometry.Dim() == 3 ? h * h * h : h * h * model.geometry.OutOfPlane(h));
   nodal.mass_cutoff = kEmptyNode * nodal.full_mass;
   return nodal;
@@ -220,50 +221,77 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
 
 PetscErrorCode Level::StrainBeforeForces(double dt)
 {
-  const Flops flops(model_.geometry.Dim());
-  const RatesPlan plan = {dt, step_.scale, true, {}, 0, false};
+  GridToPointsPlan plan = {dt, step_.scale};
   PetscFunctionBeginUser;
+  plan.second_velocity = true;
+  plan.velocity = false;
   PetscCall(PointsToGrid(step_.time));
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
   VelocitiesFromSums(*grid_, geometry_.sides, nodal_);
   PetscCall(light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(model_.geometry.Dim())));
-  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore(flops.gather_rates + flops.stress, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    sweeps_.kernels->ApplyRates(view, plan, budgets, failure);
-  }));
-  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
+  PetscCall(GridToPoints(plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// rates: momenta after the step are in the grid's rates.
-PetscErrorCode Level::AddWorkOfLoads(bool rates, double dt)
+PetscErrorCode Level::GridToPoints(const GridToPointsPlan &plan)
+{
+  const Flops flops(model_.geometry.Dim());
+  const LogScope log(events_.grid_to_points);
+  PetscFunctionBeginUser;
+  PetscCall(ForEachStore(flops.grid_to_points + plan.strain * flops.stress + plan.short_wave.On() * flops.short_wave,
+                         [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
+                           sweeps_.kernels->GridToPoints(view, plan, budgets, failure);
+                         }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::AddWorkOfLoads(double dt)
 {
   PetscFunctionBeginUser;
   if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<double> motion = MeanMotion(*grid_, rates, nodal_.mass_cutoff);
+  std::vector<double> motion = MeanMotion(*grid_, nodal_.mass_cutoff);
   PetscCall(light_.Prolong(grid_->Halo(), motion.data(), model_.geometry.Dim()));
   AddLoadWork(*grid_, step_.applied, motion, dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::ExchangeRates(double dt, double xpic)
+PetscErrorCode Level::SpreadChange(double xpic)
+{
+  const Flops flops(model_.geometry.Dim());
+  const int dim = model_.geometry.Dim();
+  PetscFunctionBeginUser;
+  PetscCall(Timed(events_.grid_to_points, [&] {
+    return ForEachStore(flops.spread_change,
+                        [&](const SweepView &view, Budgets &, PointFailure &) { sweeps_.kernels->SpreadChange(view, xpic > 0); });
+  }));
+  if (model_.HasSecondVelocity()) step_.ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
+  PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0 ? NodeLayout::Projected(dim) + dim : dim); }));
+  PetscCall(
+      Timed(events_.halo, [&] { return light_.Restrict(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(dim)); }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Level::FindRates(double dt, double xpic, bool spread)
 {
   const Flops flops(model_.geometry.Dim());
   const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic,
                                    coupled_.on || model_.VolumeAverages() > 0};
-  const int components = NodeLayout::Rates(model_.geometry.Dim());
   PetscFunctionBeginUser;
-  const std::map<std::ptrdiff_t, double> ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
-  PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0, model_.short_wave.On()); }));
-  PetscCall(Timed(events_.halo, [&] { return light_.Restrict(grid_->Halo(), grid_->Arrays().RatesArray(), components); }));
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), true, ahead);
-  PetscCall(AddWorkOfLoads(true, dt));
-  if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, ahead, budgets_);
+  AddMomenta(*grid_, spread);
+  budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), step_.ahead);
+  PetscCall(AddWorkOfLoads(dt));
+  if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, step_.ahead, budgets_);
   DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
-  PetscCall(Timed(events_.halo, [&] { return light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), components); }));
-  FinishRates(*grid_, nodal_, plan);
+  if (spread) {
+    PetscCall(Timed(events_.halo, [&] {
+      return light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(model_.geometry.Dim()));
+    }));
+    FinishRates(*grid_, nodal_, plan);
+  }
+  if (model_.short_wave.On() || model_.VolumeAverages() > 0)
+    FindCellRates(*grid_, model_.geometry.HasHoop(), nodal_.mass_cutoff, dt);
   PetscCall(PetscLogFlops(flops.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -271,37 +299,23 @@ PetscErrorCode Level::ExchangeRates(double dt, double xpic)
 
 PetscErrorCode Level::AdvancePoints(double dt)
 {
-  const Flops flops(model_.geometry.Dim());
-  // The weights must not change within a step, so F advances in its last sweep.
-  const bool rates = model_.UsesRates() || coupled_.on, strain = model_.stress_update != StressUpdate::kUsf;
   const double xpic = settings_.xpic.InStep(step_.taken);
-  const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
-  const GridToPointsPlan first = {dt, step_.scale, strain && !rates, model_.short_wave.On(), rates, xpic > 0, !rates, damped};
-  const RatesPlan second = {dt, step_.scale, strain, model_.short_wave, xpic, true};
-  const double first_flops = flops.grid_to_points + rates * flops.scatter_rates + first.strain * flops.stress;
-  const double second_flops = flops.gather_rates + second.strain * flops.stress + second.short_wave.On() * flops.short_wave;
+  const bool second = model_.HasSecondVelocity(), spread = second || xpic > 0;
+  GridToPointsPlan plan = {dt, step_.scale};
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_.indenter) PetscCall(contact_.PrepareSurface(Parts(), stores_.Drift().path * geometry_.grid.spacing));
-  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  if (rates) grid_->Arrays().ClearRates();
-  PetscCall(ForEachStore(first_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    sweeps_.kernels->GridToPoints(view, first, budgets, failure);
-  }));
-  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (!rates) {
-    budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), false, {});
-    PetscCall(AddWorkOfLoads(false, dt));
-    if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), false, dt));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(ExchangeRates(dt, xpic));
-  PetscCall(PetscLogEventBegin(events_.grid_to_points, 0, 0, 0, 0));
-  PetscCall(ForEachStore(second_flops, [&](const SweepView &view, Budgets &budgets, PointFailure &failure) {
-    sweeps_.kernels->ApplyRates(view, second, budgets, failure);
-  }));
-  PetscCall(PetscLogEventEnd(events_.grid_to_points, 0, 0, 0, 0));
-  if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), true, dt));
+  step_.ahead.clear();
+  grid_->Arrays().ClearRates();
+  if (spread) PetscCall(SpreadChange(xpic));
+  PetscCall(FindRates(dt, xpic, spread));
+  plan.second_velocity = second;
+  plan.strain = model_.stress_update != StressUpdate::kUsf;
+  plan.short_wave = model_.short_wave;
+  plan.xpic_fraction = xpic;
+  plan.damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
+  PetscCall(GridToPoints(plan));
+  if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), second, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

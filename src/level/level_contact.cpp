@@ -161,12 +161,12 @@ PetscErrorCode LevelContact::PrepareSurface(const LevelParts &level, double path
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LevelContact::MoveSurface(const LevelParts &level, bool rates, double dt)
+PetscErrorCode LevelContact::MoveSurface(const LevelParts &level, bool second, double dt)
 {
   std::vector<char> by_rates;
   double work = 0;
   PetscFunctionBeginUser;
-  for (const int average : level.bodies.average) by_rates.push_back(rates && average < 0);
+  for (const int average : level.bodies.average) by_rates.push_back(second && average < 0);
   PetscCall(Timed(level.events.surface, [&] {
     return surface_motion_.Finish(level.grid, level.geometry.sides, level.points.Arrays(), by_rates, level.nodal.mass_cutoff, dt,
                                   &surface_);

@@ -75,7 +75,7 @@ void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, dou
     });
 }
 
-std::vector<double> MeanMotion(const Grid &grid, bool rates, double mass_cutoff)
+std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff)
 {
   const int dim = grid.Geometry().dim;
   std::vector<double> motion(dim * grid.Ghosted().Count());
@@ -83,11 +83,8 @@ std::vector<double> MeanMotion(const Grid &grid, bool rates, double mass_cutoff)
     const std::ptrdiff_t place = grid.Place(at);
     const NodeSums &node = grid.Sums()[place];
     if (node.mass <= mass_cutoff) return;
-    const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change;
-    for (int axis = 0; axis < dim; ++axis) {
-      const double p = node.momentum[axis];
-      motion[dim * place + axis] = 0.5 / node.mass * (p + (rates ? after[axis] : p + node.mass * change[axis]));
-    }
+    const double *const after = grid.Rates(place);
+    for (int axis = 0; axis < dim; ++axis) motion[dim * place + axis] = 0.5 / node.mass * (node.momentum[axis] + after[axis]);
   });
   return motion;
 }

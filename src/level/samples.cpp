@@ -153,7 +153,7 @@ PetscErrorCode SmoothTensors(Level &level, const std::vector<int> &points, std::
     parts.kernels.ScatterTensors(view);
     parts.kernels.PointsToGrid(view, {}, 0, discarded);
   }
-  PetscCall(grid.ShareRates(true, true));
+  PetscCall(grid.ShareRates(NodeLayout::Rates(2)));
   PetscCall(grid.ShareSums());
   for (std::ptrdiff_t node = 0; node < grid.Ghosted().Count(); ++node) {
     const double mass = std::max(grid.Sums()[node].mass, parts.nodal.mass_cutoff);

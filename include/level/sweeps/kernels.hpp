@@ -35,22 +35,13 @@ struct PointFailure {
 
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
-  double dt, scale; ///< s; simulated time over that of the test
-  bool strain;      ///< advance F and stress here, with the new nodal velocity (USL without rates)
-  bool strain_rate; ///< keep the strain rate of the points for the short-wave viscosity
-  bool scatter;     ///< add momentum, and strain rate where kept, to `rates`, growths of volume to the cells
-  bool project;     ///< and momentum with the grid's velocity, for XPIC
-  bool move;        ///< move the points: nothing of the step comes after
-  double damped;    ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
-};
-
-/// Settings of the sweep that reads `rates`.
-struct RatesPlan {
-  double dt, scale;              ///< as above
-  bool strain;                   ///< advance F and stress with the velocities in `rates`
-  ShortWaveViscosity short_wave; ///< turn the strain rate kept into the short-wave stress
-  double xpic_fraction;          ///< share of the projected velocity in `rates`
-  bool move;                     ///< move the points with the velocities that GridToPoints left
+  double dt, scale;                   ///< s; simulated time over that of the test
+  bool second_velocity = false;       ///< points that do not average their volume follow the velocities in `rates`
+  bool velocity = true;               ///< change the points' velocities, and move them
+  bool strain = true;                 ///< advance F and stress
+  ShortWaveViscosity short_wave = {}; ///< uses the smooth strain rates in `rates`
+  double xpic_fraction = 0;           ///< share of the projected velocity in `rates`
+  double damped = 0; ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
 };
 
 /// One rank's points and nodes during a sweep.
@@ -76,7 +67,11 @@ public:
   /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to the nodal sums.
   virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const = 0;
 
-  /// v_p += sum S dv (FLIP); leaves the grid's velocity at the points.
+  /// Adds mass times sum S dv of the points to `rates`, what the step adds to their momentum, and where asked for mass times
+  /// sum S v, which XPIC projects.
+  virtual void SpreadChange(const SweepView &view, bool project) const = 0;
+
+  /// v_p += sum S dv (FLIP), XPIC; strain, stress and short-wave stress; moves the points.
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets,
                             PointFailure &failure) const = 0;
 
@@ -88,9 +83,6 @@ public:
   virtual void ScatterTensors(const SweepView &view) const = 0;
   /// tensors [8]: F and stress of the nodes at one point; needs node values in `rates` that were divided by the mass.
   virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
-
-  /// Strain and stress from the velocities of the second extrapolation, short-wave stress, XPIC.
-  virtual void ApplyRates(const SweepView &view, const RatesPlan &plan, Budgets &budgets, PointFailure &failure) const = 0;
 };
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.

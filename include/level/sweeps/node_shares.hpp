@@ -70,13 +70,14 @@ public:
   {
     ForEachGroup(w, b.count, [&](int first, int count) {
       PrefetchNext<Geometry>(b, first, kMomentum | kStressOfPoint);
-      ForEachRows<dim, kNode>(w, first, grid.IndexSpace(), &grid.Sums()->mass,
-                              [&](const NodeRows<dim> &rows) { AddRows<with_body>(w, first, count, rows); });
+      ForEachRows<dim, kNode, kRows>(w, first, grid.IndexSpace(), &grid.Sums()->mass,
+                                     [&](const NodeRows<dim, kRows> &rows) { AddRows<with_body>(w, first, count, rows); });
     });
   }
 
 private:
-  static constexpr int kNode = NodeLayout::kSums, kRows = kRowsAtOnce<dim>; ///< doubles of a node; rows of nodes at once
+  static constexpr int kNode = NodeLayout::kSums,
+                       kRows = dim == 2 ? RowsAtOnce(2) : 1; ///< doubles of a node; rows of nodes at once
   static constexpr int kPlace = offsetof(NodeSums, force) / sizeof(double) + dim - kForce;
 
   template <class Work> static void ForEachNode(Work work)
@@ -88,7 +89,7 @@ private:
   }
 
   template <bool with_body>
-  [[gnu::always_inline]] void AddRows(const Weights &w, int first, int count, const NodeRows<dim> &rows) const
+  [[gnu::always_inline]] void AddRows(const Weights &w, int first, int count, const NodeRows<dim, kRows> &rows) const
   {
     Pack sum[kRows][3];
     Force force[kRows][3];

@@ -71,24 +71,46 @@ void ShortWaveStrength(const Block &b, const Extents<Geometry::kDim> &points, co
   }
 }
 
-/// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth.
+/// Strain rates of the points of a block; returns the power of their short-wave stress on these, W.
+template <class Geometry>
+double StrainRates(const Block &b, const Extents<Geometry::kDim> &points, const Motion<Geometry::kDim> &motion, Row *rate)
+{
+  constexpr int kRate = Geometry::kRate;
+  alignas(64) double volume[kBlock], sum = 0;
+  alignas(64) Row stress[kRate];
+  const Row *const x = points.x, *const u = motion.u, *const L = motion.L;
+  Volumes<Geometry>(b, points, 1, volume);
+  LoadRows<kRate>(b.short_wave_stress, b.count, stress);
+#pragma omp simd reduction(+ : sum)
+  for (int p = 0; p < b.count; ++p) {
+    double power = 0;
+#pragma GCC unroll 6
+    for (int k = 0; k < kRate; ++k) {
+      rate[k][p] = StrainRate<Geometry>(u, L, x, k, p);
+      power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * stress[k][p] * rate[k][p];
+    }
+    sum += volume[p] * power;
+  }
+  return sum;
+}
+
+/// s = h_p (h/c0) (lambda tr(D') I + 2 mu D'), D' = D - smooth, D the strain rates of the points.
 template <class Geometry>
 void ShortWaveStress(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, const ShortWaveViscosity &viscosity,
-                     double dt, const Row *u, const Row *smooth)
+                     double dt, const Row *u, const Row *rate, const Row *smooth)
 {
   constexpr int kRate = Geometry::kRate;
   const double time = grid.Geometry().spacing / b.material.SpeedOfSound();
   const double lambda = time * b.material.Elastic().lambda, mu2 = 2 * time * b.material.Elastic().mu;
   alignas(64) double strength[kBlock];
-  alignas(64) Row s[kRate]; // D, then the stress
+  alignas(64) Row s[kRate];
   ShortWaveStrength<Geometry>(b, points, viscosity, dt / grid.Geometry().spacing, u, strength);
-  LoadRows<kRate>(b.short_wave_stress, b.count, s);
 #pragma omp simd
   for (int p = 0; p < b.count; ++p) {
     double trace = 0, difference[kRate];
 #pragma GCC unroll 6
     for (int k = 0; k < Geometry::kRate; ++k) {
-      difference[k] = s[k][p] - smooth[k][p];
+      difference[k] = rate[k][p] - smooth[k][p];
       if (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1]) trace += difference[k];
     }
 #pragma GCC unroll 6

@@ -35,6 +35,7 @@ public:
       const Extents<dim> points = ExtentsOf<dim>(b);
       budgets.clamped_sizes += SetWeights<true>(view, b, points, w);
       budgets.hoop_force += shares.Set(b, points, view.owned);
+      if (b.average >= 0) AddVolumes<Geometry>(b, points, view.grid);
       if (acceleration) shares.AddBodyForces(b, acceleration, time);
       if (NodeShares<Geometry>::kHasBody || acceleration)
         shares.template AddTo<true>(view.grid, w, b);
@@ -43,21 +44,34 @@ public:
     });
   }
 
+  void SpreadChange(const SweepView &view, bool project) const override
+  {
+    Weights w;
+    ForEachBlock(view, [&](const Block &b) {
+      SetWeights<false, false>(view, b, ExtentsOf<dim>(b), w);
+      (project ? Spread<true> : Spread<false>)(view.grid, w, b);
+    });
+  }
+
   void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets, PointFailure &failure) const override
   {
     Weights w;
-    Motion<dim> motion, change; // with the new velocity, and by how much that is new
+    Motion<dim> motion;
+    FromNodes nodes;
+    alignas(64) Row rate[kRate];
     ForEachBlock(view, [&](const Block &b) {
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
-      GatherVelocities(view.grid, w, b, plan.strain_rate, motion, change);
-      if (plan.damped > 0) DampNoise(b, plan.damped, motion.u, change.u, budgets);
-      AddVelocity(b, change.u);
-      if (plan.strain_rate) budgets.short_wave_dissipation += plan.dt * KeepStrainRate(b, points, motion, change);
-      if (plan.scatter) (plan.project ? ScatterRates<true> : ScatterRates<false>)(view.grid, w, b, motion.u);
-      if (b.average >= 0) AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
+      GatherNodes(view.grid, w, b, plan, motion, nodes);
+      if (plan.damped > 0) DampNoise(b, plan.damped, nodes.velocity, nodes.change, budgets);
+      if (plan.velocity) AddVelocity(b, nodes.change);
+      if (plan.short_wave.On()) budgets.short_wave_dissipation += plan.dt * StrainRates<Geometry>(b, points, motion, rate);
+      if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
-      if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
+      if (plan.short_wave.On())
+        ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, plan.dt, motion.u, rate, nodes.strain_rate);
+      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, nodes.projected, budgets);
+      if (plan.velocity) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });
   }
 
@@ -113,29 +127,17 @@ public:
     }
   }
 
-  void ApplyRates(const SweepView &view, const RatesPlan &plan, Budgets &budgets, PointFailure &failure) const override
-  {
-    Weights w;
-    Motion<dim> motion;
-    alignas(64) Row projected[dim], smooth[kRate];
-    ForEachBlock(view, [&](const Block &b) {
-      Extents<dim> points = ExtentsOf<dim>(b);
-      SetWeights<false>(view, b, points, w);
-      GatherRates(view.grid, w, b, plan, motion, projected, smooth);
-      if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
-      if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
-      if (plan.short_wave.On()) ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, plan.dt, motion.u, smooth);
-      if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, projected, budgets);
-      if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
-    });
-  }
-
 private:
+  /// What the points of a block get from the nodes beside their motion.
+  struct FromNodes {
+    alignas(64) Row velocity[dim], change[dim], projected[dim], strain_rate[kRate];
+  };
+
   /// Returns the number of clamped half sizes, where it `counts`: one sweep of a step does.
-  template <bool counts>
+  template <bool counts, bool slopes = true>
   static int SetWeights(const SweepView &view, const PointArrays &b, const Extents<dim> &points, Weights &w)
   {
-    return ComputeAxisStencils<Geometry, Shape, counts>(view.grid.IndexSpace(), b.count, points, w);
+    return ComputeAxisStencils<Geometry, Shape, counts, slopes>(view.grid.IndexSpace(), b.count, points, w);
   }
   /// Of one point, as the first of a block.
   static void SetWeights(const SweepView &view, int point, Weights &w)
@@ -144,23 +146,33 @@ private:
     SetWeights<false>(view, one, ExtentsOf<dim>(one), w);
   }
 
-  /// Velocity of the grid at the points of a block, and its change in the step, with the gradients of both; that of the change
-  /// only where asked for.
-  static void GatherVelocities(const Grid &grid, const Weights &w, const Block &b, bool change_gradient, Motion<dim> &motion,
-                               Motion<dim> &change)
+  /// The velocity that moves the points of a block, with its gradient: the second one, but of points that average their volume
+  /// the new one. Its change, and as the plan needs them velocity, projected velocity and smooth strain rate of the nodes.
+  static void GatherNodes(const Grid &grid, const Weights &w, const Block &b, const GridToPointsPlan &plan, Motion<dim> &motion,
+                          FromNodes &nodes)
   {
+    const bool second = plan.second_velocity && b.average < 0, rates = second || plan.xpic_fraction > 0 || plan.short_wave.On();
+    constexpr int kChange = NodeLayout::Velocity(dim) / 2; // size
     ForEachGroup(w, b.count, [&](int p, int) {
-      const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
-      PrefetchNext<Geometry>(b, p, kMomentum);
-      constexpr int kChange = NodeLayout::Velocity(dim) / 2; // size
+      const At<NodeLayout::Velocity(dim)> velocity(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
+      PrefetchNext<Geometry>(b, p, kMomentum | kStressOfPoint | kInternal);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        KeepGathered(Gather<dim>(at, d), d, p, motion);
-        if (change_gradient)
-          KeepGathered(Gather<dim>(at, kChange + d), d, p, change);
-        else
-          StoreVector(change.u[d] + p, Gather<dim, false>(at, kChange + d).value);
+        StoreVector(nodes.change[d] + p, Gather<dim, false>(velocity, kChange + d).value);
+        if (!second) KeepGathered(Gather<dim>(velocity, d), d, p, motion);
+        if (plan.damped > 0) StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
       }
+      if (!rates) return;
+      const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
+      const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) {
+        if (second) KeepGathered(Gather<dim>(at, d), d, p, motion);
+        if (plan.xpic_fraction > 0) StoreVector(nodes.projected[d] + p, value(NodeLayout::Projected(dim) + d));
+      }
+      if (!plan.short_wave.On()) return;
+#pragma GCC unroll 6
+      for (int k = 0; k < kRate; ++k) StoreVector(nodes.strain_rate[k] + p, value(NodeLayout::StrainRate(dim) + k));
     });
   }
   static void KeepGathered(const Gathered<dim> &sum, int d, int p, Motion<dim> &motion)
@@ -196,76 +208,29 @@ private:
       for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
   }
 
-  /// The second velocity, with its gradient where strain follows; of points that average their volume the new one; projected
-  /// velocity; strain rate of the nodes.
-  static void GatherRates(const Grid &grid, const Weights &w, const Block &b, const RatesPlan &plan, Motion<dim> &motion,
-                          Row *projected, Row *smooth)
+  /// Adds mass times the change of the grid's velocity at the points of a block to `rates`, and where it is projected mass times
+  /// that velocity.
+  template <bool project> static void Spread(const Grid &grid, const Weights &w, const Block &b)
   {
-    const int parts = kStressOfPoint | kInternal | (b.average >= 0 ? kMassOfPoint : 0) | (plan.xpic_fraction > 0 ? kMomentum : 0);
-    ForEachGroup(w, b.count, [&](int p, int) {
-      const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
-      const At<NodeLayout::Velocity(dim)> new_velocity(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
-      const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
-      PrefetchNext<Geometry>(b, p, parts);
+    constexpr int n = NodeLayout::Rates(dim), kChange = NodeLayout::Velocity(dim) / 2, kProjected = NodeLayout::Projected(dim);
+    alignas(64) double shares[kLanes * n];
+    alignas(64) Row masses[1];
+    LoadRows<1>(b.mass, b.count, masses);
+    ForEachGroup(w, b.count, [&](int first, int count) {
+      const At<NodeLayout::Velocity(dim)> at(w, first, grid.IndexSpace(), grid.Arrays().VelocityArray());
+      const Pack mass = LoadVector(masses[0] + first);
+      PrefetchNext<Geometry>(b, first, kMassOfPoint);
+      Pack parts[n] = {};
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        if (plan.strain)
-          KeepGathered(b.average < 0 ? Gather<dim>(at, d) : Gather<dim>(new_velocity, d), d, p, motion);
-        else
-          StoreVector(motion.u[d] + p, value(d));
-        if (plan.xpic_fraction > 0) StoreVector(projected[d] + p, value(NodeLayout::Projected(dim) + d));
+        parts[d] = mass * Gather<dim, false>(at, kChange + d).value;
+        if (project) parts[kProjected + d] = mass * Gather<dim, false>(at, d).value;
       }
-      if (!plan.short_wave.On()) return;
-#pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k) StoreVector(smooth[k] + p, value(NodeLayout::StrainRate(dim) + k));
+      constexpr int vectors = dim == 3 && project ? 2 : 1;
+#pragma GCC unroll 2
+      for (int k = 0; k < vectors; ++k) StoreTransposed(parts + kLanes * k, shares + kLanes * k, n);
+      AddToNodes<dim, n, vectors>(w, first, count, grid.IndexSpace(), grid.Arrays().RatesArray(), shares);
     });
-  }
-
-  /// Puts the strain rates of a block in the place of its short-wave stress; returns the power of that stress, W,
-  /// with the velocity of the points on the nodes. The new one holds what the points never get of its short waves.
-  static double KeepStrainRate(const Block &b, const Extents<dim> &points, const Motion<dim> &motion, const Motion<dim> &change)
-  {
-    alignas(64) double volume[kBlock], sum = 0;
-    alignas(64) Row stress[kRate], rate[kRate];
-    const Row *const x = points.x, *const u = motion.u, *const L = motion.L, *const du = change.u, *const dL = change.L;
-    Volumes<Geometry>(b, points, 1, volume);
-    LoadRows<kRate>(b.short_wave_stress, b.count, stress);
-#pragma omp simd reduction(+ : sum)
-    for (int p = 0; p < b.count; ++p) {
-      double power = 0;
-#pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k) {
-        rate[k][p] = StrainRate<Geometry>(u, L, x, k, p);
-        power += (Geometry::kRateAxes[k][0] == Geometry::kRateAxes[k][1] ? 1 : 2) * stress[k][p] *
-                 (rate[k][p] - StrainRate<Geometry>(du, dL, x, k, p));
-      }
-      sum += volume[p] * power;
-    }
-    StoreRows<kRate>(rate, b.count, b.short_wave_stress);
-    return sum;
-  }
-
-  /// Adds momentum and mass times the strain rate kept, which the short-wave viscosity needs, to `rates`, and where it is
-  /// projected momentum with the grid's velocity u.
-  template <bool project> static void ScatterRates(const Grid &grid, const Weights &w, const PointArrays &b, const Row *u)
-  {
-    constexpr int n = NodeLayout::Rates(dim);
-    alignas(64) double shares[kBlock * n];
-    for (int p = 0; p < b.count; ++p) {
-      const double mass = b.mass[p], *const v = b.velocity + dim * p, *const D = b.short_wave_stress + kRate * p;
-      double *const share = shares + n * p;
-      const auto of_grid = [=](int axis) { return project ? u[axis][p] : 0; };
-      if constexpr (dim == 2) {
-        StoreVector(share, mass * Join(LoadVector<HalfPack>(v), LoadVector<HalfPack>(D)));
-        StoreVector(share + 4, mass * Pack{D[2], Geometry::kHoop ? D[3] : 0, of_grid(0), of_grid(1)});
-      } else {
-        StoreVector(share, mass * Pack{v[0], v[1], v[2], D[0]});
-        StoreVector(share + 4, mass * LoadVector(D + 1));
-        StoreVector(share + 8, mass * Pack{D[5], of_grid(0), of_grid(1), of_grid(2)});
-        StoreVector(share + 12, Pack{});
-      }
-    }
-    AddToRates(grid, w, b.count, shares);
   }
 
   /// Adds shares of a block to `rates`.
@@ -273,7 +238,7 @@ private:
   {
     constexpr int n = NodeLayout::Rates(dim);
     ForEachGroup(w, count, [&](int first, int points) {
-      AddToNodes<dim, n>(w, first, points, grid.IndexSpace(), grid.Arrays().RatesArray(), shares);
+      AddToNodes<dim, n, n / kLanes>(w, first, points, grid.IndexSpace(), grid.Arrays().RatesArray(), shares + n * first);
     });
   }
 

@@ -48,9 +48,9 @@ public:
 
   // Collective on the grid's ranks.
 
-  /// Adds up what all ranks have added to the nodes and cells, their own and ghosts alike: afterwards all know the sums there.
+  /// Adds up what all ranks have added to the nodes, and marked, their own and ghosts alike: afterwards all know the sums there.
   PetscErrorCode ShareSums();
-  /// The same of so many rates, from the first on.
+  /// The same of so many rates, from the first on, and of the sums of cells.
   PetscErrorCode ShareRates(int count);
   /// Copies the owners' velocities to the ghosts, where more than shared sums has made them.
   PetscErrorCode BroadcastVelocity() { return halo_.Broadcast(arrays_.VelocityUnit(), arrays_.VelocityArray()); }

@@ -23,14 +23,15 @@ struct NodeVelocity {
   double *velocity, *change; ///< [dim] each
 };
 
-/// What a cell holds of the points of a material in it, kg.
+/// What a cell holds of the points of a material in it, kg: sums of mass, and of what else is named times mass.
 struct CellSums {
   double mass;
-  double relative_volume; ///< mass times J, at the step's start
+  double growth;          ///< of volume, in the step
+  double relative_volume; ///< J, at the step's start
 };
 
-/// The strain rate of a cell in its middle (components as NodeLayout's) times a weight, 1/s, and that weight: zero where a corner
-/// is empty, so that the cell has none.
+/// The strain rate of a cell in its middle (components as NodeLayout's) times a weight, 1/s, and that weight: zero where no
+/// point lies in it, so that the cell has none.
 struct alignas(64) CellRate {
   double strain[6];
   double weight, unused;
@@ -69,12 +70,13 @@ public:
   /// node's place from the first.
   CellSums *Cells(int average) const { return cells_ + average; }
   int CellStride() const { return cell_size_; }
-  /// Growth of volume of the cell above each node in the step; only where materials keep sums at cells.
-  double *Growths() const { return growths_; }
+  /// Above zero where points lie in the cell above a node.
+  double *Marks() const { return marks_; }
   /// Of `count` cells of a layer, that of even or of odd ones; until the next call with more.
   CellRate *Layer(int layer, std::ptrdiff_t count);
-  /// Sums of nodes and cells.
+  /// Sums of nodes, and marks.
   void ClearSums() const;
+  /// Rates, and the sums of cells.
   void ClearRates() const;
 
   /// The values of a node as one unit of communication.
@@ -89,12 +91,12 @@ private:
 
   std::vector<CacheLine> memory_[3]; ///< of sums, velocities and rates
   std::vector<CellSums> cell_memory_;
-  std::vector<double> growth_memory_;
+  std::vector<double> mark_memory_;
   std::vector<CellRate> layers_[2];
   NodeSums *sums_ = nullptr;
   double *velocity_ = nullptr, *rates_ = nullptr;
   CellSums *cells_ = nullptr;
-  double *growths_ = nullptr;
+  double *marks_ = nullptr;
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node
   int cell_size_ = 0;                                 ///< materials that a cell has sums of
   UnitHandle sums_unit_, velocity_unit_;

@@ -90,7 +90,6 @@ private:
 /// An owned node whose velocity a neighbouring level has a part in.
 struct CoupledNode {
   std::ptrdiff_t node; ///< place in the ghosted arrays
-  Vec3 change{};       ///< of its velocity by the other level in the last step, m/s
 };
 
 /// Nodes of a level, with ghosts, whose velocities a neighbouring level has a part in.
@@ -137,8 +136,7 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
 
 /// Holds the velocities of nodes at the sides, adding up the impulse on the body and its work, force times speed. held: by how
 /// much the velocities of owned nodes change.
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             std::vector<NodeChange> *held, Budgets &budgets);
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets);
 
 /// Adds up the impulses of gravity and damping, and their work with the mean velocity of the step, after sides and contact.
 void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Budgets &budgets);
@@ -146,30 +144,17 @@ void AddBodyWork(const Grid &grid, const NodalSettings &settings, double dt, Bud
 /// rates := p/m from `sums`, for a strain update before the forces (USF).
 void VelocitiesFromSums(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings);
 
-/// Keeps by how much the coupling of levels has changed the velocities of nodes: dv less dt f/m of the level's own points.
-/// Before sides and contact change them too.
-void RecordCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes);
-
-/// Adds up the kinetic energy that the level's points get in a step from neighbouring levels, and from sides, which do no work on
-/// nodes but on points beside them. With p and P the momenta of the points on a node before and after (P: in `rates`, not yet
-/// divided), it is exactly dv . (p + P)/2, dv being the part of the change of velocity that these have in it. Also takes off what
-/// `ahead` would add to the energy of forces, which UpdateRates adds up. Both together, less the works known otherwise and the
-/// strain energy that points give for it, are what coupling brings: see Budgets::exchange_energy.
-void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<NodeChange> &held,
-                 const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets);
-
 /// What the second velocities of a level's nodes take beside sums.
 struct SecondVelocityPlan {
   const std::vector<std::ptrdiff_t> &held;      ///< places where the second velocity is the new one
   const std::vector<std::ptrdiff_t> &following; ///< where it is the new one and what the second extrapolation would change of it
   double xpic;                                  ///< share of XPIC in the step
-  bool exchange;                                ///< adds up the kinetic energy that points get from forces, see AddExchange
 };
 
 /// Divides the sums in `rates` by the mass: second velocity, mean of the points' velocities for XPIC; at
 /// sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
-void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                 const SecondVelocityPlan &plan, Budgets &budgets);
+void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const SecondVelocityPlan &plan,
+                 Budgets &budgets);
 
 /// Makes of the means, on all nodes with those that hang on others, the projected velocity (2 v - mean for XPIC of order 2, v for
 /// order 1). The second velocity takes part in XPIC as the points' velocities do.

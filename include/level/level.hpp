@@ -82,10 +82,10 @@ private:
   PetscErrorCode StrainBeforeForces(double dt);
   PetscErrorCode PointsToGrid(double time);
   PetscErrorCode FindLightNodes();
-  /// What the step adds to the momenta of points, and what XPIC projects, on all nodes.
-  PetscErrorCode SpreadChange(double xpic);
+  /// What the step adds to the momenta of points, and what XPIC projects, on all nodes; the growth of cells.
+  PetscErrorCode SpreadChange(const SpreadPlan &plan);
   /// Velocities and strain rates of the nodes for the points; the budgets that need momenta after the step.
-  PetscErrorCode FindRates(double dt, double xpic, bool spread);
+  PetscErrorCode FindRates(const SpreadPlan &spread, double xpic);
   PetscErrorCode AddWorkOfLoads(double dt);
   PetscErrorCode GridToPoints(const GridToPointsPlan &plan);
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;

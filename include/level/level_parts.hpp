@@ -30,7 +30,6 @@ struct LevelStep {
   double scale = 1;                       ///< simulated time over that of the test
   bool measures_noise = false;            ///< of the points' velocities, for Level::Totals
   std::vector<FaceForce> applied;         ///< by loads
-  std::vector<NodeChange> held_nodes;     ///< by sides
   std::map<std::ptrdiff_t, double> ahead; ///< see AdvanceContactNodes
   LevelFailure failure;                   ///< in it or before
 

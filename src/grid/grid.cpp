@@ -31,23 +31,23 @@ PetscErrorCode Grid::ShareSums()
 {
   const int dim = Geometry().dim;
   NodalField sums = {&Sums()->mass, NodeLayout::kSums, {}};
-  NodalField cells = {reinterpret_cast<double *>(arrays_.Cells(0)),
-                      arrays_.CellStride() * static_cast<int>(sizeof(CellSums) / sizeof(double)),
-                      {}};
   PetscFunctionBeginUser;
   Choose(offsetof(NodeSums, mass) / sizeof(double), 2 + dim, &sums.chosen); // and owned mass, momentum
   Choose(offsetof(NodeSums, force) / sizeof(double), dim, &sums.chosen);
-  Choose(0, static_cast<int>(cells.size), &cells.chosen);
-  PetscCall(halo_.Sum({sums, cells}));
+  PetscCall(halo_.Sum({sums, {arrays_.Marks(), 1, {0}}}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Grid::ShareRates(int count)
 {
   NodalField rates = {arrays_.RatesArray(), NodeLayout::Rates(Geometry().dim), {}};
+  NodalField cells = {reinterpret_cast<double *>(arrays_.Cells(0)),
+                      arrays_.CellStride() * static_cast<int>(sizeof(CellSums) / sizeof(double)),
+                      {}};
   PetscFunctionBeginUser;
   Choose(0, count, &rates.chosen);
-  PetscCall(halo_.Sum({rates}));
+  Choose(0, static_cast<int>(cells.size), &cells.chosen);
+  PetscCall(halo_.Sum({rates, cells}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

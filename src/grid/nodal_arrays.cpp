@@ -19,8 +19,8 @@ PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_ave
   rates_ = reinterpret_cast<double *>(memory_[2].data());
   cell_memory_.resize(cell_size_ * nodes);
   cells_ = cell_memory_.data();
-  growth_memory_.resize(cell_size_ > 0 ? nodes : 0);
-  growths_ = growth_memory_.data();
+  mark_memory_.resize(nodes);
+  marks_ = mark_memory_.data();
   PetscCall(sums_unit_.Create(NodeLayout::kSums));
   PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -36,9 +36,13 @@ CellRate *NodalArrays::Layer(int layer, std::ptrdiff_t count)
 void NodalArrays::ClearSums() const
 {
   std::fill_n(sums_, memory_[0].size(), NodeSums{});
-  std::fill_n(cells_, cell_memory_.size(), CellSums{});
+  std::fill_n(marks_, mark_memory_.size(), 0.0);
 }
 
-void NodalArrays::ClearRates() const { std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{}); }
+void NodalArrays::ClearRates() const
+{
+  std::fill_n(reinterpret_cast<CacheLine *>(rates_), memory_[2].size(), CacheLine{});
+  std::fill_n(cells_, cell_memory_.size(), CellSums{});
+}
 
 } // namespace mlgimp

@@ -87,20 +87,16 @@ void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt
   });
 }
 
-void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings,
-                             std::vector<NodeChange> *held_nodes, Budgets &budgets)
+void ApplyBoundaryConditions(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, Budgets &budgets)
 {
   const int dim = grid.Geometry().dim;
-  held_nodes->clear();
   ForEachConstrained(grid, sides, [&](std::ptrdiff_t place, Side side, bool owned) {
     const NodeSums &node = grid.Sums()[place];
     const auto [velocity, change] = grid.Velocity(place);
     if (node.mass <= settings.mass_cutoff) return;
-    if (owned) held_nodes->push_back({place, {}});
     for (int axis = 0; axis < dim; ++axis) {
       if (!sides.Constrains(side, axis)) continue;
       const double held = sides.HeldVelocity(side, axis), correction = held - velocity[axis];
-      if (owned) held_nodes->back().change[axis] = correction;
       if (owned) budgets.support_impulse[axis] += node.owned_mass * correction;
       if (owned) budgets.external_work += held * correction * node.owned_mass;
       change[axis] += correction;
@@ -172,37 +168,6 @@ double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nod
   return work;
 }
 
-void RecordCoupling(const Grid &grid, const NodalSettings &settings, double dt, std::vector<CoupledNode> &nodes)
-{
-  const int dim = grid.Geometry().dim;
-  for (CoupledNode &coupled : nodes) {
-    const NodeSums &node = grid.Sums()[coupled.node];
-    const double *const change = grid.Velocity(coupled.node).change;
-    for (int axis = 0; axis < dim; ++axis)
-      coupled.change[axis] = change[axis] - (node.mass > settings.mass_cutoff ? dt * node.force[axis] / node.mass : 0);
-  }
-}
-
-void AddExchange(const Grid &grid, double dt, const std::vector<CoupledNode> &coupled, const std::vector<NodeChange> &held,
-                 const std::map<std::ptrdiff_t, double> &ahead, Budgets &budgets)
-{
-  const int dim = grid.Geometry().dim;
-  double work = 0;
-  for (const auto &[place, part] : ahead) // which points have not
-    for (int axis = 0; axis < dim; ++axis)
-      work -= 0.5 * dt * grid.Sums()[place].force[axis] * part * grid.Velocity(place).change[axis];
-  const auto add = [&](std::ptrdiff_t place, const Vec3 &by) {
-    const NodeSums &node = grid.Sums()[place];
-    const auto pushed = ahead.find(place);
-    const double *const after = grid.Rates(place), *const change = grid.Velocity(place).change,
-                        given = pushed == ahead.end() ? 0 : pushed->second * node.mass;
-    for (int axis = 0; axis < dim; ++axis) work += 0.5 * by[axis] * (node.momentum[axis] + after[axis] - given * change[axis]);
-  };
-  for (const CoupledNode &one : coupled) add(one.node, one.change);
-  for (const NodeChange &one : held) add(one.node, one.change);
-  budgets.exchange_energy += work;
-}
-
 /// Holds at the sides the velocities of the second extrapolation and the means that XPIC takes off; returns the impulse on the
 /// latter, N s.
 static Vec3 ConstrainRates(const Grid &grid, const BoundaryConditions &sides)
@@ -245,26 +210,16 @@ static void FollowMotion(const Grid &grid, const NodalSettings &settings, std::p
     velocity[axis] = motion[axis] + (smooths ? velocity[axis] - sums.momentum[axis] / sums.mass - change[axis] : 0);
 }
 
-/// Kinetic energy that points on an owned node get from the forces f in a step, dt f/m . (p + P)/2 with P not yet divided.
-template <int dim> static double EnergyOfForces(const NodeSums &node, const double *after, double half_step)
-{
-  double power = 0;
-  for (int axis = 0; axis < dim; ++axis) power += node.force[axis] * (node.momentum[axis] + after[axis]);
-  return half_step * power;
-}
-
 /// The new velocity in place of the second one.
 static void HoldRates(const Grid &grid, const SecondVelocityPlan &plan)
 {
   for (const std::ptrdiff_t node : plan.held) std::copy_n(grid.Velocity(node).velocity, grid.Geometry().dim, grid.Rates(node));
 }
 
-void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, double dt,
-                 const SecondVelocityPlan &plan, Budgets &budgets)
+void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const SecondVelocityPlan &plan,
+                 Budgets &budgets)
 {
-  const bool exchange = plan.exchange;
-  double energy = 0;
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto owned) {
+  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
     constexpr int components = NodeLayout::StrainRate(dim);
     const NodeSums &node = grid.Sums()[place];
     double *const rates = grid.Rates(place);
@@ -273,10 +228,8 @@ void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
       return;
     }
     const double inverse_mass = 1 / node.mass;
-    if (owned && exchange) energy += EnergyOfForces<dim>(node, rates, 0.5 * dt * inverse_mass);
     for (int k = 0; k < components; ++k) rates[k] *= inverse_mass;
   });
-  budgets.exchange_energy += energy;
   HoldRates(grid, plan);
   for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, node);
   const Vec3 impulse = ConstrainRates(grid, sides);

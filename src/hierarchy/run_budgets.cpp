@@ -34,8 +34,10 @@ Budgets SumBudgets(ConnectedLevels &levels, const Model &model)
   for (int b = 0; b + 1 < levels.Count(); ++b) sum.Add(levels.Border(b).Totals()), sum.Add(levels.Transfer(b).Totals());
   if (coupled || (levels.Count() == 1 && model.VolumeAverages() > 0)) {
     sum.exchange_energy += sum.strain_energy + sum.short_wave_dissipation + sum.averaging_work + sum.plastic_work +
-                           sum.damping_work - sum.external_work;
+                           sum.damping_work - sum.external_work - sum.contact_work;
     for (int b = 0; b + 1 < levels.Count(); ++b) sum.exchange_energy -= levels.Transfer(b).Totals().transfer_strain_energy;
+  } else {
+    sum.exchange_energy = 0;
   }
   sum.strain_energy += sum.contact_strain_energy;
   sum.plastic_work += sum.contact_plastic_work;

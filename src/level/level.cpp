@@ -1,7 +1,7 @@
 // Grids and layouts of a level, and its explicit step as a list of verbs.
 #include "level/level.hpp"
 
-#include "grid/cell_rates.hpp"
+#include "grid/strain_rates.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -208,8 +208,7 @@ PetscErrorCode Level::FinishNodes(TimeStep step, const TipStep &tip)
   PetscFunctionBeginUser;
   contact_.Begin(tip, stores_.Drift().per_step * geometry_.grid.spacing);
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  RecordCoupling(*grid_, nodal_, step.dt, coupled_.nodes);
-  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, &step_.held_nodes, budgets_);
+  ApplyBoundaryConditions(*grid_, geometry_.sides, nodal_, budgets_);
   if (model_.HasContact()) coupled_.following.Find(grid_->Nodes(), coupled_.places, light_, *model_.indenter, tip.start);
   PetscCall(contact_.Solve(Parts(), step, tip, &coupled_));
   if (coupled_.on || contact_.IsActive()) PetscCall(Timed(events_.halo, [&] { return grid_->BroadcastVelocity(); }));
@@ -224,7 +223,7 @@ PetscErrorCode Level::StrainBeforeForces(double dt)
   GridToPointsPlan plan = {dt, step_.scale};
   PetscFunctionBeginUser;
   plan.second_velocity = true;
-  plan.velocity = false;
+  plan.change_velocity = plan.move = false;
   PetscCall(PointsToGrid(step_.time));
   PetscCall(Timed(events_.halo, [&] { return grid_->ShareSums(); }));
   PetscCall(FindLightNodes());
@@ -256,42 +255,42 @@ PetscErrorCode Level::AddWorkOfLoads(double dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::SpreadChange(double xpic)
+PetscErrorCode Level::SpreadChange(const SpreadPlan &plan)
 {
   const Flops flops(model_.geometry.Dim());
-  const int dim = model_.geometry.Dim();
+  const int dim = model_.geometry.Dim(), shared = plan.project ? NodeLayout::Projected(dim) + dim : plan.momentum ? dim : 0;
   PetscFunctionBeginUser;
+  if (!plan.momentum && model_.VolumeAverages() == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Timed(events_.grid_to_points, [&] {
-    return ForEachStore(flops.spread_change,
-                        [&](const SweepView &view, Budgets &, PointFailure &) { sweeps_.kernels->SpreadChange(view, xpic > 0); });
+    return ForEachStore(flops.spread_change, [&](const SweepView &view, Budgets &budgets, PointFailure &) {
+      sweeps_.kernels->SpreadChange(view, plan, budgets);
+    });
   }));
   if (model_.HasSecondVelocity()) step_.ahead = AdvanceContactNodes(*grid_, contact_.Changes(), light_);
-  PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(xpic > 0 ? NodeLayout::Projected(dim) + dim : dim); }));
+  PetscCall(Timed(events_.halo, [&] { return grid_->ShareRates(shared); }));
+  if (!plan.momentum) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       Timed(events_.halo, [&] { return light_.Restrict(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(dim)); }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::FindRates(double dt, double xpic, bool spread)
+PetscErrorCode Level::FindRates(const SpreadPlan &spread, double xpic)
 {
   const Flops flops(model_.geometry.Dim());
-  const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic,
-                                   coupled_.on || model_.VolumeAverages() > 0};
+  const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic};
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  AddMomenta(*grid_, spread);
+  AddMomenta(*grid_, spread.momentum);
   budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), step_.ahead);
-  PetscCall(AddWorkOfLoads(dt));
-  if (plan.exchange) AddExchange(*grid_, dt, coupled_.nodes, step_.held_nodes, step_.ahead, budgets_);
-  DivideRates(*grid_, geometry_.sides, nodal_, dt, plan, budgets_);
-  if (spread) {
+  PetscCall(AddWorkOfLoads(spread.dt));
+  if (spread.momentum) {
+    DivideRates(*grid_, geometry_.sides, nodal_, plan, budgets_);
     PetscCall(Timed(events_.halo, [&] {
       return light_.Prolong(grid_->Halo(), grid_->Arrays().RatesArray(), NodeLayout::Rates(model_.geometry.Dim()));
     }));
     FinishRates(*grid_, nodal_, plan);
   }
-  if (model_.short_wave.On() || model_.VolumeAverages() > 0)
-    FindCellRates(*grid_, model_.geometry.HasHoop(), nodal_.mass_cutoff, dt);
+  if (model_.short_wave.On()) FindStrainRates(*grid_, model_.geometry.HasHoop());
   PetscCall(PetscLogFlops(flops.rates * static_cast<double>(grid_->Owned().Count())));
   PetscCall(PetscLogEventEnd(events_.grid_update, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -300,20 +299,23 @@ PetscErrorCode Level::FindRates(double dt, double xpic, bool spread)
 PetscErrorCode Level::AdvancePoints(double dt)
 {
   const double xpic = settings_.xpic.InStep(step_.taken);
-  const bool second = model_.HasSecondVelocity(), spread = second || xpic > 0;
+  const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
+  const bool second = model_.HasSecondVelocity();
+  const SpreadPlan spread = {dt, second || xpic > 0, xpic > 0, damped};
   GridToPointsPlan plan = {dt, step_.scale};
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_.indenter) PetscCall(contact_.PrepareSurface(Parts(), stores_.Drift().path * geometry_.grid.spacing));
   step_.ahead.clear();
   grid_->Arrays().ClearRates();
-  if (spread) PetscCall(SpreadChange(xpic));
-  PetscCall(FindRates(dt, xpic, spread));
+  PetscCall(SpreadChange(spread));
+  PetscCall(FindRates(spread, xpic));
+  plan.change_velocity = !spread.momentum;
   plan.second_velocity = second;
   plan.strain = model_.stress_update != StressUpdate::kUsf;
   plan.short_wave = model_.short_wave;
   plan.xpic_fraction = xpic;
-  plan.damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
+  plan.damped = damped;
   PetscCall(GridToPoints(plan));
   if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), second, dt));
   PetscFunctionReturn(PETSC_SUCCESS);

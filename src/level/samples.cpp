@@ -107,7 +107,6 @@ std::vector<VelocitySample> SampleVelocity(Level &level, const std::vector<int> 
 PetscErrorCode FindVelocities(Level &level)
 {
   const LevelParts parts = level.Parts();
-  std::vector<NodeChange> held_nodes;
   Budgets discarded;
   PetscFunctionBeginUser;
   if (!parts.grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,7 +114,7 @@ PetscErrorCode FindVelocities(Level &level)
   parts.kernels.PointsToGrid(parts.View(), {}, 0, discarded);
   PetscCall(parts.grid.ShareSums());
   UpdateVelocities(parts.grid, parts.nodal, 0);
-  ApplyBoundaryConditions(parts.grid, parts.geometry.sides, parts.nodal, &held_nodes, discarded);
+  ApplyBoundaryConditions(parts.grid, parts.geometry.sides, parts.nodal, discarded);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -84,30 +84,24 @@ template <class Geometry> void CheckAverage(GeometryKind kind, double own)
   const Block block = cloud.Of(*material);
   const Extents<dim> points = ExtentsOf<dim>(block);
   Budgets budgets;
-  grid.Arrays().ClearSums();
-  AddVolumes<Geometry>(block, points, grid);
-  ASSERT_EQ(grid.ShareSums(), PETSC_SUCCESS);
-  std::map<std::vector<int>, double> growths;
-  for (int p = 0; p < kCount; ++p) {
-    const auto cell = cloud.Cell(p);
-    if (!growths.count(cell)) growths[cell] = Random(-1e-3, 1e-3);
-    grid.Arrays().Growths()[grid.Place({cell[0], cell[1], dim == 3 ? cell[2] : 0})] = growths[cell];
-  }
+  grid.Arrays().ClearRates();
+  AddGrowth<Geometry>(block, points, grid, kStep, cloud.motion);
+  ASSERT_EQ(grid.ShareRates(0), PETSC_SUCCESS);
   AverageGrowth<Geometry>(block, points, grid, kStep, cloud.motion, budgets);
 
   struct Sums {
-    double mass = 0, volume = 0;
+    double mass = 0, growth = 0, volume = 0;
   };
   std::map<std::vector<int>, Sums> sums;
   for (int p = 0; p < kCount; ++p) {
     Sums &cell = sums[cloud.Cell(p)];
-    cell.mass += cloud.mass[p];
+    cell.mass += cloud.mass[p], cell.growth += cloud.mass[p] * (cloud.Ratio(p, before.L) - 1);
     cell.volume += cloud.Volume(p, kDensity);
   }
   double work = 0, size = 0;
   for (int p = 0; p < kCount; ++p) {
     const Sums &cell = sums[cloud.Cell(p)];
-    const double of_cell = 1 + growths[cloud.Cell(p)], alone = cloud.Ratio(p, before.L);
+    const double of_cell = 1 + cell.growth / cell.mass, alone = cloud.Ratio(p, before.L);
     double rate2 = 0; // |D|^2
     for (int k = 0; k < dim * dim; ++k) rate2 += std::pow((before.L[k][p] + before.L[k % dim * dim + k / dim][p]) / 2, 2);
     const double difference = cloud.faces[p] ? 0 : cell.volume / cell.mass * cloud.mass[p] / cloud.Volume(p, kDensity) - 1;

@@ -34,15 +34,15 @@ void VolumeGrowth(const Block &b, const Row *x, double dt, const Motion<Geometry
   }
 }
 
-/// Where the cells that the centres of points lie in have their sums (Grid::Cells). Summed up as doubles, which vectorise better
-/// and hold any place.
-template <int dim> void FindCells(const Grid &grid, const Row *x, int count, int *cell)
+/// Where the cells that the centres of points lie in have their sums, or with a distance of one their marks. Summed up as
+/// doubles, which vectorise better and hold any place.
+template <int dim> void FindCells(const Grid &grid, const Row *x, int count, int distance, int *cell)
 {
   const Lattice &lattice = grid.IndexSpace();
   const double *const origin = lattice.origin, inverse_spacing = lattice.inverse_spacing;
   double stride[dim], first = 0;
   for (int axis = 0; axis < dim; ++axis) {
-    stride[axis] = static_cast<double>(grid.Arrays().CellStride()) * lattice.stride[axis];
+    stride[axis] = static_cast<double>(distance) * lattice.stride[axis];
     first += stride[axis] * lattice.first[axis];
   }
 #pragma omp simd
@@ -54,21 +54,33 @@ template <int dim> void FindCells(const Grid &grid, const Row *x, int count, int
   }
 }
 
-/// What the average needs of the points of a block: current volume, cell.
+/// Marks the cells that points lie in.
+template <int dim> void MarkCells(const Grid &grid, const Row *x, int count)
+{
+  alignas(64) int cell[kBlock];
+  FindCells<dim>(grid, x, count, 1, cell);
+  for (int p = 0; p < count; ++p) grid.Arrays().Marks()[cell[p]] = 1;
+}
+
+/// What the average needs of the points of a block: growth of volume in the step, current volume, cell.
 template <class Geometry> struct CellParts {
-  CellParts(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid)
+  CellParts(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
+            const Motion<Geometry::kDim> &motion)
   {
+    VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
     Volumes<Geometry>(b, points, 1, volume);
-    FindCells<Geometry::kDim>(grid, points.x, b.count, cell);
+    FindCells<Geometry::kDim>(grid, points.x, b.count, grid.Arrays().CellStride(), cell);
   }
-  alignas(64) double volume[kBlock];
+  alignas(64) double growth[kBlock], volume[kBlock];
   alignas(64) int cell[kBlock];
 };
 
-/// Adds mass and relative volume of a block to its cells.
-template <class Geometry> void AddVolumes(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid)
+/// Adds mass, growth of volume and relative volume of a block to its cells.
+template <class Geometry>
+void AddGrowth(const Block &b, const Extents<Geometry::kDim> &points, const Grid &grid, double dt,
+               const Motion<Geometry::kDim> &motion)
 {
-  const CellParts<Geometry> parts(b, points, grid);
+  const CellParts<Geometry> parts(b, points, grid, dt, motion);
   const double density = b.material.Density();
   CellSums *const cells = grid.Arrays().Cells(b.average);
   constexpr int kApart = 8; // size: points of a cell lie beside each other, and their sums would wait for each other
@@ -76,11 +88,12 @@ template <class Geometry> void AddVolumes(const Block &b, const Extents<Geometry
     for (int p = first; p < b.count; p += kApart) {
       CellSums &cell = cells[parts.cell[p]];
       cell.mass += b.mass[p];
+      cell.growth += b.mass[p] * parts.growth[p];
       cell.relative_volume += density * parts.volume[p];
     }
 }
 
-/// The gradients of L become those with the growth of volume of the cell by the velocities of its corners,
+/// The gradients of L become those with the mean growth of volume over the points of the cell,
 /// j = (1 + g_cell)^(1 - w) (1 + g)^w exp(q (J_cell/J - 1)) with the share w of the own growth g, q = kSettling dt |D|; I + dt L
 /// keeps its form in the plane, or in space. The last factor is of points that come from other cells: without it they keep what
 /// those had, and neighbours differ more with every border that they cross; not of points with faces, where contact
@@ -91,30 +104,27 @@ void AverageGrowth(const Block &b, const Extents<Geometry::kDim> &points, const 
 {
   constexpr int dim = Geometry::kDim;
   constexpr double kMinSum = 0.1; // rounding: less is refused as a strain, by a message that a division by zero would spoil
-  const CellParts<Geometry> parts(b, points, grid);
-  alignas(64) double growth[kBlock], sums[3][kBlock]; // of the points, and of their cells
+  const CellParts<Geometry> parts(b, points, grid, dt, motion);
+  alignas(64) double sums[3][kBlock]; // of the point's cell
   alignas(64) Row sigma[dim]; // normal stresses; as rows, since GCC does the end of a loop that skips components without vectors
   LoadRows<dim>(b.stress, b.count, sigma, Geometry::kStress);
-  VolumeGrowth<Geometry>(b, points.x, dt, motion, growth);
   const CellSums *const cells = grid.Arrays().Cells(b.average);
-  const int stride = grid.Arrays().CellStride();
   for (int p = 0; p < b.count; ++p) {
     const CellSums &cell = cells[parts.cell[p]];
-    const double of_cell = grid.Arrays().Growths()[parts.cell[p] / stride];
-    sums[0][p] = cell.mass, sums[1][p] = of_cell < HUGE_VAL ? of_cell : growth[p], sums[2][p] = cell.relative_volume;
+    sums[0][p] = cell.mass, sums[1][p] = cell.growth, sums[2][p] = cell.relative_volume;
   }
   const double exponent = 2 * (1 - b.material.KeptVolumeShare()) / dim, rate = 1 / dt;
   const double settling = b.material.Traits().flows ? kSettling * dt / dim : 0, specific_volume = 1 / b.material.Density();
-  const double *const mass = b.mass, *const volume = parts.volume;
+  const double *const mass = b.mass, *const growth = parts.growth, *const volume = parts.volume;
   const int *const faces = b.faces;
   Row *const L = motion.L;
   double work = 0;
 #pragma omp simd reduction(+ : work)
   for (int p = 0; p < b.count; ++p) {
-    // ln((1 + mean)/(1 + growth)) = 2 atanh s, and all is over one division.
-    const double cell_mass = sums[0][p], mean = sums[1][p], own = growth[p], size = volume[p] * cell_mass;
-    const double sum = std::max(2 + mean + own, kMinSum), inverse = 1 / (sum * size);
-    const double s = (mean - own) * size * inverse;
+    // ln((1 + mean)/(1 + growth)) = 2 atanh s; the means are sums over the cell's mass, and all is over one division.
+    const double cell_mass = sums[0][p], mean = sums[1][p], own = cell_mass * growth[p]; // growths, times that mass
+    const double sum = std::max(2 * cell_mass + mean + own, kMinSum * cell_mass), inverse = 1 / (sum * volume[p] * cell_mass);
+    const double s = (mean - own) * (volume[p] * cell_mass) * inverse;
     double square = 0; // |D|^2
 #pragma GCC unroll 3
     for (int i = 0; i < dim; ++i) {

@@ -33,15 +33,24 @@ struct PointFailure {
   Vec3 position{};
 };
 
+/// Settings of the sweep that tells nodes and cells what the step does to the points.
+struct SpreadPlan {
+  double dt;     ///< s
+  bool momentum; ///< change the points' velocities, and add m_p sum S dv to `rates`
+  bool project;  ///< and, for XPIC, m_p sum S v
+  double damped; ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
+};
+
 /// Settings of one grid-to-points sweep.
 struct GridToPointsPlan {
   double dt, scale;                   ///< s; simulated time over that of the test
   bool second_velocity = false;       ///< points that do not average their volume follow the velocities in `rates`
-  bool velocity = true;               ///< change the points' velocities, and move them
+  bool change_velocity = true;        ///< where SpreadChange has not
   bool strain = true;                 ///< advance F and stress
+  bool move = true;                   ///< move the points
   ShortWaveViscosity short_wave = {}; ///< uses the smooth strain rates in `rates`
   double xpic_fraction = 0;           ///< share of the projected velocity in `rates`
-  double damped = 0; ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
+  double damped = 0;                  ///< of their velocity, with its change
 };
 
 /// One rank's points and nodes during a sweep.
@@ -67,11 +76,11 @@ public:
   /// Adds mass, momentum and internal force (and `acceleration` times mass, where given) to the nodal sums.
   virtual void PointsToGrid(const SweepView &view, const BodyAcceleration &acceleration, double time, Budgets &budgets) const = 0;
 
-  /// Adds mass times sum S dv of the points to `rates`, what the step adds to their momentum, and where asked for mass times
-  /// sum S v, which XPIC projects.
-  virtual void SpreadChange(const SweepView &view, bool project) const = 0;
+  /// v_p += sum S dv (FLIP), and what that adds to the momenta of nodes; of points that average their volume its growth to the
+  /// cells.
+  virtual void SpreadChange(const SweepView &view, const SpreadPlan &plan, Budgets &budgets) const = 0;
 
-  /// v_p += sum S dv (FLIP), XPIC; strain, stress and short-wave stress; moves the points.
+  /// v_p += sum S dv where that is still to do, XPIC; strain, stress and short-wave stress; moves the points.
   virtual void GridToPoints(const SweepView &view, const GridToPointsPlan &plan, Budgets &budgets,
                             PointFailure &failure) const = 0;
 

@@ -77,7 +77,7 @@ public:
 
 private:
   static constexpr int kNode = NodeLayout::kSums,
-                       kRows = dim == 2 ? RowsAtOnce(2) : 1; ///< doubles of a node; rows of nodes at once
+                       kRows = dim == 2 ? RowsAtOnce(2) : 1; // size: doubles of a node; rows of nodes at once
   static constexpr int kPlace = offsetof(NodeSums, force) / sizeof(double) + dim - kForce;
 
   template <class Work> static void ForEachNode(Work work)

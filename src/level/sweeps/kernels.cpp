@@ -35,7 +35,7 @@ public:
       const Extents<dim> points = ExtentsOf<dim>(b);
       budgets.clamped_sizes += SetWeights<true>(view, b, points, w);
       budgets.hoop_force += shares.Set(b, points, view.owned);
-      if (b.average >= 0) AddVolumes<Geometry>(b, points, view.grid);
+      MarkCells<dim>(view.grid, points.x, b.count);
       if (acceleration) shares.AddBodyForces(b, acceleration, time);
       if (NodeShares<Geometry>::kHasBody || acceleration)
         shares.template AddTo<true>(view.grid, w, b);
@@ -44,12 +44,22 @@ public:
     });
   }
 
-  void SpreadChange(const SweepView &view, bool project) const override
+  void SpreadChange(const SweepView &view, const SpreadPlan &plan, Budgets &budgets) const override
   {
     Weights w;
+    Motion<dim> motion;
+    alignas(64) Row velocity[dim], change[dim];
     ForEachBlock(view, [&](const Block &b) {
-      SetWeights<false, false>(view, b, ExtentsOf<dim>(b), w);
-      (project ? Spread<true> : Spread<false>)(view.grid, w, b);
+      const Extents<dim> points = ExtentsOf<dim>(b);
+      const bool grows = b.average >= 0;
+      if (grows)
+        SetWeights<false>(view, b, points, w);
+      else if (plan.momentum)
+        SetWeights<false, false>(view, b, points, w);
+      if (grows) GatherMotion(view.grid, w, b, motion), AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
+      if (!plan.momentum) return;
+      (plan.project || plan.damped > 0 ? Spread<true> : Spread<false>)(view.grid, w, b, velocity, change);
+      ChangeVelocity(b, plan.damped, velocity, change, budgets);
     });
   }
 
@@ -63,15 +73,14 @@ public:
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
       GatherNodes(view.grid, w, b, plan, motion, nodes);
-      if (plan.damped > 0) DampNoise(b, plan.damped, nodes.velocity, nodes.change, budgets);
-      if (plan.velocity) AddVelocity(b, nodes.change);
+      if (plan.change_velocity) ChangeVelocity(b, plan.damped, nodes.velocity, nodes.change, budgets);
       if (plan.short_wave.On()) budgets.short_wave_dissipation += plan.dt * StrainRates<Geometry>(b, points, motion, rate);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
       if (plan.short_wave.On())
         ShortWaveStress<Geometry>(b, points, view.grid, plan.short_wave, plan.dt, motion.u, rate, nodes.strain_rate);
       if (plan.xpic_fraction > 0) MixVelocity(b, plan.xpic_fraction, nodes.projected, budgets);
-      if (plan.velocity) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
+      if (plan.move) Move<dim>(b, points, view.grid, plan.dt, motion.u, failure);
     });
   }
 
@@ -158,9 +167,9 @@ private:
       PrefetchNext<Geometry>(b, p, kMomentum | kStressOfPoint | kInternal);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        StoreVector(nodes.change[d] + p, Gather<dim, false>(velocity, kChange + d).value);
+        if (plan.change_velocity) StoreVector(nodes.change[d] + p, Gather<dim, false>(velocity, kChange + d).value);
         if (!second) KeepGathered(Gather<dim>(velocity, d), d, p, motion);
-        if (plan.damped > 0) StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
+        if (plan.change_velocity && plan.damped > 0) StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
       }
       if (!rates) return;
       const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
@@ -175,6 +184,16 @@ private:
       for (int k = 0; k < kRate; ++k) StoreVector(nodes.strain_rate[k] + p, value(NodeLayout::StrainRate(dim) + k));
     });
   }
+  /// The new velocity of the nodes at the points of a block, with its gradient.
+  static void GatherMotion(const Grid &grid, const Weights &w, const Block &b, Motion<dim> &motion)
+  {
+    ForEachGroup(w, b.count, [&](int p, int) {
+      const At<NodeLayout::Velocity(dim)> at(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
+      PrefetchNext<Geometry>(b, p, kMassOfPoint);
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) KeepGathered(Gather<dim>(at, d), d, p, motion);
+    });
+  }
   static void KeepGathered(const Gathered<dim> &sum, int d, int p, Motion<dim> &motion)
   {
     StoreVector(motion.u[d] + p, sum.value);
@@ -182,8 +201,15 @@ private:
     for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
   }
 
+  /// The change of the step comes to the points of a block that move with the nodes' velocity and take its change.
+  static void ChangeVelocity(const PointArrays &b, double damped, const Row *u, const Row *change, Budgets &budgets)
+  {
+    if (damped > 0) DampNoise(b, damped, u, change, budgets);
+    AddVelocity(b, change, budgets);
+  }
+
   /// Mass-proportional damping of what the points move otherwise than the nodes, v_p <- v_p - share (v_p - sum S (v - dv)_i): the
-  /// nodal forces have that of the nodes. Adds up what it takes with the change of velocity that follows.
+  /// nodal forces have that of the nodes.
   static void DampNoise(const PointArrays &b, double share, const Row *u, const Row *change, Budgets &budgets)
   {
     double work = 0;
@@ -193,7 +219,7 @@ private:
         double &v = b.velocity[dim * p + d];
         const double taken = share * (v - (u[d][p] - change[d][p])), given = b.mass[p] * taken;
         impulse -= given;
-        work += given * (v + 0.5 * (change[d][p] - taken));
+        work += given * (v - 0.5 * taken);
         v -= taken;
       }
       budgets.damping_impulse[d] += impulse;
@@ -201,16 +227,28 @@ private:
     budgets.damping_work += work;
   }
 
-  static void AddVelocity(const PointArrays &b, const Row *change)
+  /// v_p <- v_p + dv_p, adding up the kinetic energy that the points get, m dv . (v + dv/2).
+  static void AddVelocity(const PointArrays &b, const Row *change, Budgets &budgets)
   {
-    for (int p = 0; p < b.count; ++p)
-#pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
+    alignas(64) Row velocity[dim];
+    double energy = 0;
+    LoadRows<dim>(b.velocity, b.count, velocity);
+    for (int d = 0; d < dim; ++d) {
+      double *const v = velocity[d];
+      const double *const dv = change[d], *const mass = b.mass;
+#pragma omp simd reduction(+ : energy)
+      for (int p = 0; p < b.count; ++p) {
+        energy += mass[p] * dv[p] * (v[p] + 0.5 * dv[p]);
+        v[p] += dv[p];
+      }
+    }
+    StoreRows<dim>(velocity, b.count, b.velocity);
+    budgets.exchange_energy += energy;
   }
 
   /// Adds mass times the change of the grid's velocity at the points of a block to `rates`, and where it is projected mass times
   /// that velocity.
-  template <bool project> static void Spread(const Grid &grid, const Weights &w, const Block &b)
+  template <bool project> static void Spread(const Grid &grid, const Weights &w, const Block &b, Row *velocity, Row *change)
   {
     constexpr int n = NodeLayout::Rates(dim), kChange = NodeLayout::Velocity(dim) / 2, kProjected = NodeLayout::Projected(dim);
     alignas(64) double shares[kLanes * n];
@@ -223,8 +261,13 @@ private:
       Pack parts[n] = {};
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        parts[d] = mass * Gather<dim, false>(at, kChange + d).value;
-        if (project) parts[kProjected + d] = mass * Gather<dim, false>(at, d).value;
+        const Pack dv = Gather<dim, false>(at, kChange + d).value;
+        StoreVector(change[d] + first, dv);
+        parts[d] = mass * dv;
+        if (!project) continue;
+        const Pack v = Gather<dim, false>(at, d).value;
+        StoreVector(velocity[d] + first, v);
+        parts[kProjected + d] = mass * v;
       }
       constexpr int vectors = dim == 3 && project ? 2 : 1;
 #pragma GCC unroll 2

@@ -99,12 +99,12 @@ public:
     for (int layer = 0; layer < box.Size(last); ++layer) {
       CellRate *const above = layers[layer % 2], *const below = layers[1 - layer % 2];
       if (layer + 1 == box.Size(last)) std::fill_n(above, count, CellRate{});
-      Index at = box.lower;
-      at[last] += layer;
-      for (int y = 0; layer + 1 < box.Size(last) && y < rows - first; ++y, ++at[1])
-        PutRow(at, above + (y + first) * along_y_ + 1);
-      at[1] = dim == 3 ? box.lower[1] : at[1];
-      for (int y = 0; y < rows; ++y, ++at[1]) PutMeans(at, above + (y + first) * along_y_, below + (y + first) * along_y_);
+      const auto row = [&](int y) {
+        return dim == 3 ? Index{box.lower[0], box.lower[1] + y, box.lower[2] + layer}
+                        : Index{box.lower[0], box.lower[1] + layer, 0};
+      };
+      for (int y = 0; layer + 1 < box.Size(last) && y < rows - first; ++y) PutRow(row(y), above + (y + first) * along_y_ + 1);
+      for (int y = 0; y < rows; ++y) PutMeans(row(y), above + (y + first) * along_y_, below + (y + first) * along_y_);
     }
   }
 

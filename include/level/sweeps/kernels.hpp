@@ -33,7 +33,7 @@ struct PointFailure {
   Vec3 position{};
 };
 
-/// Settings of the sweep that tells nodes and cells what the step does to the points.
+/// Settings of the sweep that adds to nodes and cells what the step does to the points.
 struct SpreadPlan {
   double dt;     ///< s
   bool momentum; ///< change the points' velocities, and add m_p sum S dv to `rates`

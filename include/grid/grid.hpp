@@ -17,8 +17,9 @@ class Grid
 {
 public:
   /// Collective on `world`. On ranks without a block the grid knows where it lies, but has no nodes. volume_averages: number of
-  /// materials that keep sums at the cells.
-  PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages = 0);
+  /// materials that keep sums at the cells; marks_cells: those that points lie in get a mark.
+  PetscErrorCode Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages = 0,
+                        bool marks_cells = true);
 
   /// Gives points of a smaller half size, in cells, the weights of points of this one.
   void WidenThinPoints(double half_size) { lattice_.least_half_size = half_size; }

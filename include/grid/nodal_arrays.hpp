@@ -54,8 +54,8 @@ struct NodeLayout {
 class NodalArrays
 {
 public:
-  /// For so many nodes. volume_averages: number of materials that keep sums at the cells.
-  PetscErrorCode Create(int dim, std::ptrdiff_t nodes, int volume_averages);
+  /// For so many nodes. volume_averages: number of materials that keep sums at the cells; has_marks: see Marks.
+  PetscErrorCode Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_marks);
 
   NodeSums *Sums() const { return sums_; }
   double *VelocityArray() const { return velocity_; }
@@ -70,7 +70,7 @@ public:
   /// node's place from the first.
   CellSums *Cells(int average) const { return cells_ + average; }
   int CellStride() const { return cell_size_; }
-  /// Above zero where points lie in the cell above a node.
+  /// Above zero where points lie in the cell above a node; null where they are not kept.
   double *Marks() const { return marks_; }
   /// Of `count` cells of a layer, that of even or of odd ones; until the next call with more.
   CellRate *Layer(int layer, std::ptrdiff_t count);

@@ -6,11 +6,12 @@
 namespace mlgimp
 {
 
-PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages)
+PetscErrorCode Grid::Create(MPI_Comm world, const GridGeometry &geometry, const GridLayout &layout, int volume_averages,
+                            bool marks_cells)
 {
   PetscFunctionBeginUser;
   PetscCall(nodes_.Create(world, geometry, layout));
-  PetscCall(arrays_.Create(geometry.dim, Ghosted().Count(), volume_averages));
+  PetscCall(arrays_.Create(geometry.dim, Ghosted().Count(), volume_averages, marks_cells));
   if (Participates()) PetscCall(halo_.Create(nodes_));
   lattice_.inverse_spacing = 1 / geometry.spacing;
   for (int axis = 0, stride = 1; axis < 3; stride *= Ghosted().Size(axis++)) {
@@ -34,7 +35,10 @@ PetscErrorCode Grid::ShareSums()
   PetscFunctionBeginUser;
   Choose(offsetof(NodeSums, mass) / sizeof(double), 2 + dim, &sums.chosen); // and owned mass, momentum
   Choose(offsetof(NodeSums, force) / sizeof(double), dim, &sums.chosen);
-  PetscCall(halo_.Sum({sums, {arrays_.Marks(), 1, {0}}}));
+  if (arrays_.Marks())
+    PetscCall(halo_.Sum({sums, {arrays_.Marks(), 1, {0}}}));
+  else
+    PetscCall(halo_.Sum({sums}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

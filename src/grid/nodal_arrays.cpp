@@ -6,7 +6,7 @@
 namespace mlgimp
 {
 
-PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_averages)
+PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_marks)
 {
   PetscFunctionBeginUser;
   velocity_size_ = NodeLayout::Velocity(dim);
@@ -19,8 +19,8 @@ PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_ave
   rates_ = reinterpret_cast<double *>(memory_[2].data());
   cell_memory_.resize(cell_size_ * nodes);
   cells_ = cell_memory_.data();
-  mark_memory_.resize(nodes);
-  marks_ = mark_memory_.data();
+  mark_memory_.resize(has_marks ? nodes : 0);
+  marks_ = has_marks ? mark_memory_.data() : nullptr;
   PetscCall(sums_unit_.Create(NodeLayout::kSums));
   PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
   PetscFunctionReturn(PETSC_SUCCESS);

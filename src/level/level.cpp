@@ -49,7 +49,7 @@ PetscErrorCode Level::CreateGrid(const GridLayout &layout)
 {
   auto grid = std::make_unique<Grid>();
   PetscFunctionBeginUser;
-  PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages()));
+  PetscCall(grid->Create(world_, geometry_.grid, layout, model_.VolumeAverages(), model_.short_wave.On()));
   for (const Side side : kAllSides)
     if (geometry_.sides.kind[side] == BoundaryKind::kSymmetry) grid->EndPointsAt(side, geometry_.sides.node[side]);
   grid->WidenThinPoints(model_.LeastHalfSize());
@@ -280,7 +280,7 @@ PetscErrorCode Level::FindRates(const SpreadPlan &spread, double xpic)
   const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic};
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  AddMomenta(*grid_, spread.momentum);
+  if (spread.momentum || contact_.IsActive() || !model_.loads.empty()) AddMomenta(*grid_, spread.momentum);
   budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), step_.ahead);
   PetscCall(AddWorkOfLoads(spread.dt));
   if (spread.momentum) {
@@ -301,13 +301,14 @@ PetscErrorCode Level::AdvancePoints(double dt)
   const double xpic = settings_.xpic.InStep(step_.taken);
   const double damped = nodal_.xpic_fraction > 0 ? 0 : nodal_.damping * dt; // XPIC takes that motion by itself
   const bool second = model_.HasSecondVelocity();
-  const SpreadPlan spread = {dt, second || xpic > 0, xpic > 0, damped};
+  const bool counts_energy = coupled_.on || model_.VolumeAverages() > 0;
+  const SpreadPlan spread = {dt, second || xpic > 0, xpic > 0, {damped, counts_energy}};
   GridToPointsPlan plan = {dt, step_.scale};
   PetscFunctionBeginUser;
   if (!grid_->Participates()) PetscFunctionReturn(PETSC_SUCCESS);
   if (model_.indenter) PetscCall(contact_.PrepareSurface(Parts(), stores_.Drift().path * geometry_.grid.spacing));
   step_.ahead.clear();
-  grid_->Arrays().ClearRates();
+  if (spread.momentum || counts_energy) grid_->Arrays().ClearRates();
   PetscCall(SpreadChange(spread));
   PetscCall(FindRates(spread, xpic));
   plan.change_velocity = !spread.momentum;
@@ -315,7 +316,7 @@ PetscErrorCode Level::AdvancePoints(double dt)
   plan.strain = model_.stress_update != StressUpdate::kUsf;
   plan.short_wave = model_.short_wave;
   plan.xpic_fraction = xpic;
-  plan.damped = damped;
+  plan.velocity = spread.velocity;
   PetscCall(GridToPoints(plan));
   if (model_.indenter) PetscCall(contact_.MoveSurface(Parts(), second, dt));
   PetscFunctionReturn(PETSC_SUCCESS);

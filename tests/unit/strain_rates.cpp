@@ -1,6 +1,7 @@
 // Smooth strain rates of nodes: those of linear motions everywhere, of quadratic ones inside; blind to cells without points.
 #include "grid/strain_rates.hpp"
 
+#include "simulation/setup.hpp"
 #include "unit/random.hpp"
 
 #include <gtest/gtest.h>

@@ -33,24 +33,30 @@ struct PointFailure {
   Vec3 position{};
 };
 
+/// What happens to the velocities of points beside the change that they take.
+struct VelocityPlan {
+  double damped = 0;          ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
+  bool counts_energy = false; ///< add what the points get to Budgets::exchange_energy
+};
+
 /// Settings of the sweep that adds to nodes and cells what the step does to the points.
 struct SpreadPlan {
   double dt;     ///< s
   bool momentum; ///< change the points' velocities, and add m_p sum S dv to `rates`
   bool project;  ///< and, for XPIC, m_p sum S v
-  double damped; ///< share of the points' motion that the nodes do not have which `-damping` takes in the step
+  VelocityPlan velocity;
 };
 
-/// Settings of one grid-to-points sweep.
+/// Settings of the sweep from the grid to the points.
 struct GridToPointsPlan {
   double dt, scale;                   ///< s; simulated time over that of the test
   bool second_velocity = false;       ///< points that do not average their volume follow the velocities in `rates`
   bool change_velocity = true;        ///< where SpreadChange has not
+  VelocityPlan velocity = {};         ///< then
   bool strain = true;                 ///< advance F and stress
   bool move = true;                   ///< move the points
   ShortWaveViscosity short_wave = {}; ///< uses the smooth strain rates in `rates`
   double xpic_fraction = 0;           ///< share of the projected velocity in `rates`
-  double damped = 0;                  ///< of their velocity, with its change
 };
 
 /// One rank's points and nodes during a sweep.

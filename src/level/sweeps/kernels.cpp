@@ -35,7 +35,7 @@ public:
       const Extents<dim> points = ExtentsOf<dim>(b);
       budgets.clamped_sizes += SetWeights<true>(view, b, points, w);
       budgets.hoop_force += shares.Set(b, points, view.owned);
-      MarkCells<dim>(view.grid, points.x, b.count);
+      if (view.grid.Arrays().Marks()) MarkCells<dim>(view.grid, points.x, b.count);
       if (acceleration) shares.AddBodyForces(b, acceleration, time);
       if (NodeShares<Geometry>::kHasBody || acceleration)
         shares.template AddTo<true>(view.grid, w, b);
@@ -58,8 +58,8 @@ public:
         SetWeights<false, false>(view, b, points, w);
       if (grows) GatherMotion(view.grid, w, b, motion), AddGrowth<Geometry>(b, points, view.grid, plan.dt, motion);
       if (!plan.momentum) return;
-      (plan.project || plan.damped > 0 ? Spread<true> : Spread<false>)(view.grid, w, b, velocity, change);
-      ChangeVelocity(b, plan.damped, velocity, change, budgets);
+      (plan.project || plan.velocity.damped > 0 ? Spread<true> : Spread<false>)(view.grid, w, b, velocity, change);
+      ChangeVelocity(b, plan.velocity, velocity, change, budgets);
     });
   }
 
@@ -73,7 +73,7 @@ public:
       Extents<dim> points = ExtentsOf<dim>(b);
       SetWeights<false>(view, b, points, w);
       GatherNodes(view.grid, w, b, plan, motion, nodes);
-      if (plan.change_velocity) ChangeVelocity(b, plan.damped, nodes.velocity, nodes.change, budgets);
+      if (plan.change_velocity) ChangeVelocity(b, plan.velocity, nodes.velocity, nodes.change, budgets);
       if (plan.short_wave.On()) budgets.short_wave_dissipation += plan.dt * StrainRates<Geometry>(b, points, motion, rate);
       if (b.average >= 0) AverageGrowth<Geometry>(b, points, view.grid, plan.dt, motion, budgets);
       if (plan.strain) AdvanceStress<Geometry>(b, points, plan.dt, plan.scale, motion, budgets, failure);
@@ -169,7 +169,8 @@ private:
       for (int d = 0; d < dim; ++d) {
         if (plan.change_velocity) StoreVector(nodes.change[d] + p, Gather<dim, false>(velocity, kChange + d).value);
         if (!second) KeepGathered(Gather<dim>(velocity, d), d, p, motion);
-        if (plan.change_velocity && plan.damped > 0) StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
+        if (plan.change_velocity && plan.velocity.damped > 0)
+          StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
       }
       if (!rates) return;
       const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
@@ -201,11 +202,12 @@ private:
     for (int a = 0; a < dim; ++a) StoreVector(motion.L[dim * d + a] + p, sum.slope[a]);
   }
 
-  /// The change of the step comes to the points of a block that move with the nodes' velocity and take its change.
-  static void ChangeVelocity(const PointArrays &b, double damped, const Row *u, const Row *change, Budgets &budgets)
+  /// Points take the change of the nodes' velocity in the step; u: that velocity at them, needed where they are damped.
+  static void ChangeVelocity(const PointArrays &b, const VelocityPlan &plan, const Row *u, const Row *change, Budgets &budgets)
   {
-    if (damped > 0) DampNoise(b, damped, u, change, budgets);
-    AddVelocity(b, change, budgets);
+    if (plan.damped > 0) DampNoise(b, plan.damped, u, change, budgets);
+    if (plan.counts_energy) budgets.exchange_energy += EnergyOf(b, change);
+    AddVelocity(b, change);
   }
 
   /// Mass-proportional damping of what the points move otherwise than the nodes, v_p <- v_p - share (v_p - sum S (v - dv)_i): the
@@ -227,23 +229,26 @@ private:
     budgets.damping_work += work;
   }
 
-  /// v_p <- v_p + dv_p, adding up the kinetic energy that the points get, m dv . (v + dv/2).
-  static void AddVelocity(const PointArrays &b, const Row *change, Budgets &budgets)
+  /// v_p <- v_p + dv_p.
+  static void AddVelocity(const PointArrays &b, const Row *change)
+  {
+    for (int p = 0; p < b.count; ++p)
+#pragma GCC unroll 3
+      for (int d = 0; d < dim; ++d) b.velocity[dim * p + d] += change[d][p];
+  }
+
+  /// The kinetic energy that points get with dv, sum m dv . (v + dv/2), J.
+  static double EnergyOf(const PointArrays &b, const Row *change)
   {
     alignas(64) Row velocity[dim];
     double energy = 0;
     LoadRows<dim>(b.velocity, b.count, velocity);
     for (int d = 0; d < dim; ++d) {
-      double *const v = velocity[d];
-      const double *const dv = change[d], *const mass = b.mass;
+      const double *const v = velocity[d], *const dv = change[d], *const mass = b.mass;
 #pragma omp simd reduction(+ : energy)
-      for (int p = 0; p < b.count; ++p) {
-        energy += mass[p] * dv[p] * (v[p] + 0.5 * dv[p]);
-        v[p] += dv[p];
-      }
+      for (int p = 0; p < b.count; ++p) energy += mass[p] * dv[p] * (v[p] + 0.5 * dv[p]);
     }
-    StoreRows<dim>(velocity, b.count, b.velocity);
-    budgets.exchange_energy += energy;
+    return energy;
   }
 
   /// Adds mass times the change of the grid's velocity at the points of a block to `rates`, and where it is projected mass times

@@ -146,7 +146,9 @@ def tip_of_area(options):
     """Returns the Tip of the area function of a run's options, whose units are SI."""
     in_metres, range_m = numbers(options["-indenter_area_coefficients"]), given(options, "-indenter_area_depths")
     coefficients = [c * 10.0 ** (9 * (2 - 2.0 ** (1 - k))) for k, c in enumerate(in_metres)]
-    return tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
+    tip = tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
+    faces = given(options, "-indenter_faces")
+    return tips.of_shape(tip, int(faces) if faces else None)
 
 
 def poisson_of_run(options):

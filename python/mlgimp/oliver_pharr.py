@@ -210,7 +210,7 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     row |= dict.fromkeys(names, math.nan)
     true_modulus, pile_up = math.nan, math.nan
     if curve.tip is not None:
-        epsilon, beta = epsilon_and_beta(curve.tip, fit.exponent, poisson, constants)
+        epsilon, beta = epsilon_and_beta(curve.tip, fit, poisson, constants)
         figures = contact(curve.tip, fit.depth, fit.load, fit.stiffness, epsilon, beta)
         check_depth(curve, figures[0])
         row |= dict(zip(names, (epsilon, beta, *figures, specimen_modulus(figures[-1], poisson, constants))))
@@ -224,11 +224,12 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     return row | held_figures(curve, cycle, fit, row, constants) | norm
 
 
-def epsilon_and_beta(tip, exponent, poisson, constants):
-    """Returns epsilon and beta: those that the user chose, else those of the norm or of the Tip."""
-    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(exponent) if constants.iso else tip.epsilon
-    beta = constants.beta if constants.beta is not None else 1.0 if constants.iso else tip.beta(poisson)
-    return epsilon, beta
+def epsilon_and_beta(tip, fit, poisson, constants):
+    """Returns epsilon and beta of an Unloading: those that the user chose, else those of the norm or of the Tip."""
+    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(fit.exponent) if constants.iso else tip.epsilon
+    if constants.beta is not None or constants.iso:
+        return epsilon, 1.0 if constants.beta is None else constants.beta
+    return epsilon, float(tip.beta(poisson, fit.depth - epsilon * fit.load / fit.stiffness))
 
 
 def check_depth(curve, depth):

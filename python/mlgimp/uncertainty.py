@@ -113,8 +113,10 @@ def figures(curve, constants, depth, load, stiffness, zero, compliance, area, po
     """Returns the QUANTITIES [draws] by Oliver and Pharr: a contact point zero (um) deeper, a compliance (um/mN) more in series, an area
     by a share larger."""
     epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
-    beta = curve.tip.beta(poisson) if constants.beta is None else constants.beta
     stiffness = 1 / oliver_pharr.above_zero(1 / stiffness - compliance)
+    beta = constants.beta
+    if beta is None:
+        beta = curve.tip.beta(poisson, depth - zero - compliance * load - epsilon * load / stiffness)
     tip = curve.tip._replace(area=lambda h: curve.tip.area(h) * (1 + area))
     *_, hardness, modulus = oliver_pharr.contact(tip, depth - zero - compliance * load, load, stiffness, epsilon, beta)
     return np.array(np.broadcast_arrays(hardness, modulus, oliver_pharr.specimen_modulus(modulus, poisson, constants)))

@@ -152,7 +152,7 @@ def write_report(folder, analyses, found, options):
         if each.curve:
             known = found.uncertainties.get(each.name)
             run = runs.get(each.name) if each.curve.cells is not None else None
-            test["facts"], test["options"] = report_page.facts_of(each.curve, run)
+            test["facts"], test["options"] = report_page.facts_of(each.curve, run, options.poisson)
             test["notes"] = list(each.curve.notes)
             test["warnings"] += [f"unloading {row['cycle']}: {row['warnings']}" for row in each.rows if row["warnings"]]
             test["figures"] = report_page.figures_of(largest(each)[0], known) if each.rows else []

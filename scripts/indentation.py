@@ -30,7 +30,7 @@ import indentation_outputs as outputs
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, report_page, tips, zeros
+from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, presets, report_page, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 
@@ -106,7 +106,7 @@ def add_reading_options(parser):
 def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
-    group.add_argument("--tip", choices=tips.NEEDS, help="its kind")
+    group.add_argument("--tip", metavar="KIND", help=f"its kind, {', '.join(tips.NEEDS)}, or a tip by name, as berkovich_R50 (bin/mlgimp -presets lists them)")
     group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES",
                        help="of a cone or a pyramid, from the axis to a face")
     group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")
@@ -133,8 +133,7 @@ def given_tip(options):
         return tips.tip_of_function(options.area_function)
     if options.tip is None:
         return None
-    tips.check_sizes(options.tip, sizes, spelt)
-    return tips.make_tip(options.tip, **given)
+    return presets.make_tip(options.tip, given, spelt)
 
 
 def parse(arguments):

@@ -132,7 +132,9 @@ def variable(name, case):
     wanted = SHORT.get(name, name)
     options = [option for option in case if option == wanted or option.endswith("_" + wanted)]
     if not options:
-        raise Error(f"-vary {name}: must be an option that the case gives")
+        own = [option.partition("_")[2] or option for option in case]  # without the name of the material
+        near = hints.meant(name, [*case, *own, *SHORT])
+        raise Error(f"-vary {name}: must be an option that the case gives" + f"; the nearest is {near}" * bool(near))
     if len(options) > 1:
         raise Error(f"-vary {name}: must be one of {', '.join(options)}")
     try:

@@ -33,7 +33,8 @@ def test_units_that_are_refused(expect):
         ("a kind without a name", {"m_density": "2.7kg/m4"}, ["kg/m4 is a quantity in m-4 kg, -m_density is a density"]),
         ("unknown", {"cell_size": "0.5micron"}, ["micron is no unit of a length (nm, um, mm, m)"]),
         ("a capital", {"m_youngs_modulus": "70gPa"}, ["gPa is no unit of a stress (kPa, MPa, GPa)"]),
-        ("milli for mega", {"m_yield_stress": "400mPa"}, ["mPa is no unit of a stress"]),
+        ("milli for mega", {"m_yield_stress": "400mPa"}, ["mPa is no unit of a stress", "it may be MPa"]),
+        ("a small letter", {"m_youngs_modulus": "114Gpa"}, ["-m_youngs_modulus 114Gpa: must be a number, or one with its unit; Gpa is no unit", "it may be GPa"]),
         ("some have units", {"domain_upper": "12um,12"}, ["12 has no unit, and others have one"]),
         ("of a pure number", {"cfl": "0.4um"}, ["um is a length, -cfl is a pure number"]),
         ("of a count", {"max_steps": "30s"}, ["-max_steps 30s: must be a whole number"]),
@@ -71,7 +72,12 @@ def test_tip_by_name():
 def test_names_that_are_refused(expect):
     expect_refused(expect, Table({**PLAIN, "output_dir": "out"}, [
         ("no such material", {"m_preset": "unobtainium"}, ["-m_preset unobtainium: must be one of none, aluminium_6061"]),
-        ("no such tip", {"indenter": "berkovich_R7"}, ["-indenter berkovich_R7: must be one of"]),
+        ("a letter less", {"m_preset": "coper_ofhc"}, ["-m_preset coper_ofhc: must be copper_ofhc, which is nearest"]),
+        ("the beginning alone", {"m_preset": "copper"}, ["-m_preset copper: must be copper_ofhc, which is nearest"]),
+        ("no such tip", {"indenter": "needle_R7"}, ["-indenter needle_R7: must be one of berkovich_R50", "-presets"]),
+        ("a tip in other capitals", {"indenter": "Berkovich_R50"}, ["-indenter Berkovich_R50: must be berkovich_R50, which is nearest"]),
+        ("a cubic crystal in axisymmetry", {"m_preset": "gold_crystal", "m_model": None, "m_youngs_modulus": None, "m_poissons_ratio": None,
+                                            "m_yield_stress": None, "m_hardening_modulus": None}, ["cubic crystals need -geometry 3d", "silicon_isotropic"]),
         ("a pyramid in plane strain", {"geometry": "plane_strain", "indenter": "berkovich_R50", "indenter_half_angle": None},
          ["-indenter berkovich: must be one of", "plane_strain"]),
         ("what the law does not take", {"m_preset": "steel_s7", "m_model": "linear"}, ["-m_hardening_modulus: unknown or unused"]),

@@ -127,6 +127,17 @@ def test_units_of_no_solid_give_a_warning(tmp_path, capsys):
         assert ("is that of no solid" in capsys.readouterr().out) == warned
 
 
+def test_tips_by_name(tmp_path, capsys):
+    """A tip that -presets lists, with its sizes; one that is given counts more; a name in other capitals leads to the right one."""
+    (tmp_path / "m.csv").write_text(GOOD)
+    areas = []
+    for words in (["berkovich_R50"], ["berkovich", "--tip-radius", "0.05"], ["berkovich_R50", "--tip_radius", "0.1"]):
+        main([str(tmp_path / "m.csv"), "-tip", *words])
+        areas.append(re.search(r"area +(\S+) um2", capsys.readouterr().out)[1])
+    assert areas[0] == areas[1] != areas[2]
+    assert "--tip Berkovich_R50: must be berkovich_R50, which is nearest" in refusal(tmp_path / "m.csv", "--tip", "Berkovich_R50")
+
+
 # ---- refusals ----
 
 WORDS = {

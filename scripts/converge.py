@@ -69,7 +69,8 @@ def parse(words):
     if not file.is_file():
         raise Error(f"{file}: there is no such options file")
     own = Study(file, take(passed, "refine", whole_number_from(2), 3, "a whole number >= 2"), take(passed, "quantity", str, "load", "a name"),
-                take(passed, "depth", read_length, None, "a number in m, or one with a unit of a length (nm, um, mm, m)"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
+                take(passed, "depth", read_length, None, "a number in m, or one with a unit of a length (nm, um, mm, m)"), "maximum" in passed,
+                take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
                 take(passed, "ranks", whole_number_from(1), 1, "a whole number >= 1"))
     if passed.pop("maximum", None) is not None:
         raise Error("-maximum: must stand without a value")

@@ -106,7 +106,8 @@ def add_reading_options(parser):
 def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
-    group.add_argument("--tip", metavar="KIND", help=f"its kind, {', '.join(tips.NEEDS)}, or a tip by name, as berkovich_R50 (bin/mlgimp -presets lists them)")
+    group.add_argument("--tip", metavar="KIND",
+                       help=f"its kind, {', '.join(tips.NEEDS)}, or a tip by name, as berkovich_R50 (bin/mlgimp -presets lists them)")
     group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES",
                        help="of a cone or a pyramid, from the axis to a face")
     group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")

@@ -43,7 +43,8 @@ def alike(name, known, least=ALIKE):
 
 
 def meant(name, known):
-    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or lacks its end; None where there is none."""
+    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or lacks its end; None where
+    there is none."""
     small = {each.lower(): each for each in known}
     if not isinstance(name, str) or len(name) < LETTERS:
         return None

@@ -13,15 +13,16 @@ from .cycles import find_cycles
 from .errors import ResultError
 from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic",
-                   defaults=(None,) * 5)
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic zero_error",
+                   defaults=(None,) * 6)
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
 these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
 [rows], None of one without it and of a measured curve, whose time is that; and the stiffness of the contact (mN/um) that an
 instrument measures all the time by small oscillations [rows], NaN where it has none, or None; and of a run
-with an elastic tip its modulus (GPa) and Poisson's ratio, or None."""
+with an elastic tip its modulus (GPa) and Poisson's ratio, or None; and the standard uncertainty of a zero of depths that was found
+(um), else None."""
 
 Test = namedtuple("Test", "name read")
 Test.__doc__ = "A test in a file: its name, and a function without arguments that returns its Curve or raises a ResultError."

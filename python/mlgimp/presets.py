@@ -84,8 +84,9 @@ def make_tip(name, given, spelt):
     kind = name
     if name not in shapes.NEEDS:
         if name not in tips():
-            near = hints.nearest_first(name, [*shapes.NEEDS, *tips()])
-            raise Error(f"{spelt('tip', name)}: must be {near}one of {', '.join([*shapes.NEEDS, *tips()])}; bin/mlgimp -presets lists those with numbers")
+            known = [*shapes.NEEDS, *tips()]
+            raise Error(f"{spelt('tip', name)}: must be {hints.nearest_first(name, known)}one of {', '.join(known)}; bin/mlgimp -presets lists those "
+                        "with numbers")
         preset = tips()[name]
         known = {option.removeprefix("indenter_"): value for option, value in numbers(preset).items()}
         kind, given = preset.values["indenter"], {size: value if size == "half_angle" else 1e6 * value for size, value in known.items()} | given

@@ -62,10 +62,11 @@ def facts_of(curve, folder=None, poisson=None):
     if folder is None:
         return found + [("measured curve", curve.name)], {}
     has_elastic_tip = options.get("-indenter_youngs_modulus", "none") != "none"
-    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items() if name.startswith("-indenter_") and value not in ("", "0", "none")
+    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items()
+              if name.startswith("-indenter_") and value not in ("", "0", "none")
               and name.removeprefix("-indenter_") in ("half_angle", "radius", "tip_radius", "faces", "friction")]
-    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items() if name.endswith(MATERIAL) and value != "none"
-              and (has_elastic_tip or not name.startswith("-indenter_"))]
+    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items()
+              if name.endswith(MATERIAL) and value != "none" and (has_elastic_tip or not name.startswith("-indenter_"))]
     found += [("status of the run", str(summary.get("status", "not ended")))]
     found += [("version", ", ".join(f"{name} {value}" for name, value in summary["versions"].items()))] if isinstance(summary.get("versions"), dict) else []
     return found, options

@@ -60,7 +60,8 @@ def test_the_same_shape_has_the_same_beta(tmp_path):
     np.savetxt(tmp_path / "cone.txt", np.column_stack([r, r / math.tan(math.radians(70.3))]))
     cone = tips.make_tip("cone", half_angle=70.3)
     exact = math.pi * math.tan(math.radians(70.3)) ** 2
-    given = {"function": {**AREA, "-indenter_area_coefficients": repr(exact)}, "profile": {"-indenter": "profile", "-indenter_profile": str(tmp_path / "cone.txt")}}
+    given = {"function": {**AREA, "-indenter_area_coefficients": repr(exact)},
+             "profile": {"-indenter": "profile", "-indenter_profile": str(tmp_path / "cone.txt")}}
     for name, options in given.items():
         tip = load_depth.tip_of_run(options)
         assert np.allclose(tip.beta(0.3, np.array([0.05, 0.2])), cone.beta(0.3, 0.2), rtol=1e-6), name

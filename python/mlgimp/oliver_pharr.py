@@ -284,6 +284,13 @@ def expected_errors(curve, cycle):
         "true_area_um2": area, "true_hardness_GPa": area, "true_modulus_GPa": area + block}}
 
 
+def notes_on_modulus(rows):
+    """Yields a note where reduced moduli are known in dicts of results and no specimen's modulus is."""
+    if any(math.isfinite(row["reduced_modulus_GPa"]) for row in rows) and not any(math.isfinite(row["modulus_GPa"]) for row in rows):
+        yield ("there is no modulus of the specimen: its Poisson's ratio is not known, or that of a run's materials is not the same; give it "
+               "(--poisson, poisson=)")
+
+
 def doubts(curve, cycle, fit, row):
     """Yields what makes the figures of a cycle doubtful."""
     yield from doubts_of_fit(curve, fit, row)

@@ -293,7 +293,8 @@ def draw(analyses, path):
     for number, each in shown:
         name = each.name if by_name else f"{number}: {each.name}"
         draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}", with_fits=len(shown) <= MOST_FITS)
-    pictures.line_axes(left, "depth (µm)", "load (mN)")
+    slow = any(each.curve.load_is_quasi_static for _, each in shown)
+    pictures.line_axes(left, "depth (µm)", f"load{' without inertia and damping' * slow} (mN)")
     handles = dict(zip(*left.get_legend_handles_labels()[::-1]))  # one of a label
     if handles:
         left.legend(handles.values(), handles)

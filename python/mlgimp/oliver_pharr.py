@@ -257,6 +257,8 @@ def held_figures(curve, cycle, fit, row, constants):
     stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
     found |= {"C_IT_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
               "corrected_stiffness_mN_per_um": stiffness}
+    if curve.creeps is False:  # what moves in its holds are waves
+        return found | {"corrected_stiffness_mN_per_um": math.nan}
     if curve.tip is None or not math.isfinite(stiffness):
         return found
     poisson = curve.poisson if constants.poisson is None else constants.poisson

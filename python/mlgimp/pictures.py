@@ -143,11 +143,11 @@ def line_axes(axes, xlabel, ylabel):
     axes.margins(x=0.02)
 
 
-def draw_load_depth(axes, curves, load_unit, depth_unit):
-    """Draws load against depth; curves is a list of (label, depth [rows] m, load [rows] N, line style)."""
+def draw_load_depth(axes, curves, load_unit, depth_unit, what="load"):
+    """Draws load against depth; curves is a list of (label, depth [rows] m, load [rows] N, line style); what: the load in words."""
     for label, depth, load, style in curves:
         axes.plot(depth * depth_unit.factor, load * load_unit.factor, label=label, **style)
-    line_axes(axes, f"depth ({depth_unit.name})", f"load ({load_unit.name})")
+    line_axes(axes, f"depth ({depth_unit.name})", f"{what} ({load_unit.name})")
     if len(curves) > 1:
         axes.legend()
 
@@ -157,7 +157,8 @@ def load_depth(history, title):
     """Returns the picture of load against depth of one run."""
     load, depth = history["load"], history.beside("load", "depth")
     figure, axes = plt.subplots(figsize=size_of(6.4, 4.6), layout="constrained")
-    draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"))
+    what = "load with inertia and damping" if "load_quasi_static" in history else "load"
+    draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"), what)
     entitle(axes, title)
     return figure
 

@@ -22,6 +22,7 @@ import math
 import sys
 from collections import namedtuple
 from pathlib import Path
+from types import MappingProxyType
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
@@ -279,7 +280,7 @@ def fitted(each):
 # ---- picture ----
 
 @pictures.styled
-def draw(analyses, path):
+def draw(analyses, path, uncertainties=MappingProxyType({})):
     """Writes the picture: all curves with fits and contact depths, and where there are several unloadings hardness and modulus of each.
 
     Curves have their names where there is room for these, else the numbers of their order among all.
@@ -300,7 +301,7 @@ def draw(analyses, path):
         left.legend(handles.values(), handles)
     if several:
         above = figure.add_subplot(grid[0, 1])
-        draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name)
+        draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name, uncertainties)
     save(figure, path)
 
 
@@ -317,8 +318,9 @@ def draw_curve(axes, colour, each, label, with_fits):
             axes.plot([], [], "o", color="0.3", markersize=5, label="contact depth")  # of all curves, in the legend
 
 
-def draw_figures(both, shown, by_name):
-    """Draws hardness into the upper and modulus into the lower axes: over depth, or where no curve has several unloadings by curve."""
+def draw_figures(both, shown, by_name, uncertainties):
+    """Draws hardness into the upper and modulus into the lower axes: over depth, or where no curve has several unloadings by curve; with the
+    interval that holds 95 % of the draws at the largest load of curves that have one, {name: Uncertainty}."""
     rows = [row for _, each in shown for row, _ in fitted(each)]
     modulus = "modulus_GPa" if all(math.isfinite(row["modulus_GPa"]) for row in rows) else "reduced_modulus_GPa"
     over_depth = any(len(fitted(each)) > 1 for _, each in shown)
@@ -327,6 +329,9 @@ def draw_figures(both, shown, by_name):
             own = [row for row, _ in fitted(each)]
             places = [row["depth_um"] if over_depth else number for row in own]
             axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}", markersize=6 if len(shown) <= MOST_FITS else 2)
+            if each.name in uncertainties:
+                known, row = uncertainties[each.name], outputs.largest(each)[0]
+                axes.vlines(row["depth_um"] if over_depth else number, known.lower[name], known.upper[name], color=f"C{number - 1}", label="_95 %")
         pictures.line_axes(axes, "", name.replace("_GPa", "").replace("_", " ") + " (GPa)")
         axes.set_ylim(0, 1.2 * np.nanmax([row[name] for row in rows]))
         axes.margins(x=0.05)
@@ -360,7 +365,7 @@ def main(arguments=None):
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
-    draw(analyses, folder / "indentation.png")
+    draw(analyses, folder / "indentation.png", found.uncertainties)
     outputs.write(folder, analyses, found, options)
     for each in analyses:
         print_figures(each)

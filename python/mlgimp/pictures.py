@@ -36,6 +36,7 @@ ENDINGS = ".png", ".pdf", ".svg"
 LOOK = contextvars.ContextVar("look", default=LOOKS["screen"])
 PAPER_LINES = {"axes.linewidth": 0.6, "lines.linewidth": 1.0, "grid.linewidth": 0.5, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
                "xtick.major.size": 2.5, "ytick.major.size": 2.5, "svg.fonttype": "none", "pdf.fonttype": 42}
+HIDDEN = 0.01  # of the largest energy: a line below lies on the axis
 ENERGIES = {"kinetic_energy": "-", "strain_energy": "-", "dissipated_energy": "-", "external_work": "--", "indenter_work": "--"}
 
 
@@ -221,6 +222,12 @@ def test(history, title):
     return figure
 
 
+def size_if_hidden(history, name):
+    """Returns the largest value of one of the ENERGIES in words, where its line lies on the axis beside the others; else nothing."""
+    largest, most = np.abs(history[name]).max(), max(np.abs(history[each]).max() for each in ENERGIES)
+    return f",\nat most {in_si_unit(largest, 'J')}" if 0 < largest < HIDDEN * most else ""
+
+
 @styled
 def energy(history, title):
     """Returns the picture of the energies and works against time, with the residual of their balance below."""
@@ -230,7 +237,7 @@ def energy(history, title):
     time = history["time"] * time_unit.factor
     figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=size_of(7.6, 6.2), height_ratios=[2.6, 1], layout="constrained")
     for name, style in ENERGIES.items():
-        above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " "))
+        above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " ") + size_if_hidden(history, name))
     below.plot(time, residual * residual_unit.factor, "-", color="0.25")
     below.axhline(0, color="0.6", linewidth=0.8)
     line_axes(above, "", f"energy ({unit.name})")

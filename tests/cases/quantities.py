@@ -1,6 +1,6 @@
 """Values with units and materials and tips by name: the same case, to the last digit, and refusals that say what a unit is of."""
 import harness
-from mlgimp import presets
+from mlgimp import presets, units
 from refusals import Table, expect_refused
 
 PLAIN = {"geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12e-6,12e-6", "cell_size": "500e-9", "boundary_y_lower": "symmetry",
@@ -58,6 +58,20 @@ def test_material_by_name():
     assert [float(softer.summary["options"][f"-m_{name}"]) for name in ("yield_stress", "hardening_modulus")] == [200e6, 426e6]
     assert "-m_yield_stress" not in softer.stdout
     assert linear.summary["options"]["-m_model"] == "linear" and "-m_yield_stress" not in linear.summary["options"]
+
+
+def test_gold_on_silicon_in_axisymmetry(expect):
+    """By presets alone; their elastic constants are the means of Voigt's and Reuss' averages of the crystals of the same table."""
+    film = {name: value for name, value in PLAIN.items() if not name.startswith(("m_", "block_"))}
+    bodies = {"materials": "film,wafer", "film_preset": "gold", "wafer_preset": "silicon_isotropic", "bodies": "top,bottom", "top_material": "film",
+              "bottom_material": "wafer", "top_lower": "0,9um", "top_upper": "12um,10um", "bottom_lower": "0,0", "bottom_upper": "12um,9um"}
+    assert harness.run({**film, **bodies, "max_steps": "3"}).summary["steps"] == 3
+    for crystal, name in (("gold_crystal", "gold"), ("silicon_crystal", "silicon_isotropic")):
+        c11, c12, c44 = (units.in_si(each) for each in presets.materials()[crystal].values["elastic_constants"].split(","))
+        bulk, shear = (c11 + 2 * c12) / 3, ((c11 - c12 + 3 * c44) / 5 + 5 * (c11 - c12) * c44 / (4 * c44 + 3 * (c11 - c12))) / 2
+        known = presets.numbers(presets.materials()[name])
+        expect(f"{name}: Young's modulus", known["youngs_modulus"] / (9 * bulk * shear / (3 * bulk + shear)), near=1, tolerance=0.01)
+        expect(f"{name}: Poisson's ratio", known["poissons_ratio"], near=(3 * bulk - 2 * shear) / (6 * bulk + 2 * shear), tolerance=0.005)
 
 
 def test_tip_by_name():

@@ -30,6 +30,19 @@ def test_for_a_paper(pressed, tmp_path, name):  # noqa: F811
     pictures.plt.close(on_screen)
 
 
+def test_fields_for_a_paper_fill_their_width(pressed):  # noqa: F811
+    figure = pressed[0].plot("von_mises_stress", style="paper")["von_mises_stress"]
+    inside = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert inside.x1 > figure.get_figwidth() - 0.1
+    pictures.plt.close(figure)
+
+
+def test_energies_that_no_line_shows_are_told():
+    history = dict.fromkeys(pictures.ENERGIES, np.array([0, 1e-9])) | {"kinetic_energy": np.array([0, 2e-12]), "external_work": np.zeros(2)}
+    assert pictures.size_if_hidden(history, "kinetic_energy") == ",\nat most 2 pJ"
+    assert pictures.size_if_hidden(history, "strain_energy") == pictures.size_if_hidden(history, "external_work") == ""
+
+
 def test_files(pressed, tmp_path):  # noqa: F811
     """By the ending of a file, or as .pdf in a folder; the width of the page is that of a column in points."""
     run = pressed[0]

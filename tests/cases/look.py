@@ -83,6 +83,8 @@ def test_from_python(tmp_path, monkeypatch):
     assert len(found.figure.axes) == 2 and "2.23 cells" in found.figure.axes[1].get_title()
     lines = case_check.text_of(found)
     assert lines[0].endswith(" points, cells of 500, 250 nm") and any(line.startswith("warning: ") for line in lines)
+    framed = case_check.text_of(found._replace(facts={**found.facts, "contact": {**found.facts["contact"], "at_most": True}}))
+    assert "at 200 nm: " in lines[3] and "at 200 nm less what frame and tip take of it" in framed[3]
     with pytest.raises(mlgimp.RunError, match="^mlgimp: error: -m_preset Gold: must be gold, which is nearest"):
         mlgimp.check(CASE, m_preset="Gold")
 

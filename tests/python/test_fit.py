@@ -299,6 +299,7 @@ def test_lists_must_agree(monkeypatch, given, line):
 WORDS = {
     "nothing": ([], "must be given"), "only the curve": (["m.csv"], "must be given"), "no curve": (["none.csv", "case.opts"], "none.csv"),
     "no case": (["m.csv", "none.opts"], "none.opts"), "nothing varied": (["m.csv", "case.opts"], "-vary"),
+    "two dashes": (["m.csv", "case.opts", "--vary", "E,yield", "--evaluations=3"], "-vary yield"),
     "no option": (["m.csv", "case.opts", "-vary", "E,yield"], "-vary yield: must be an option that the case gives; the nearest is yield_stress"),
     "no number": (["m.csv", "case.opts", "-vary", "model"], "m_model is j2"),
     "of two materials": (["m.csv", "case.opts", "-vary", "density"], "s_density, m_density"),

@@ -66,7 +66,8 @@ def text_of(found, error_of=FIGURES):
              f"about {time_of(facts['seconds'])} on {facts['ranks']} {'rank' if facts['ranks'] == 1 else 'ranks'} of this machine"]
     if contact:
         less = " less what frame and tip take of it (what follows is without that)" if contact["at_most"] else ""
-        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm{less}: {', '.join(error_of)} off by up to "
+        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm{less}: "
+                     f"{', '.join(error_of)} off by up to "
                      f"{100 * contact['load_error']:.2g} %, the true area by {100 * contact['area_error']:.2g} %")
     else:
         lines.append("the largest depth is not known before the run, nor the cells in the contact")

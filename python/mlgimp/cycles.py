@@ -16,8 +16,8 @@ LEAST_FALL = 0.03  # of the load at its peak: what falls by less has no row in t
 WAVE = 0.2  # of the load at its peak: by less it also falls in a run that rings, as inertia and damping may add a tenth to it
 LAGGED = 300  # rows that third differences of a curve need to be less than its noise
 SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
-UNLOADED = ("a run has one with -indenter_unload_velocity beside -indenter_max_depth, with a last depth of 0 in -indenter_depths, or with a smaller load "
-            "at the end of -indenter_loads")
+UNLOADED = ("a run has one with -indenter_unload_velocity beside -indenter_max_depth, with a last depth of 0 in -indenter_depths, or with a "
+            "smaller load at the end of -indenter_loads")
 
 
 def noise(values):

@@ -311,8 +311,8 @@ def doubts_of_best(fit):
     number, *values, misfit, _ = min(fit.rows, key=lambda row: row[-2])
     if misfit < (1 - SEEN) * fit.misfit:
         constants = ", ".join(f"{each.name} {value:.4g}" for each, value in zip(fit.variables, values))
-        yield (f"run {number} of fit.csv misses {100 * misfit:.3g} % with {constants}, the values found {100 * fit.misfit:.3g} %: these are the best of a "
-               "smooth surface through all runs, in which loading and unloading count by what is left of each; the intervals hold both")
+        yield (f"run {number} of fit.csv misses {100 * misfit:.3g} % with {constants}, the values found {100 * fit.misfit:.3g} %: these are "
+               "the best of a smooth surface through all runs, in which loading and unloading count by what is left of each; the intervals hold both")
 
 
 def doubts_of_runs(fit):

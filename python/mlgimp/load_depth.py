@@ -13,7 +13,8 @@ from .cycles import find_cycles
 from .errors import ResultError
 from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic zero_error load_is_quasi_static creeps",
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic "
+                   "zero_error load_is_quasi_static creeps",
                    defaults=(*(None,) * 6, False, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a

@@ -11,8 +11,8 @@ from .errors import Error
 Tip = namedtuple("Tip", "name area epsilon beta ball slant repaired least largest radius", defaults=(0.0, math.nan, 0.0, 0.0, math.inf, math.nan))
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
 depth; beta(nu, h) of the stiffness at contact depths h (um), nu None where it is not known; how high (um) the ball at its end is, if it is
-a cone; the area of its faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is continued, and the least and
-the largest (um) to which it was calibrated; and the radius (um) of a ball."""
+a cone; the area of its faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is
+continued, and the least and the largest (um) to which it was calibrated; and the radius (um) of a ball."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 KNOOP = 172.5, 130.0  # between opposite edges

@@ -186,7 +186,8 @@ class Cases(unittest.TestCase):
                                 ([file, "-quantity", "laod", "-max_steps", "3"], "-quantity laod.*load"),
                                 ([file, "-quantity", "load", "-depth", "1", "-max_steps", "3"], "-depth 1: must be in"),
                                 ([file, "--quantity=load", "--depth", "1s"], "-depth 1s: must be a number in m, or"),
-                                ([file, "-indenter_loads", "0,1"], "prescribes the load"), ([file, "-indenter_control", "load"], "prescribes the load"),
+                                ([file, "-indenter_loads", "0,1"], "prescribes the load"),
+                                ([file, "-indenter_control", "load"], "prescribes the load"),
                                 ([file, "-indenter", "cone", "-quantity", "depth"], "prescribes the depth"),
                                 ([file, "-quantity", "depth", "-depth", "1nm"], "is what -depth gives")):
             with self.assertRaises(SystemExit) as caught, contextlib.redirect_stdout(io.StringIO()):

@@ -101,9 +101,11 @@ def test_what_does_not_creep_has_no_stiffness_without_creep(tmp_path):
     depth, load = (np.concatenate([each[:300], np.full(300, each[299]), each[300:]]) for each in (depth, load))
     hold = curve(depth, load, time=np.linspace(0, 30, len(depth)))
     rows = [oliver_pharr.analyse(hold._replace(creeps=known))[0] for known in (None, True, False)]
-    assert [math.isfinite(row["corrected_hardness_GPa"]) for row in rows] == [True, True, False] and rows[2]["C_IT_percent"] == pytest.approx(0, abs=1e-9)
+    assert [math.isfinite(row["corrected_hardness_GPa"]) for row in rows] == [True, True, False]
+    assert rows[2]["C_IT_percent"] == pytest.approx(0, abs=1e-9)
     assert math.isnan(rows[2]["corrected_stiffness_mN_per_um"])
-    for options, known in (({}, False), ({"-m_rate_law": "none", "-m_model": "j2"}, False), ({"-m_rate_law": "norton"}, True), ({"-m_model": "viscoelastic"}, True)):
+    for options, known in (({}, False), ({"-m_rate_law": "none", "-m_model": "j2"}, False), ({"-m_rate_law": "norton"}, True),
+                           ({"-m_model": "viscoelastic"}, True)):
         assert load_depth.creeps(options) == known
 
 

@@ -154,7 +154,8 @@ TEST(Options, Numbers)
     EXPECT_EQ(ReadNumber("-size " + bad, &value), "-size " + bad + ": must be > 0; " + bad + " is no finite number");
   EXPECT_EQ(ReadNumber("-size 1um", &value), "");
   EXPECT_EQ(value, 1e-6);
-  EXPECT_EQ(ReadNumber("-size 1kg", &value), "-size 1kg: must be a number, or one with its unit; kg is a mass, -size is a length");
+  EXPECT_EQ(ReadNumber("-size 1kg", &value),
+            "-size 1kg: must be a number, or one with its unit; kg is a mass, -size is a length");
   EXPECT_EQ(ReadNumber("-size", &value), "-size (nothing): must be > 0");
   EXPECT_EQ(ReadNumber("-size 1", &value, Open(0, 1)), "-size 1: must be in (0, 1)");
   EXPECT_EQ(ReadNumber("-size 1", &value, Closed(0, 1)), "");

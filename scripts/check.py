@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
-from command import Parser, command, whole_number_from
+from command import Parser, command, one_dash, whole_number_from
 
 from mlgimp import case_check
 from mlgimp.options import of_words
@@ -27,7 +27,7 @@ def main(arguments=None):
     parser.add_argument("--ranks", type=whole_number_from(1), default=1, metavar="N", help="processes (1)")
     parser.add_argument("--out", default="check.png", metavar="FILE", help="the picture (check.png)")
     own, others = parser.parse_known_args(arguments)
-    found = case_check.check(own.file, own.ranks, out=own.out, **of_words(others))
+    found = case_check.check(own.file, own.ranks, out=own.out, **of_words(one_dash(others)))
     print(*case_check.text_of(found), own.out, sep="\n")
 
 

@@ -5,6 +5,7 @@ import argparse
 import functools
 import logging
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -47,7 +48,11 @@ def command(main):
 
 
 class Parser(argparse.ArgumentParser):
-    """Refuses a command line with one line; -h shows how it is used."""
+    """Refuses a command line with one line; -h shows how it is used. Options may begin with one dash or two, and have - or _ in their names."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        known = self._option_string_actions
+        return super().parse_known_args([as_known(word, known) for word in (sys.argv[1:] if args is None else args)], namespace)
 
     def error(self, message):
         raise SystemExit(f"error: {message}")
@@ -59,7 +64,28 @@ def save(figure, path):
     print(path)
 
 
+def as_known(word, known):
+    """Returns a word of a command line, an option as it is spelt among the known ones: --vary of -vary, --frame-compliance of --frame_compliance."""
+    name, mark, value = word.partition("=")
+    spelt = "--" + name.lstrip("-").replace("_", "-")
+    return spelt + mark + value if name.startswith("-") and name not in known and spelt in known else word
+
+
 # ---- options of a command beside those of mlgimp, in the same form ----
+
+def asks_for_help(words):
+    """Whether a command line asks how the command is used, at any place."""
+    return any(word in ("-h", "-help", "--help") for word in words)
+
+
+def one_dash(words):
+    """Returns the words of a command line with options that begin with one dash, as --vary=E or --vary E is -vary E."""
+    found = []
+    for word in words:
+        name, mark, value = word.partition("=")
+        is_long = re.match(r"--[A-Za-z]", word)
+        found += ["-" + name[2:].replace("-", "_"), *[value] * bool(mark)] if is_long else [word]
+    return found
 
 def whole_number_from(least):
     """Returns a function that converts whole numbers from `least` on."""

@@ -4,7 +4,7 @@
 usage: scripts/converge.py options/CASE.opts [-refine N] [-quantity NAME] [-depth D | -maximum] [-place X,Y[,Z]] [-ranks N]
                            [options of mlgimp, on all resolutions]
 
-    scripts/converge.py options/wedge_500nm.opts -refine 3 -quantity load -depth 200e-9 -ranks 2 -indenter_max_depth 250e-9
+    scripts/converge.py options/wedge_500nm.opts -refine 3 -quantity load -depth 200nm -ranks 2 -indenter_max_depth 250nm
 
 Each resolution is in a folder of its own under output/converge_CASE/ (or -output_dir), which also gets convergence.csv and
 convergence.png. Boxes of levels stay where they are. -time_step is halved with the cells, and -max_steps and
@@ -12,7 +12,9 @@ convergence.png. Boxes of levels stay where they are. -time_step is halved with 
 
 Order, extrapolated value and error follow from three resolutions in a row with the values a, b, c (Richardson): order
 p = log2((a - b)/(b - c)), extrapolated value c + (c - b)/(2^q - 1) with q = p, but at most 2, the order of the method, and
-error its distance from c. They are left out where the differences do not shrink. Cells are those of level 0.
+error its distance from c. Where the differences do not shrink there is no order; then the error is how far the last three values lie
+apart, and a line says why. Cells are those of level 0. A quantity that the case prescribes, as the load under load control, is refused.
+Lengths may have units; options may begin with one dash or two.
 """
 import csv
 import math
@@ -22,11 +24,11 @@ from collections import namedtuple
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
-from command import command, save, take, whole_number_from
+from command import asks_for_help, command, one_dash, save, take, whole_number_from
 
 import numpy as np
 
-from mlgimp import fields, pictures, results
+from mlgimp import fields, pictures, results, units
 from mlgimp.errors import Error, RunError
 from mlgimp.options import number_of, of_words, read_options
 from mlgimp.program import execute
@@ -40,9 +42,17 @@ NEIGHBOURS = 12  # points that a plane is laid through for the stress at a place
 COLUMNS = ("cell_size_m", "points", "steps", "value", "difference", "order", "extrapolated", "error")
 
 
+def read_length(text):
+    """A length in m, of a number or of one with a unit."""
+    try:
+        return units.in_si(text, "a length")
+    except Error as problem:
+        raise ValueError from problem
+
+
 def read_place(text):
     """X,Y or X,Y,Z as an array."""
-    place = np.array([float(part) for part in text.split(",")])
+    place = np.array([read_length(part) for part in text.split(",")])
     if len(place) not in (2, 3):
         raise ValueError
     return place
@@ -59,7 +69,8 @@ def parse(words):
     if not file.is_file():
         raise Error(f"{file}: there is no such options file")
     own = Study(file, take(passed, "refine", whole_number_from(2), 3, "a whole number >= 2"), take(passed, "quantity", str, "load", "a name"),
-                take(passed, "depth", float, None, "a number"), "maximum" in passed, take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
+                take(passed, "depth", read_length, None, "a number in m, or one with a unit of a length (nm, um, mm, m)"), "maximum" in passed,
+                take(passed, "place", read_place, None, "X,Y or X,Y,Z"),
                 take(passed, "ranks", whole_number_from(1), 1, "a whole number >= 1"))
     if passed.pop("maximum", None) is not None:
         raise Error("-maximum: must stand without a value")
@@ -78,6 +89,17 @@ def check(own):
         raise Error(f"-quantity {own.quantity}: is not at a place; leave -place out")
     if (own.depth is not None) + own.maximum + is_stress > 1:
         raise Error("only one of -depth, -maximum and a stress, which is that at the end")
+
+
+def check_free(own, case):
+    """Refuses a quantity that the case prescribes: all resolutions would find the same."""
+    by_load = case.get("indenter_control") == "load" or "indenter_loads" in case
+    if own.quantity == "depth" and own.depth is not None:
+        raise Error("-quantity depth: is what -depth gives; take another quantity, or leave -depth out")
+    if own.quantity == "load" and by_load and own.depth is None:
+        raise Error("-quantity load: the case prescribes the load (-indenter_loads); take -quantity depth -maximum, or the load at a -depth")
+    if own.quantity == "depth" and not by_load and "indenter" in case and "indenter_stiffness" not in case:
+        raise Error("-quantity depth: the case prescribes the depth of the tip; take -quantity load")
 
 
 def refined(case, factor):
@@ -148,14 +170,31 @@ def resolve(own, case, passed, folder, factor):
 
 
 def richardson(values):
-    """(difference, order, extrapolated value, its distance) of the last of the values; NaN for what does not follow."""
+    """(difference, order, extrapolated value, error) of the last of the values; NaN for what does not follow. The error is the distance
+    from the extrapolated value, or without one how far the last three values lie apart."""
     difference = values[-1] - values[-2] if len(values) > 1 else math.nan
     before = values[-2] - values[-3] if len(values) > 2 else math.nan
     if not abs(difference) < abs(before) or before * difference <= 0:
-        return difference, math.nan, math.nan, math.nan
+        return difference, math.nan, math.nan, float(np.ptp(values[-3:])) if len(values) > 2 else math.nan
     order = math.log2(before / difference)
     rest = difference / (2 ** min(order, METHOD_ORDER) - 1)
     return difference, order, values[-1] + rest, abs(rest)
+
+
+def why_no_order(values):
+    """Why there is no order of the last three values, in a sentence with what is given in its place; empty where there is one."""
+    if len(values) < 3:
+        return "no order: it follows from three resolutions, -refine 3"
+    before, difference = np.diff(values[-3:])
+    if not math.isnan(richardson(values)[1]):
+        return ""
+    spread = float(np.ptp(values[-3:]))
+    share = f" ({100 * spread / abs(values[-1]):.2g} % of the last)" if values[-1] else ""
+    why = ("all three values are the same" if before == difference == 0 else
+           "from the coarser to the finer cells the value goes up and down" if before * difference < 0 else
+           "the differences do not shrink")
+    return (f"no order: {why}, so these cells are not in the range where an order shows; the error is how far the last three values lie "
+            f"apart, {spread:.3g}{share}")
 
 
 def table_rows(resolutions):
@@ -225,13 +264,14 @@ def draw_histories(axes, quantity, resolutions):
 
 @command
 def main(words):
-    if not words or words[0] in ("-help", "--help", "-h"):
+    if not words or asks_for_help(words):
         print(__doc__)
         return
-    own, passed = parse(words)
+    own, passed = parse(one_dash(words))
     case = {**read_options(own.file), **passed}
     if not case.get("cell_size"):
         raise Error(f"{own.file}: must give -cell_size")
+    check_free(own, case)
     folder = Path(passed.pop("output_dir", None) or f"output/converge_{own.file.stem}")
     print(f"{own.file.stem}: {what(own)}\n" + f"{'cells (m)':>10s} {'points':>9s} {'steps':>7s} " + " ".join(f"{name:>13s}" for name in COLUMNS[3:]))
     resolutions = []
@@ -239,6 +279,8 @@ def main(words):
         resolutions.append(resolve(own, case, passed, folder, 2**count))
         print_row(table_rows(resolutions)[-1])
     rows = table_rows(resolutions)
+    if why := why_no_order([each.value for each in resolutions]):
+        print(why)
     with open(folder / "convergence.csv", "w", newline="") as file:
         csv.writer(file).writerows([COLUMNS, *rows])
     print(folder / "convergence.csv")

@@ -37,9 +37,9 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
-from command import command, save, take, whole_number_from
+from command import asks_for_help, command, one_dash, save, take, whole_number_from
 
-from mlgimp import checks, corrections, creep_fits, fitting, imprint, load_depth, tips, zeros
+from mlgimp import checks, corrections, creep_fits, fitting, imprint, load_depth, presets, tips, zeros
 from mlgimp.errors import Error
 from mlgimp.options import of_words
 
@@ -111,17 +111,15 @@ def parse_creep(words):
 
 def take_tip(passed):
     """Takes the tip with its sizes (degrees and um); None where none is named."""
-    kind = take(passed, "tip", str, None, f"one of {', '.join(tips.NEEDS)}")
+    kind = take(passed, "tip", str, None, "a kind of tip")
     sizes = {name: take(passed, name, int if name == "faces" else float, None, rule.allowed) for name, rule in tips.RULES.items()}
     given = {name: size for name, size in sizes.items() if size is not None}
     if kind is None:
         if given:
             raise Error(f"-{next(iter(given))}: must stand beside -tip")
         return None
-    if kind not in tips.NEEDS:
-        raise Error(f"-tip {kind}: must be one of {', '.join(tips.NEEDS)}")
-    tips.check_sizes(kind, sizes, lambda name, value="": f"-{name} {value}".rstrip())
-    return tips.make_tip(kind, **{name: checks.number(name, size, tips.RULES[name]) if name != "faces" else size for name, size in given.items()})
+    checked = {name: checks.number(name, size, tips.RULES[name]) if name != "faces" else size for name, size in given.items()}
+    return presets.make_tip(kind, checked, lambda name, value="": f"-{name} {value}".rstrip())
 
 
 def zero(text):
@@ -136,11 +134,12 @@ def take_column(passed, name, units):
 
 @command
 def main(words):
-    if words and words[0] in ("-help", "--help", "-h"):
+    if asks_for_help(words):
         print(__doc__)
         return
-    if any(word.lower() in ("-creep", "--creep") for word in words[1:]):
-        creep_main([word.replace("--creep", "-creep") for word in words])
+    words = one_dash(words)
+    if any(word.lower() == "-creep" for word in words[1:]):
+        creep_main(words)
         return
     found = fitting.fit(**parse(words))
     for each, value, lower, upper in zip(found.variables, found.values, found.lower, found.upper):

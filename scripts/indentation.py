@@ -22,6 +22,7 @@ import math
 import sys
 from collections import namedtuple
 from pathlib import Path
+from types import MappingProxyType
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # python3 -I leaves it out
 from command import Parser, command, save
@@ -30,7 +31,7 @@ import indentation_outputs as outputs
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, report_page, tips, zeros
+from mlgimp import calibration, corrections, load_depth, oliver_pharr, pictures, presets, report_page, tips, zeros
 from mlgimp.checks import Rule
 from mlgimp.errors import Error, ResultError
 
@@ -106,7 +107,8 @@ def add_reading_options(parser):
 def add_tip_options(parser):
     """Adds the options that describe the tip of measured curves."""
     group = parser.add_argument_group("tip of measured curves, and of runs that do not say theirs")
-    group.add_argument("--tip", choices=tips.NEEDS, help="its kind")
+    group.add_argument("--tip", metavar="KIND",
+                       help=f"its kind, {', '.join(tips.NEEDS)}, or a tip by name, as berkovich_R50 (bin/mlgimp -presets lists them)")
     group.add_argument("--half-angle", type=checked(tips.RULES["half_angle"]), metavar="DEGREES",
                        help="of a cone or a pyramid, from the axis to a face")
     group.add_argument("--radius", type=checked(tips.RULES["radius"]), metavar="UM", help="of a sphere or a flat punch")
@@ -133,8 +135,7 @@ def given_tip(options):
         return tips.tip_of_function(options.area_function)
     if options.tip is None:
         return None
-    tips.check_sizes(options.tip, sizes, spelt)
-    return tips.make_tip(options.tip, **given)
+    return presets.make_tip(options.tip, given, spelt)
 
 
 def parse(arguments):
@@ -221,7 +222,7 @@ def analysed(each, constants):
         rows, fits = zip(*oliver_pharr.analysed(each.curve, constants))
     except ResultError as problem:
         return each._replace(problem=problem)
-    return each._replace(rows=rows, fits=fits)
+    return each._replace(rows=rows, fits=fits, curve=each.curve._replace(notes=[*each.curve.notes, *oliver_pharr.notes_on_modulus(rows)]))
 
 
 # ---- output ----
@@ -279,7 +280,7 @@ def fitted(each):
 # ---- picture ----
 
 @pictures.styled
-def draw(analyses, path):
+def draw(analyses, path, uncertainties=MappingProxyType({})):
     """Writes the picture: all curves with fits and contact depths, and where there are several unloadings hardness and modulus of each.
 
     Curves have their names where there is room for these, else the numbers of their order among all.
@@ -293,13 +294,14 @@ def draw(analyses, path):
     for number, each in shown:
         name = each.name if by_name else f"{number}: {each.name}"
         draw_curve(left, f"C{number - 1}", each, name if len(shown) <= MOST_NAMES else f"_{name}", with_fits=len(shown) <= MOST_FITS)
-    pictures.line_axes(left, "depth (µm)", "load (mN)")
+    slow = any(each.curve.load_is_quasi_static for _, each in shown)
+    pictures.line_axes(left, "depth (µm)", f"load{' without inertia and damping' * slow} (mN)")
     handles = dict(zip(*left.get_legend_handles_labels()[::-1]))  # one of a label
     if handles:
         left.legend(handles.values(), handles)
     if several:
         above = figure.add_subplot(grid[0, 1])
-        draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name)
+        draw_figures((above, figure.add_subplot(grid[1, 1], sharex=above)), shown, by_name, uncertainties)
     save(figure, path)
 
 
@@ -316,8 +318,9 @@ def draw_curve(axes, colour, each, label, with_fits):
             axes.plot([], [], "o", color="0.3", markersize=5, label="contact depth")  # of all curves, in the legend
 
 
-def draw_figures(both, shown, by_name):
-    """Draws hardness into the upper and modulus into the lower axes: over depth, or where no curve has several unloadings by curve."""
+def draw_figures(both, shown, by_name, uncertainties):
+    """Draws hardness into the upper and modulus into the lower axes: over depth, or where no curve has several unloadings by curve; with the
+    interval that holds 95 % of the draws at the largest load of curves that have one, {name: Uncertainty}."""
     rows = [row for _, each in shown for row, _ in fitted(each)]
     modulus = "modulus_GPa" if all(math.isfinite(row["modulus_GPa"]) for row in rows) else "reduced_modulus_GPa"
     over_depth = any(len(fitted(each)) > 1 for _, each in shown)
@@ -326,6 +329,9 @@ def draw_figures(both, shown, by_name):
             own = [row for row, _ in fitted(each)]
             places = [row["depth_um"] if over_depth else number for row in own]
             axes.plot(places, [row[name] for row in own], "o-", color=f"C{number - 1}", markersize=6 if len(shown) <= MOST_FITS else 2)
+            if each.name in uncertainties:
+                known, row = uncertainties[each.name], outputs.largest(each)[0]
+                axes.vlines(row["depth_um"] if over_depth else number, known.lower[name], known.upper[name], color=f"C{number - 1}", label="_95 %")
         pictures.line_axes(axes, "", name.replace("_GPa", "").replace("_", " ") + " (GPa)")
         axes.set_ylim(0, 1.2 * np.nanmax([row[name] for row in rows]))
         axes.margins(x=0.05)
@@ -359,7 +365,7 @@ def main(arguments=None):
     except OSError as problem:
         raise ResultError(folder, f"cannot be written to ({problem.strerror})") from None
     print(folder / "indentation.csv", folder / "indentation.json", sep="\n")
-    draw(analyses, folder / "indentation.png")
+    draw(analyses, folder / "indentation.png", found.uncertainties)
     outputs.write(folder, analyses, found, options)
     for each in analyses:
         print_figures(each)

@@ -98,7 +98,8 @@ def described(name, found):
     if name in found.uncertainties:
         known = found.uncertainties[name]
         result["uncertainty"] = {"draws": known.draws, "standard": known.deviation, "lower_95": known.lower, "upper_95": known.upper,
-                                 "by_source": {share.source: {"input": share.input, **share.deviation} for share in known.shares}}
+                                 "by_source": {share.source: {"input": share.input, **share.deviation} for share in known.shares},
+                                 "not_included": known.left_out}
     return result
 
 
@@ -152,9 +153,10 @@ def write_report(folder, analyses, found, options):
         if each.curve:
             known = found.uncertainties.get(each.name)
             run = runs.get(each.name) if each.curve.cells is not None else None
-            test["facts"], test["options"] = report_page.facts_of(each.curve, run)
+            test["facts"], test["options"] = report_page.facts_of(each.curve, run, options.poisson)
             test["notes"] = list(each.curve.notes)
             test["warnings"] += [f"unloading {row['cycle']}: {row['warnings']}" for row in each.rows if row["warnings"]]
+            test["warnings"] += [f"not included in the intervals: {sentence}" for sentence in known.left_out] if known else []
             test["figures"] = report_page.figures_of(largest(each)[0], known) if each.rows else []
             test["sources"] = sources_of(known) if known else []
         tests.append(test)

@@ -18,13 +18,15 @@ from command import Parser, command
 
 from mlgimp import fields, movie, pictures, results
 from mlgimp.errors import Error
-from mlgimp.gallery import gallery
+from mlgimp.gallery import AUTO, LARGEST_LOAD, gallery
+
+WHOLE = "all"  # window
 
 
 def window_argument(text):
-    """Returns xmin,xmax,ymin,ymax (m) as an array of four numbers, or near."""
+    """Returns xmin,xmax,ymin,ymax (m) as an array of four numbers, near, or None of all."""
     try:
-        return fields.given_window(text)
+        return None if text == WHOLE else text if text == AUTO else fields.given_window(text)
     except Error as problem:
         raise argparse.ArgumentTypeError(problem) from None
 
@@ -32,7 +34,7 @@ def window_argument(text):
 def add_window_option(parser):
     """Adds --window to a command line."""
     parser.add_argument("--window", type=window_argument, metavar="XMIN,XMAX,YMIN,YMAX",
-                        help="part of the fields to show, in m (--window=... where it begins with a minus), or near: finest level")
+                        help="part of the fields to show, in m (--window=... where it begins with a minus), near: finest level, or all")
 
 
 @command
@@ -40,8 +42,8 @@ def main(arguments=None):
     """Draws all pictures of the result folder that the command line names, or a movie."""
     parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("directory", metavar="DIR", help="result folder of a run")
-    parser.add_argument("--frame", type=int, metavar="N",
-                        help="frame to draw (default: the last, for the pressure of contact that of the largest load)")
+    parser.add_argument("--frame", type=lambda text: text if text == LARGEST_LOAD else int(text), metavar="N",
+                        help=f"frame to draw, or {LARGEST_LOAD} (default: the last, for the pressure of contact that of the largest load)")
     parser.add_argument("--out", metavar="DIR", help="folder for the pictures (default: the result folder), or of one --picture a file .png, .pdf or .svg")
     parser.add_argument("--picture", metavar="NAME", help="only this one")
     parser.add_argument("--style", choices=pictures.LOOKS, default="screen",
@@ -52,9 +54,11 @@ def main(arguments=None):
     parser.add_argument("--component", choices=[*fields.STRESS_COLUMN, *fields.SCALARS], default="von_mises_stress",
                         help="what the movie shows")
     add_window_option(parser)
+    parser.set_defaults(window=AUTO)  # near where the contact is small in all that there is
     options = parser.parse_args(arguments)
     if options.movie:
-        movie.movie(options.directory, options.movie, options.component, options.window, options.log)
+        window = None if isinstance(options.window, str) and options.window == AUTO else options.window
+        movie.movie(options.directory, options.movie, options.component, window, options.log)
         print(options.movie)
         return
     with pictures.looking(options.style):

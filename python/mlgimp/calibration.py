@@ -216,4 +216,4 @@ def read(path):
     if not coefficients or not all(map(math.isfinite, [*coefficients, frame])) or not 0 < least <= largest < math.inf:
         raise ResultError(path, "is no calibration: its coefficients, compliance and depths must be numbers")
     tip = tips.tip_of_function(coefficients, least=least * (1 - tips.ROUNDING), largest=largest * (1 + tips.ROUNDING))
-    return tip._replace(beta=lambda nu: beta), frame
+    return tip._replace(beta=tips.constant(beta)), frame

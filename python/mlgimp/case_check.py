@@ -65,7 +65,9 @@ def text_of(found, error_of=FIGURES):
              f"{facts['steps']:.0f} steps of level 0, {facts['finest_steps']:.0f} of the finest; {1e-6 * facts['bytes_per_rank']:.3g} MB a rank",
              f"about {time_of(facts['seconds'])} on {facts['ranks']} {'rank' if facts['ranks'] == 1 else 'ranks'} of this machine"]
     if contact:
-        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm: {', '.join(error_of)} off by up to "
+        less = " less what frame and tip take of it (what follows is without that)" if contact["at_most"] else ""
+        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm{less}: "
+                     f"{', '.join(error_of)} off by up to "
                      f"{100 * contact['load_error']:.2g} %, the true area by {100 * contact['area_error']:.2g} %")
     else:
         lines.append("the largest depth is not known before the run, nor the cells in the contact")

@@ -37,8 +37,8 @@ def of_stiffness(curve, constants=oliver_pharr.Constants()):
         raise ResultError(curve.name, "figures over the depth need a tip")
     poisson = curve.poisson if constants.poisson is None else constants.poisson
     epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
-    beta = curve.tip.beta(poisson) if constants.beta is None else constants.beta
     depth, load, stiffness = depth[rows], load[rows], stiffness[rows]
+    beta = curve.tip.beta(poisson, depth - epsilon * load / stiffness) if constants.beta is None else constants.beta
     found = oliver_pharr.contact(curve.tip, depth, load, stiffness, epsilon, beta)
     return OverDepth(depth, load, stiffness, *found, oliver_pharr.specimen_modulus(found[-1], poisson, constants), load / stiffness**2)
 

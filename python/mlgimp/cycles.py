@@ -16,6 +16,8 @@ LEAST_FALL = 0.03  # of the load at its peak: what falls by less has no row in t
 WAVE = 0.2  # of the load at its peak: by less it also falls in a run that rings, as inertia and damping may add a tenth to it
 LAGGED = 300  # rows that third differences of a curve need to be less than its noise
 SPIKE = 9  # rows: blows, where columns of a run come into contact, are shorter than half of it
+UNLOADED = ("a run has one with -indenter_unload_velocity beside -indenter_max_depth, with a last depth of 0 in -indenter_depths, or with a "
+            "smaller load at the end of -indenter_loads")
 
 
 def noise(values):
@@ -47,7 +49,8 @@ def find_cycles(curve):
     found = falls(curve, LEAST_FALL if curve.cells is None else WAVE)
     if not found:
         least = "more than its noise" if curve.cells is None else f"{100 * WAVE:.0f} %"
-        raise ResultError(curve.name, f"there is no unloading: the load never falls by {least} while the tip goes back")
+        cure = "" if curve.cells is None else f"; {UNLOADED}"
+        raise ResultError(curve.name, f"there is no unloading: the load never falls by {least} while the tip goes back{cure}")
     if curve.load[:found[0].start + 1].min() > 0.5 * curve.load[found[0].start]:
         raise ResultError(curve.name, "there is an unloading without a loading: the curve begins at more than half its load")
     return found

@@ -31,6 +31,7 @@ LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a 
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
 UPRIGHT = 1.8  # inches: the colour bar of lower panels lies below them
 MARGIN = 0.8, 0.6, 1.4, 0.5  # inches beside the first panel, below, beside the last with its colour bar, above
+LEAST_SPARE = 0.04  # inches that stay free at the right
 LINE = 0.22  # inches of a line of a title
 TOP = 0.12  # inches above panels without a title
 BELOW = 1.5  # inches below panels with a colour bar there
@@ -263,24 +264,24 @@ def window_of(panels, window=None):
     return np.where([True, False] * 2, np.maximum(near, everything), np.minimum(near, everything))
 
 
-def room_for(count):
-    """Returns the largest (width, height) in inches of each of `count` panels side by side."""
+def room_for(count, spare=0.0):
+    """Returns the largest (width, height) in inches of each of `count` panels side by side; spare: of the margin at the right that nothing needs."""
     whole = LOOK.get().width
     if whole is None:
         return np.array([min(LARGEST_PANEL[0], LARGEST_ROW / count), LARGEST_PANEL[1]])
     left, _, right, _ = np.array(MARGIN) * shrink()
-    width = (whole - left - right - (count - 1) * GAP * shrink()) / count
+    width = (whole - left - right + spare - (count - 1) * GAP * shrink()) / count
     return np.array([width, width * LARGEST_PANEL[1] / LARGEST_PANEL[0]])
 
 
-def fitted(window, count):
+def fitted(window, count, spare=0.0):
     """Returns the window, widened where it is too slender to draw, and its (width, height) in inches.
 
-    count: how many panels of this window stand side by side.
+    count: how many panels of this window stand side by side; spare: see room_for().
     """
     middle = np.array([window[0] + window[1], window[2] + window[3]]) / 2
     size = np.array([window[1] - window[0], window[3] - window[2]])
-    inches_per_metre = np.min(room_for(count) / size)
+    inches_per_metre = np.min(room_for(count, spare) / size)
     size = np.maximum(size, np.array(SMALLEST_PANEL) * shrink() / inches_per_metre)
     return np.column_stack([middle - size / 2, middle + size / 2]).ravel(), size * inches_per_metre
 
@@ -348,12 +349,22 @@ def in_lengths(panel, origin, length):
 
 @styled
 def fields(panels, component, window=None, scale=None, length=None, is_log=False):
+    """Returns the picture of fields_with(); where its width is given, once more without what its margin at the right has to spare."""
+    figure = fields_with(panels, component, window, scale, length, is_log)
+    spare = figure.get_figwidth() - figure.get_tightbbox(figure.canvas.get_renderer()).x1 - LEAST_SPARE if LOOK.get().width else 0
+    if spare <= LEAST_SPARE:
+        return figure
+    plt.close(figure)
+    return fields_with(panels, component, window, scale, length, is_log, spare)
+
+
+def fields_with(panels, component, window=None, scale=None, length=None, is_log=False, spare=0.0):
     """Returns the picture of one component, with a Panel for each of panels side by side.
 
     All share one window (xmin, xmax, ymin, ymax in m; None: all points; "near": the finest level), colour scale and units; length is
     the Unit of places, by default one of the laboratory. is_log: colours by logarithms, where the field spans decades.
     """
-    window, size = fitted(window_of(panels, window), len(panels))
+    window, size = fitted(window_of(panels, window), len(panels), spare)
     values = np.concatenate([values_of(each.points, component)[in_window(each.points, window)] for each in panels])
     scale = scale or colour_scale(values, centred=component == "xy")
     units = length or lab_unit(window, "m"), unit_of([scale.low, scale.high], component)
@@ -361,7 +372,7 @@ def fields(panels, component, window=None, scale=None, length=None, is_log=False
     bottom = bottom if height > UPRIGHT * shrink() else BELOW * shrink()
     titles = [in_lines(panel.title, width + (gap if len(panels) > 1 else right)) for panel in panels]
     top = top + LINE * max(title.count("\n") for title in titles) if LOOK.get().has_titles else TOP * shrink()
-    full = max(left + len(panels) * (width + gap) - gap + right, LOOK.get().width or 0), bottom + height + top
+    full = max(left + len(panels) * (width + gap) - gap + right - spare, LOOK.get().width or 0), bottom + height + top
     figure = plt.figure(figsize=full)
     for place, panel in enumerate(panels):
         axes = figure.add_axes([(left + place * (width + gap)) / full[0], bottom / full[1], width / full[0], height / full[1]])

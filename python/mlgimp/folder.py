@@ -7,12 +7,34 @@ from . import checks, imprint, load_depth, oliver_pharr, results
 from .errors import Error
 from .needs import need
 
+FIGURES = (("hardness", "hardness_GPa"), ("load over true area", "true_hardness_GPa"), ("modulus", "modulus_GPa"),
+           ("modulus with the true area", "true_modulus_GPa"))
+
 
 def read(folder):
     """Returns the Results of a run in a folder; raises a ResultError where there are none."""
     found = Results(checks.path("folder", folder))
     found.history  # so that a wrong folder is refused here
     return found
+
+
+def lines_of(run):
+    """Yields the lines of a summary of Results; what the run does not have, as a curve or an unloading, is left out, and a line says why."""
+    yield f"{run.folder.name}: {run.summary.get('status', 'not ended')}, {len(run.frames)} frames in {run.folder}"
+    try:
+        curve = run.curve()
+        yield f"largest load {curve.load.max():.4g} mN, largest depth {1e3 * curve.depth.max():.4g} nm"
+        rows = oliver_pharr.analyse(curve)
+    except Error as problem:
+        yield f"no hardness: {getattr(problem, 'problem', problem)}"
+        return
+    largest = max(rows, key=lambda row: row["load_mN"])
+    errors = largest["expected_error"] or {}
+    for label, name in FIGURES:
+        if largest[name] == largest[name]:
+            yield f"{label} {largest[name]:.3g} GPa" + (f" +- {100 * errors[name]:.2g} % by cells and block" if name in errors else "")
+    yield from (f"note: {note}" for note in oliver_pharr.notes_on_modulus(rows))
+    yield from (f"warning: {line}" for line in (largest["warnings"],) if line)
 
 
 class Results:
@@ -23,6 +45,10 @@ class Results:
 
     def __repr__(self):
         return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', 'not ended')}, {len(self.frames)} frames"
+
+    def __str__(self):
+        """What print() shows of a run: its largest load and depth, hardness and modulus of the unloading from there, and what is doubtful."""
+        return "\n".join(lines_of(self))
 
     def _repr_html_(self):
         """What a notebook shows of a run: load and depth, the last field, hardness and modulus, warnings, its folder."""

@@ -6,6 +6,7 @@ import re
 
 from .errors import Error, RunError
 
+LETTERS = 3  # a shorter name is like too many
 ALIKE = 0.8  # of difflib's ratio: a letter or two of eight differ
 SYNONYMS = {  # what books, other programs and people call an argument; capitals count where both are in use
     "youngs_modulus": ("E", "young", "youngs", "modulus", "elastic_modulus"),
@@ -39,6 +40,22 @@ def synonym(name, known):
 def alike(name, known, least=ALIKE):
     """Returns the one of the known names that is spelt nearly as a name; None where there is none."""
     return next(iter(difflib.get_close_matches(name.lower(), known, 1, least)), None)
+
+
+def meant(name, known):
+    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or lacks its end; None where
+    there is none."""
+    small = {each.lower(): each for each in known}
+    if not isinstance(name, str) or len(name) < LETTERS:
+        return None
+    near = difflib.get_close_matches(name.lower(), small, 1, ALIKE) or [each for each in small if each.startswith(name.lower())]
+    return small[near[0]] if near else None
+
+
+def nearest_first(name, known):
+    """Returns how a message begins its list of the known names: with the one that was probably meant."""
+    found = meant(name, known)
+    return f"{found}, which is nearest, or " if found else ""
 
 
 def check_names(names, own, constants=()):

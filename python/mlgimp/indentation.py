@@ -190,7 +190,9 @@ def shape_of(tip, geometry, half_angle, radius, tip_radius):
             raise Error("tip: sizes must stand in the Tip, not beside it")
         return tip.options()
     if not isinstance(tip, str) or tip not in tips.NEEDS or tip == "pyramid":
-        raise Error(f"tip={tip}: must be one of {', '.join(kind for kind in tips.NEEDS if kind != 'pyramid')}")
+        kinds = [kind for kind in tips.NEEDS if kind != "pyramid"]
+        near = hints.nearest_first(tip, [*kinds, *presets.tips()])
+        raise Error(f"tip={tip}: must be {near}one of {', '.join([*kinds, *presets.tips()])} (mlgimp.presets.tips() has those with numbers)")
     sizes = {"half_angle": half_angle, "radius": radius, "tip_radius": None if tip_radius == 0 else tip_radius}
     sizes = {name: units.argument(name, value, UNITS[name]) for name, value in sizes.items()}
     tips.check_sizes(tip, sizes)

@@ -13,15 +13,17 @@ from .cycles import find_cycles
 from .errors import ResultError
 from .heads import DEPTH_UNITS, LOAD_UNITS, STIFFNESS_UNITS, TIME_UNITS, Column, column_argument, column_of  # units for the commands, too
 
-Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic",
-                   defaults=(None,) * 5)
+Curve = namedtuple("Curve", "name time depth load area tip poisson plane notes cells block test_time stiffness tip_elastic "
+                   "zero_error load_is_quasi_static creeps",
+                   defaults=(*(None,) * 6, False, None))
 Curve.__doc__ = """A curve in the order of the test: time (s) or None, depth (um), load (mN) of the whole tip, true contact area
 (um^2) or None, all [rows]; its Tip or None; Poisson's ratio or None; whether it is plane strain; what to know about it; and of a
 run, NaN where that is not known and None of a measured curve, how many cells half the width of the contact has, and how many of
 these half widths lie between the tip and the nearest side of the model [rows]; and the time of the test that a run stands for (s)
 [rows], None of one without it and of a measured curve, whose time is that; and the stiffness of the contact (mN/um) that an
 instrument measures all the time by small oscillations [rows], NaN where it has none, or None; and of a run
-with an elastic tip its modulus (GPa) and Poisson's ratio, or None."""
+with an elastic tip its modulus (GPa) and Poisson's ratio, or None; and the standard uncertainty of a zero of depths that was found
+(um), else None; whether the load is that of a slow run without inertia and damping; and of a run whether a material creeps, else None."""
 
 Test = namedtuple("Test", "name read")
 Test.__doc__ = "A test in a file: its name, and a function without arguments that returns its Curve or raises a ResultError."
@@ -65,6 +67,7 @@ def read_run(directory):
     modulus = 1e-9 * float(given(options, "-indenter_youngs_modulus") or math.inf)
     if modulus < math.inf:
         curve = curve._replace(tip_elastic=(modulus, float(given(options, "-indenter_poissons_ratio") or 0)), notes=[*curve.notes, "depths have the compression of the elastic tip, which the specimen's modulus is without"])
+    curve = curve._replace(load_is_quasi_static=load == "load_quasi_static", creeps=creeps(options) if options else None)
     if "test_time" in history:
         curve = curve._replace(test_time=(history["test_time"][1:] + history["test_time"][:-1]) / 2)
     return curve._replace(notes=curve.notes + list(notes_on_waves(curve)))
@@ -90,6 +93,12 @@ def notes_on_waves(curve):
         pairs = ", ".join(f"{above:.4g} to {below:.4g}" for above, below in waves[:5])
         yield (f"the load falls {len(waves)} times by less than {cycles.WAVE:g} of itself while the tip goes back, which is taken for waves: "
                f"from {pairs} mN" + ", ..." * (len(waves) > 5))
+
+
+def creeps(options):
+    """Returns whether a material of a run's options creeps or relaxes with the time."""
+    return any(name.endswith("_rate_law") and value not in ("none", "") or name.endswith("_model") and value == "viscoelastic"
+               for name, value in options.items())
 
 
 def parts_of_tip(options):
@@ -146,7 +155,9 @@ def tip_of_area(options):
     """Returns the Tip of the area function of a run's options, whose units are SI."""
     in_metres, range_m = numbers(options["-indenter_area_coefficients"]), given(options, "-indenter_area_depths")
     coefficients = [c * 10.0 ** (9 * (2 - 2.0 ** (1 - k))) for k, c in enumerate(in_metres)]
-    return tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
+    tip = tips.tip_of_function(coefficients, *(1e9 * depth for depth in (numbers(range_m) if range_m else ())))
+    faces = given(options, "-indenter_faces")
+    return tips.of_shape(tip, int(faces) if faces else None)
 
 
 def poisson_of_run(options):

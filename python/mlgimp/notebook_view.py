@@ -7,10 +7,10 @@ from matplotlib import pyplot as plt
 
 from . import pictures
 from .errors import Error
+from .folder import FIGURES
 from .page_parts import image, paragraphs, table
 
 DOTS = 60  # per inch: the pictures stay small
-FIGURES = (("hardness", "hardness_GPa"), ("load over true area", "true_hardness_GPa"), ("modulus", "modulus_GPa"), ("modulus with the true area", "true_modulus_GPa"))
 
 
 def html_of(run):

@@ -210,7 +210,7 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     row |= dict.fromkeys(names, math.nan)
     true_modulus, pile_up = math.nan, math.nan
     if curve.tip is not None:
-        epsilon, beta = epsilon_and_beta(curve.tip, fit.exponent, poisson, constants)
+        epsilon, beta = epsilon_and_beta(curve.tip, fit, poisson, constants)
         figures = contact(curve.tip, fit.depth, fit.load, fit.stiffness, epsilon, beta)
         check_depth(curve, figures[0])
         row |= dict(zip(names, (epsilon, beta, *figures, specimen_modulus(figures[-1], poisson, constants))))
@@ -224,11 +224,12 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     return row | held_figures(curve, cycle, fit, row, constants) | norm
 
 
-def epsilon_and_beta(tip, exponent, poisson, constants):
-    """Returns epsilon and beta: those that the user chose, else those of the norm or of the Tip."""
-    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(exponent) if constants.iso else tip.epsilon
-    beta = constants.beta if constants.beta is not None else 1.0 if constants.iso else tip.beta(poisson)
-    return epsilon, beta
+def epsilon_and_beta(tip, fit, poisson, constants):
+    """Returns epsilon and beta of an Unloading: those that the user chose, else those of the norm or of the Tip."""
+    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(fit.exponent) if constants.iso else tip.epsilon
+    if constants.beta is not None or constants.iso:
+        return epsilon, 1.0 if constants.beta is None else constants.beta
+    return epsilon, float(tip.beta(poisson, fit.depth - epsilon * fit.load / fit.stiffness))
 
 
 def check_depth(curve, depth):
@@ -256,6 +257,8 @@ def held_figures(curve, cycle, fit, row, constants):
     stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
     found |= {"C_IT_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
               "corrected_stiffness_mN_per_um": stiffness}
+    if curve.creeps is False:  # what moves in its holds are waves
+        return found | {"corrected_stiffness_mN_per_um": math.nan}
     if curve.tip is None or not math.isfinite(stiffness):
         return found
     poisson = curve.poisson if constants.poisson is None else constants.poisson
@@ -281,6 +284,13 @@ def expected_errors(curve, cycle):
     return {"cells": cells, "expected_error": {
         "load_mN": edge, "stiffness_mN_per_um": edge, "hardness_GPa": edge, "reduced_modulus_GPa": edge + block, "modulus_GPa": edge + block,
         "true_area_um2": area, "true_hardness_GPa": area, "true_modulus_GPa": area + block}}
+
+
+def notes_on_modulus(rows):
+    """Yields a note where reduced moduli are known in dicts of results and no specimen's modulus is."""
+    if any(math.isfinite(row["reduced_modulus_GPa"]) for row in rows) and not any(math.isfinite(row["modulus_GPa"]) for row in rows):
+        yield ("there is no modulus of the specimen: its Poisson's ratio is not known, or that of a run's materials is not the same; give it "
+               "(--poisson, poisson=)")
 
 
 def doubts(curve, cycle, fit, row):

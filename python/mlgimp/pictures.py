@@ -36,6 +36,7 @@ ENDINGS = ".png", ".pdf", ".svg"
 LOOK = contextvars.ContextVar("look", default=LOOKS["screen"])
 PAPER_LINES = {"axes.linewidth": 0.6, "lines.linewidth": 1.0, "grid.linewidth": 0.5, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
                "xtick.major.size": 2.5, "ytick.major.size": 2.5, "svg.fonttype": "none", "pdf.fonttype": 42}
+HIDDEN = 0.01  # of the largest energy: a line below lies on the axis
 ENERGIES = {"kinetic_energy": "-", "strain_energy": "-", "dissipated_energy": "-", "external_work": "--", "indenter_work": "--"}
 
 
@@ -143,11 +144,11 @@ def line_axes(axes, xlabel, ylabel):
     axes.margins(x=0.02)
 
 
-def draw_load_depth(axes, curves, load_unit, depth_unit):
-    """Draws load against depth; curves is a list of (label, depth [rows] m, load [rows] N, line style)."""
+def draw_load_depth(axes, curves, load_unit, depth_unit, what="load"):
+    """Draws load against depth; curves is a list of (label, depth [rows] m, load [rows] N, line style); what: the load in words."""
     for label, depth, load, style in curves:
         axes.plot(depth * depth_unit.factor, load * load_unit.factor, label=label, **style)
-    line_axes(axes, f"depth ({depth_unit.name})", f"load ({load_unit.name})")
+    line_axes(axes, f"depth ({depth_unit.name})", f"{what} ({load_unit.name})")
     if len(curves) > 1:
         axes.legend()
 
@@ -157,7 +158,8 @@ def load_depth(history, title):
     """Returns the picture of load against depth of one run."""
     load, depth = history["load"], history.beside("load", "depth")
     figure, axes = plt.subplots(figsize=size_of(6.4, 4.6), layout="constrained")
-    draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"))
+    what = "load with inertia and damping" if "load_quasi_static" in history else "load"
+    draw_load_depth(axes, [(title, depth, load, {})], lab_unit(load, "N"), lab_unit(depth, "m"), what)
     entitle(axes, title)
     return figure
 
@@ -220,6 +222,12 @@ def test(history, title):
     return figure
 
 
+def size_if_hidden(history, name):
+    """Returns the largest value of one of the ENERGIES in words, where its line lies on the axis beside the others; else nothing."""
+    largest, most = np.abs(history[name]).max(), max(np.abs(history[each]).max() for each in ENERGIES)
+    return f",\nat most {in_si_unit(largest, 'J')}" if 0 < largest < HIDDEN * most else ""
+
+
 @styled
 def energy(history, title):
     """Returns the picture of the energies and works against time, with the residual of their balance below."""
@@ -229,7 +237,7 @@ def energy(history, title):
     time = history["time"] * time_unit.factor
     figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=size_of(7.6, 6.2), height_ratios=[2.6, 1], layout="constrained")
     for name, style in ENERGIES.items():
-        above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " "))
+        above.plot(time, history[name] * unit.factor, style, label=name.replace("_", " ") + size_if_hidden(history, name))
     below.plot(time, residual * residual_unit.factor, "-", color="0.25")
     below.axhline(0, color="0.6", linewidth=0.8)
     line_axes(above, "", f"energy ({unit.name})")

@@ -6,7 +6,8 @@ import re
 import subprocess
 from collections import namedtuple
 
-from . import units
+from . import hints, units
+from . import tips as shapes
 from .errors import Error
 from .program import ENVIRONMENT, find_program
 
@@ -49,7 +50,7 @@ def of_material(name):
         return None
     known = materials()
     if name not in known:
-        raise Error(f"law={name}: must be a law, {', '.join(LAWS)}, or a material, {', '.join(known)}")
+        raise Error(f"law={name}: must be {hints.nearest_first(name, [*LAWS, *known])}a law, {', '.join(LAWS)}, or a material, {', '.join(known)}")
     if "elastic_constants" in known[name].values:
         raise Error(f"law={name}: is a crystal, which needs an orientation and a model in space: see options/silicon_001.opts and -NAME_preset")
     return known[name]
@@ -73,6 +74,24 @@ def numbers(preset):
         except (Error, ValueError):
             continue
     return found
+
+
+def make_tip(name, given, spelt):
+    """Returns the Tip (um) of a kind of tips.NEEDS, or of a tip of presets, whose sizes are those that are not given.
+
+    given: {name of a size: value (degrees, um)}; spelt(name) and spelt(name, value): an argument as the user has it.
+    """
+    kind = name
+    if name not in shapes.NEEDS:
+        if name not in tips():
+            known = [*shapes.NEEDS, *tips()]
+            raise Error(f"{spelt('tip', name)}: must be {hints.nearest_first(name, known)}one of {', '.join(known)}; bin/mlgimp -presets lists those "
+                        "with numbers")
+        preset = tips()[name]
+        known = {option.removeprefix("indenter_"): value for option, value in numbers(preset).items()}
+        kind, given = preset.values["indenter"], {size: value if size == "half_angle" else 1e6 * value for size, value in known.items()} | given
+    shapes.check_sizes(kind, {size: given.get(size) for size in shapes.RULES}, spelt)
+    return shapes.make_tip(kind, **given)
 
 
 def tips():

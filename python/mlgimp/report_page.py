@@ -3,9 +3,10 @@
 import html
 import math
 
-from . import results
+from . import load_depth, pictures, results
 from .page_parts import bullets, document, folded, how_made, image, paragraphs, table
 
+UNITS = {"_youngs_modulus": "Pa", "_yield_stress": "Pa", "_hardening_modulus": "Pa", "_density": "kg/m3", "_half_angle": "degrees", "_radius": "m"}
 MATERIAL = ("_model", "_youngs_modulus", "_poissons_ratio", "_yield_stress", "_hardening", "_hardening_modulus", "_hardening_exponent", "_density")
 SHOWN = (("load", "load_mN", "mN"), ("depth", "depth_um", "um"), ("stiffness", "stiffness_mN_per_um", "mN/um"), ("exponent m", "exponent", ""),
          ("contact depth", "contact_depth_um", "um"), ("area", "area_um2", "um2"), ("true area", "true_area_um2", "um2"),
@@ -49,23 +50,42 @@ def section(test):
 
 # ---- what the page says of a test ----
 
-def facts_of(curve, folder=None):
-    """Returns rows (what, text) about a Curve, and of the folder of a run its material and the program's version; and its options."""
-    found = [("tip", curve.tip.name.replace("_", " ") if curve.tip else "not known"),
-             ("Poisson's ratio", "not known" if curve.poisson is None else f"{curve.poisson:g}"),
-             ("rows", str(len(curve.load))), ("largest depth and load", f"{curve.depth.max():.4g} um, {curve.load.max():.4g} mN")]
+def facts_of(curve, folder=None, poisson=None):
+    """Returns rows (what, text) about a Curve, and of the folder of a run its material and the program's version; and its options. poisson: a ratio
+    that counts more than the Curve's."""
+    summary = {} if folder is None else results.read_summary(folder)
+    options = {name: str(value) for name, value in summary.get("options", {}).items()}
+    poisson = curve.poisson if poisson is None else poisson
+    tip = curve.tip.name if curve.tip else options.get("-indenter", "not known")
+    found = [("tip", tip.replace("_", " ")), ("Poisson's ratio", "not known" if poisson is None else f"{poisson:g}"),
+             ("rows", str(len(curve.load))), ("largest depth and load", largest(curve, load_depth.parts_of_tip(options)))]
     if folder is None:
         return found + [("measured curve", curve.name)], {}
-    summary = results.read_summary(folder)
-    options = {name: str(value) for name, value in summary.get("options", {}).items()}
     has_elastic_tip = options.get("-indenter_youngs_modulus", "none") != "none"
-    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.startswith("-indenter_") and value not in ("", "0", "none")
+    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items()
+              if name.startswith("-indenter_") and value not in ("", "0", "none")
               and name.removeprefix("-indenter_") in ("half_angle", "radius", "tip_radius", "faces", "friction")]
-    found += [(name.lstrip("-").replace("_", " "), value) for name, value in options.items() if name.endswith(MATERIAL) and value != "none"
-              and (has_elastic_tip or not name.startswith("-indenter_"))]
+    found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items()
+              if name.endswith(MATERIAL) and value != "none" and (has_elastic_tip or not name.startswith("-indenter_"))]
     found += [("status of the run", str(summary.get("status", "not ended")))]
     found += [("version", ", ".join(f"{name} {value}" for name, value in summary["versions"].items()))] if isinstance(summary.get("versions"), dict) else []
     return found, options
+
+
+def largest(curve, parts):
+    """Returns the largest depth and load of a Curve as text, with those of the model where that is one of several parts."""
+    load = curve.load.max()
+    whole = f"{load:.4g} mN" if parts == 1 else f"{load / parts:.4g} mN of the model, {load:.4g} mN of the whole tip ({parts} x the model)"
+    return f"{curve.depth.max():.4g} um, {whole}"
+
+
+def with_unit(name, value):
+    """Returns the value of an option as people read it: 70 GPa of 7e+10; as it is where its unit is not known here."""
+    symbol = next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+    try:
+        return pictures.in_si_unit(float(value), symbol) if symbol in ("Pa", "m") else f"{value} {symbol}".rstrip()
+    except ValueError:
+        return value
 
 
 def figures_of(row, uncertainty=None):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from . import checks, load_depth, oliver_pharr, results
+from . import checks, load_depth, oliver_pharr, results, units
 from . import options as text
 from .errors import Error, Interrupted, ResultError
 from .indentation import indent, indentation_options
@@ -164,12 +164,25 @@ def make(folder):
         raise ResultError(folder, f"must be a folder for the runs ({problem.strerror})") from None
 
 
+def plotted(name, values):
+    """Returns the head of a column of values in the table, and these values as numbers: texts with units are in SI units, which the head names."""
+    found = [units.QUANTITY.fullmatch(value) if isinstance(value, str) else None for value in values]
+    if not any(each and each[2] and units.unit(each[2]) for each in found):
+        return name, {}
+    base = {units.unit(base)[0]: base for base, _ in units.KINDS.values()}
+    symbol = next((base.get(units.unit(each[2])[0]) for each in found if each and each[2] and units.unit(each[2])), None)
+    return name + f"_{symbol}" * bool(symbol), {value: units.in_si(value) for value, each in zip(values, found) if each and units.unit(each[2])}
+
+
 def write(path, rows, values):
     """Writes the table of the rows that are done, through a file of its own, so that a reader never sees half of it."""
     part = path.with_suffix(".part")
+    heads = {name: plotted(name, each) for name, each in values.items()}
+    rows = [{heads[name][0] if name in heads else name: heads[name][1].get(value, value) if name in heads and isinstance(value, str) else value
+             for name, value in row.items()} for row in rows]
     try:
         with open(part, "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, [*values, "status", *FOUND, "folder", "seconds", "warnings"])
+            writer = csv.DictWriter(file, [*(head for head, _ in heads.values()), "status", *FOUND, "folder", "seconds", "warnings"])
             writer.writeheader()
             writer.writerows({name: "" if isinstance(value, float) and math.isnan(value) else text.text_of(value) for name, value in row.items()}
                              for row in rows if row["status"] != "waiting")

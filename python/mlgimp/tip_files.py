@@ -8,7 +8,7 @@ from scipy.ndimage import zoom
 
 from . import height_maps
 from .errors import ResultError
-from .tips import Tip
+from .tips import Tip, constant, of_shape
 
 FINER = 4  # pixels between two of a map, of which areas are counted: the section of a pyramid of ten pixels is right within .1 %
 
@@ -29,7 +29,7 @@ def tip_of_profile(path):
     distances, heights = 1e6 * read_profile(path)
     finer = np.linspace(0, distances[-1], 4001)
     shape = PchipInterpolator(distances, heights)(finer)
-    return Tip("profile", lambda h: np.pi * np.interp(h, shape, finer) ** 2, 0.75, lambda nu: 1.0, largest=heights[-1])
+    return of_shape(Tip("profile", lambda h: np.pi * np.interp(h, shape, finer) ** 2, 0.75, constant(1.0), largest=heights[-1]))
 
 
 def tip_of_map(path, size=None):
@@ -38,4 +38,4 @@ def tip_of_map(path, size=None):
     heights = zoom(image.height, FINER, order=1, grid_mode=True, mode="nearest") - image.height.min()
     rim = np.concatenate([heights[0], heights[-1], heights[:, 0], heights[:, -1]]).min()
     ordered, pixel = np.sort(heights.ravel()), (image.x[1] - image.x[0]) * (image.y[0] - image.y[1]) / FINER**2
-    return Tip("height map", lambda h: pixel * np.searchsorted(ordered, h, side="right").astype(float), 0.75, lambda nu: 1.0, largest=rim)
+    return Tip("height map", lambda h: pixel * np.searchsorted(ordered, h, side="right").astype(float), 0.75, constant(1.0), largest=rim)

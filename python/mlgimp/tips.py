@@ -10,9 +10,9 @@ from .errors import Error
 
 Tip = namedtuple("Tip", "name area epsilon beta ball slant repaired least largest radius", defaults=(0.0, math.nan, 0.0, 0.0, math.inf, math.nan))
 Tip.__doc__ = """A tip: its name; area(h), the projected area (um^2) at distances h (um) from its end; epsilon of the contact
-depth; beta(nu) of the stiffness, nu None where it is not known; how high (um) the ball at its end is, if it is a cone; the area of its
-faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is continued, and the least and
-the largest (um) to which it was calibrated; and the radius (um) of a ball."""
+depth; beta(nu, h) of the stiffness at contact depths h (um), nu None where it is not known; how high (um) the ball at its end is, if it is
+a cone; the area of its faces over the projected one, NaN of balls and punches; of an area function the depth (um) below which it is
+continued, and the least and the largest (um) to which it was calibrated; and the radius (um) of a ball."""
 
 PYRAMIDS = {"berkovich": (3, 65.27), "vickers": (4, 68.0), "cube_corner": (3, math.degrees(math.atan(math.sqrt(0.5))))}  # faces, half angle
 KNOOP = 172.5, 130.0  # between opposite edges
@@ -25,6 +25,7 @@ LEAST_DEPTH, DEEPEST = 0.1, 2e4  # nm, between which an area function is looked 
 ROUNDING = 1e-9
 TRUSTED = 3  # times the depth below which an area function is continued: less deep it is that of few rows of its calibration
 STEEPEST = 2.05  # exponent that a calibration may leave: C1 < 0 makes it 2 + |C1|/(C0 h); docs/decisions.md, kMaxPower
+RIM = 0.01  # of the contact depth, above and below which the slope of a tip is taken
 SHARPEST = 1e-3  # um: a smaller radius is none in um
 RULES = {  # for sizes in degrees and um
     "half_angle": Rule(lambda angle: 0 < angle < 90, "in (0, 90) degrees from the axis"),
@@ -55,9 +56,9 @@ def check_sizes(kind, given, spelt=as_keyword):
 def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4, edge_radius=0):
     """Returns the Tip of a kind of NEEDS; angles in degrees from the axis, lengths in um."""
     if kind == "sphere":
-        return Tip(kind, lambda h: np.pi * bulge(h, radius), 0.75, lambda nu: 1.0, radius=radius)
+        return Tip(kind, lambda h: np.pi * bulge(h, radius), 0.75, constant(1.0), radius=radius)
     if kind == "flat_punch":
-        return Tip(kind, lambda h: np.pi * (radius - edge_radius + np.sqrt(bulge(h, edge_radius))) ** 2, 1.0, lambda nu: 1.0)
+        return Tip(kind, lambda h: np.pi * (radius - edge_radius + np.sqrt(bulge(h, edge_radius))) ** 2, 1.0, constant(1.0))
     if kind in PYRAMIDS:
         faces, half_angle = PYRAMIDS[kind]
     sectors = sectors_of_rhombus(*KNOOP) if kind == "knoop" else None
@@ -65,11 +66,11 @@ def make_tip(kind, half_angle=None, radius=None, tip_radius=0, faces=4, edge_rad
         half_angle = math.degrees(math.atan(sectors[0][1] * math.cos(sectors[0][2])))
     tangent, slant = math.tan(math.radians(half_angle)), 1 / math.sin(math.radians(half_angle))
     if kind == "cone":
-        return Tip(kind, lambda h: np.pi * section_radius(h, half_angle, tip_radius) ** 2, 0.72, lambda nu: hay(tangent, nu),
+        return Tip(kind, lambda h: np.pi * section_radius(h, half_angle, tip_radius) ** 2, 0.72, lambda nu, h: hay(tangent, nu),
                    ball_height(half_angle, tip_radius), slant, radius=tip_radius)
     sectors = sectors or sectors_of(faces, tangent)
     return Tip(kind, np.vectorize(lambda h: pyramid_area(h, sectors, tip_radius), otypes=[float]), 0.75,
-               lambda nu: BETA_OF_FACES.get(faces, 1.0), slant=slant)
+               constant(BETA_OF_FACES.get(faces, 1.0)), slant=slant)
 
 
 def bulge(h, radius):
@@ -101,7 +102,8 @@ def tip_of_function(coefficients, least=0.0, largest=math.inf):
 
     A function that was fitted above some depth need not be that of a tip below it. Below h_m, the least calibrated depth from which up to ten
     times that p = h A'/A is between that of a paraboloid, 1, and STEEPEST, that of a cone, 2, and a little more, the tip is
-    A = A(h_m) (h/h_m)^p, as in the program: A and A' go on, and depth zero stays. least, largest: calibrated depths (nm).
+    A = A(h_m) (h/h_m)^p, as in the program: A and A' go on, and depth zero stays. least, largest: calibrated depths (nm). beta is 1, with which
+    laboratories find such functions; where the function is the shape itself, as of a run, of_shape() gives another.
     """
     start, power = repaired_from(coefficients, least, largest)
 
@@ -109,7 +111,7 @@ def tip_of_function(coefficients, least=0.0, largest=math.inf):
         nanometres = np.maximum(1e3 * np.asarray(h, float), 0)
         return 1e-6 * np.where(nanometres < start, polynomial(coefficients, max(start, LEAST_DEPTH)) * (nanometres / max(start, LEAST_DEPTH)) ** power,
                                polynomial(coefficients, nanometres))
-    return Tip("area function", area, 0.75, lambda nu: 1.0, slant=make_tip("berkovich").slant, repaired=1e-3 * start,
+    return Tip("area function", area, 0.75, constant(1.0), slant=make_tip("berkovich").slant, repaired=1e-3 * start,
                least=1e-3 * least, largest=1e-3 * largest if largest > 0 else math.inf)
 
 
@@ -150,6 +152,25 @@ def hay(tangent, nu):
     nu = 0.3 if nu is None else nu
     inward = (1 - 2 * nu) / (4 * (1 - nu)) / tangent
     return np.pi * (np.pi / 4 + 0.15483073 * inward) / (np.pi / 2 - 0.83119312 * inward) ** 2
+
+
+def constant(value):
+    """Returns a beta(nu, h) that is always the same."""
+    return lambda nu, h: value
+
+
+def of_shape(tip, faces=None):
+    """Returns a Tip by its area with the beta of that shape: of a pyramid that of its faces, else that of the cone whose flank has the slope of the
+    tip at the rim of the contact, da/dh = A'/(2 sqrt(pi A)), a = sqrt(A/pi)."""
+    if faces:
+        return tip._replace(beta=constant(BETA_OF_FACES.get(faces, 1.0)))
+
+    def beta(nu, h):
+        deeper, higher = (np.sqrt(np.maximum(tip.area(h * share), 0) / np.pi) for share in (1 + RIM, 1 - RIM))
+        slope = (deeper - higher) / np.where(np.asarray(h) > 0, 2 * RIM * h, math.nan)
+        least = np.sqrt(np.maximum(tip.area(h), 0) / np.pi) / np.where(np.asarray(h) > 0, 2 * h, math.nan)
+        return hay(np.fmax(slope, least), nu)[()]
+    return tip._replace(beta=beta)
 
 
 def sectors_of(faces, tangent):

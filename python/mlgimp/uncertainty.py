@@ -18,9 +18,9 @@ noise of each row's depth and load; None: by default, see standard()."""
 Share = namedtuple("Share", "source input deviation")
 Share.__doc__ = "What one source does: its name, the input in words, and the standard deviations of the QUANTITIES."
 
-Uncertainty = namedtuple("Uncertainty", "values shares deviation lower upper draws")
+Uncertainty = namedtuple("Uncertainty", "values shares deviation lower upper draws left_out", defaults=((),))
 Uncertainty.__doc__ = """QUANTITIES of an unloading: values; a Share for each source; and of all together the standard deviations and the ends of the
-intervals that hold 95 % of the draws, each a dict; and how many draws."""
+intervals that hold 95 % of the draws, each a dict; how many draws; and sentences about what the intervals do not include."""
 
 QUANTITIES = ("hardness_GPa", "reduced_modulus_GPa", "modulus_GPa")
 FRAME, AREA, POISSON = 0.05, 2.0, 0.03  # nm/mN: a quarter of what frames of 5e6 N/m have; %: of an area function; of metals and ceramics
@@ -38,8 +38,8 @@ def standard(curve, fit, given=Inputs()):
     """Returns all Inputs of a Curve: the given ones, others by default.
 
     Noise is that of the curve from row to row, or what the fit leaves where that is more. The contact point lies anywhere from where the
-    tip touches to where the load is SEEN times its noise. Frame, area and Poisson's ratio have FRAME, AREA and POISSON; a run knows its
-    own, and its contact point.
+    tip touches to where the load is SEEN times its noise, or is as sure as the zero of depths that was found. Frame, area and Poisson's ratio
+    have FRAME, AREA and POISSON; a run knows its own, and its contact point.
     """
     is_run = curve.cells is not None
     load, depth = cycles.noise(curve.load), cycles.noise(curve.depth)
@@ -47,7 +47,8 @@ def standard(curve, fit, given=Inputs()):
     load = max(load, left) if given.load_uN is None else 1e-3 * given.load_uN
     depth = depth if given.depth_nm is None else 1e-3 * given.depth_nm
     seen = int(np.argmax(cycles.without_spikes(curve.load) > SEEN * load))
-    default = Inputs(0.0 if is_run else 1e3 * max(curve.depth[seen], 0) / math.sqrt(3), 0.0 if is_run else FRAME, 0.0 if is_run else AREA,
+    zero = max(curve.depth[seen], 0) / math.sqrt(3) if curve.zero_error is None else curve.zero_error
+    default = Inputs(0.0 if is_run else 1e3 * zero, 0.0 if is_run else FRAME, 0.0 if is_run else AREA,
                      0.0 if is_run else POISSON, 1e3 * depth, 1e3 * load)
     return Inputs(*(own if value is None else value for own, value in zip(default, given)))
 
@@ -113,8 +114,10 @@ def figures(curve, constants, depth, load, stiffness, zero, compliance, area, po
     """Returns the QUANTITIES [draws] by Oliver and Pharr: a contact point zero (um) deeper, a compliance (um/mN) more in series, an area
     by a share larger."""
     epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
-    beta = curve.tip.beta(poisson) if constants.beta is None else constants.beta
     stiffness = 1 / oliver_pharr.above_zero(1 / stiffness - compliance)
+    beta = constants.beta
+    if beta is None:
+        beta = curve.tip.beta(poisson, depth - zero - compliance * load - epsilon * load / stiffness)
     tip = curve.tip._replace(area=lambda h: curve.tip.area(h) * (1 + area))
     *_, hardness, modulus = oliver_pharr.contact(tip, depth - zero - compliance * load, load, stiffness, epsilon, beta)
     return np.array(np.broadcast_arrays(hardness, modulus, oliver_pharr.specimen_modulus(modulus, poisson, constants)))
@@ -127,7 +130,7 @@ def errors_of_cells(row, other=None):
     same run on other cells by their difference, whose part falls off with the cells' size to the power ORDER."""
     if other is None:
         known = row["expected_error"]
-        return (None, "") if not known else (np.array([known[name] for name in QUANTITIES]), f"{row['cells']:.3g} cells: the expected errors")
+        return (None, "") if not known else (np.full(len(QUANTITIES), known["hardness_GPa"]), f"{row['cells']:.3g} cells: the expected errors")
     own, others = row["cells"], other["cells"]
     if not (own > 0 and others > 0):
         raise Error("the run on other cells: both must be runs whose cells in the contact are known")
@@ -139,13 +142,33 @@ def errors_of_cells(row, other=None):
     return np.array([abs(other[name] / row[name] - 1) * part for name in QUANTITIES]), f"{own:.3g} cells, against {others:.3g}"
 
 
+def share_of_block(row):
+    """Returns by which shares the size of a run's block makes the QUANTITIES too large, at most; None where that is not known."""
+    known = row.get("expected_error")
+    return None if not known else np.array([known[name] - known["hardness_GPa"] for name in QUANTITIES])
+
+
+def left_out(curve, row):
+    """Yields sentences about what the intervals of an unloading do not include."""
+    if curve.cells is None:
+        yield "pile-up or sink-in of the specimen, which change the area; an unloading does not show them"
+        return
+    if not row.get("expected_error"):
+        yield "the cells and the size of the block, since it is not known how many cells the contact has"
+    ratio = row["true_area_um2"] / row["area_um2"]
+    if math.isfinite(ratio):
+        figures = [f"{name} {row[f'true_{name}_GPa']:.4g} GPa" for name in ("hardness", "modulus") if math.isfinite(row[f"true_{name}_GPa"])]
+        yield (f"{'pile-up' if ratio > 1 else 'sink-in'}: the true contact area of this run is {ratio:.3g} of that by Oliver and Pharr; with it "
+               f"{' and '.join(figures)}" + ", which still has the block's share" * (len(figures) > 1))
+
+
 # ---- all together ----
 
 def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inputs(), draws=1000, seed=1, other=None):
     """Returns the Uncertainty of an unloading of a Curve, its dict of results and its Unloading of oliver_pharr.analysed().
 
     inputs: standard uncertainties. other: of a run, the dict of results of the same run on other cells. Draws are normal, but for the
-    window and the cells, which are even between limits. The same seed gives the same numbers.
+    window, the cells and the block, which are even between limits. The same seed gives the same numbers.
     """
     constants = oliver_pharr.constants_of(curve, constants)
     if curve.tip is None or not math.isfinite(row["hardness_GPa"]):
@@ -153,16 +176,18 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
     count = checks.whole("draws", draws)
     if not DRAWS.good(count):
         raise checks.refusal("draws", draws, DRAWS.allowed)
+    given_zero = inputs.zero_nm
     inputs, random = standard(curve, fit, inputs), np.random.default_rng(seed)
     poisson = curve.poisson if constants.poisson is None else constants.poisson
     nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "zero": 0.0, "compliance": 0.0, "area": 0.0, "poisson": poisson}
     stiffnesses = windows_fits(curve, fit, constants.window)
     depth, load, noisy = noisy_starts(curve, fit, inputs, random, count)
     ratios = random.choice(stiffnesses, count) / fit.stiffness
+    given_by = ", of the zero that was found" if curve.zero_error is not None and given_zero is None else ""
     sources = [
         ("noise", f"{inputs.depth_nm:.3g} nm, {inputs.load_uN:.3g} uN of each row", {"depth": depth, "load": load, "stiffness": noisy}),
         ("window", f"{WINDOW[0]:g} and {WINDOW[1]:g} about {constants.window[0]:g},{constants.window[1]:g}", {"stiffness": fit.stiffness * ratios}),
-        ("contact point", f"{inputs.zero_nm:.3g} nm", {"zero": 1e-3 * inputs.zero_nm * random.normal(size=count)}),
+        ("contact point", f"{inputs.zero_nm:.3g} nm{given_by} (--u-zero)", {"zero": 1e-3 * inputs.zero_nm * random.normal(size=count)}),
         ("compliance", f"{inputs.compliance_nm_per_mN:.3g} nm/mN", {"compliance": 1e-3 * inputs.compliance_nm_per_mN * random.normal(size=count)}),
         ("area", f"{inputs.area_percent:.3g} %", {"area": 0.01 * inputs.area_percent * random.normal(size=count)})]
     if poisson is not None:
@@ -176,7 +201,12 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
         factors = 1 + error[:, None] * random.uniform(-1, 1, (len(QUANTITIES), count))
         found.append(("cells", words, values[:, None] * factors))
         total = total * factors
-    return collected(values, found, total, count)
+    block = share_of_block(row)
+    if block is not None:
+        factors = 1 - block[:, None] * random.uniform(0, 1, count)
+        found.append(("block", f"its size makes moduli too large by up to {100 * block[-1]:.2g} %", values[:, None] * factors))
+        total = total * factors
+    return collected(values, found, total, count)._replace(left_out=list(left_out(curve, row)))
 
 
 def collected(values, found, total, count):
@@ -203,6 +233,7 @@ def lines_of(found):
     yield f"  {'source':18s}" + "".join(f"{label:>10s}" for label in labels) + "   input"
     for share in [*found.shares, Share("total", f"{found.draws} draws", found.deviation)]:
         yield f"  {share.source:18s}" + "".join(f"{100 * share.deviation[name] / found.values[name]:8.2f} %" for name in known) + f"   {share.input}"
+    yield from (f"  not included: {sentence}" for sentence in found.left_out)
     for name in known:
         yield f"  {name.rpartition('_')[0].replace('_', ' ')}: {found.values[name]:.5g} GPa, 95 % of the draws {found.lower[name]:.5g} to {found.upper[name]:.5g}"
 

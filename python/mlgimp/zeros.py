@@ -52,7 +52,8 @@ def without_zero_depth(curve, depth):
         return curve._replace(depth=curve.depth - depth)
     found = RULES[depth](curve)
     note = f"the zero of depths is {found.depth:.4g} um +- {found.error:.2g} um, {found.how}"
-    return curve._replace(depth=curve.depth - found.depth, notes=[*curve.notes, note])
+    error = found.error if RULES[depth] is by_power else found.error / math.sqrt(3)  # a standard error, or even within limits
+    return curve._replace(depth=curve.depth - found.depth, notes=[*curve.notes, note], zero_error=error)
 
 
 def load_of_free_tip(curve):

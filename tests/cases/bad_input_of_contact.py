@@ -31,6 +31,8 @@ TABLES = {
         ("indenter polygon with an odd number", {**POLYGON, "indenter_vertices": "0,0,1,1,-1,1,0"}, ["-indenter_vertices", "x,y pairs"]),
         ("depth out of reach", {**WEDGE, "max_steps": None, "indenter_velocities": "-1", "indenter_max_depth": "1"},
          ["-indenter_max_depth 1:", "reached"]),
+        ("deeper than the domain", {**WEDGE, "max_steps": None, "indenter_velocities": "1", "indenter_max_depth": "1e3"},
+         ["-indenter_max_depth 1e3: must be such that the tip stays in the domain", "where the domain ends at"]),
         ("tip below its depth", {**WEDGE, "indenter_tip": "4,1", "indenter_max_depth": "1"}, ["-indenter_tip 4,1:", "above y = "]),
         ("unloading speed 0", {**WEDGE, "indenter_max_depth": "1", "indenter_unload_velocity": "0"},
          ["-indenter_unload_velocity 0:", "not zero"]),

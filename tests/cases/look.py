@@ -58,6 +58,16 @@ def test_text(tmp_path):
     assert "200 nm" in lines[3] and "2.2 cells" in lines[3] and "cells of 250 nm, " in lines[2] and lines[2].endswith(" points, 6 um x 6 um")
 
 
+def test_contact_behind_a_frame_or_under_a_load(tmp_path):
+    """With a frame the tip comes less deep than is prescribed, so that the line is a bound; under load control a line says why there is none."""
+    assert facts(tmp_path)["contact"]["at_most"] is False
+    for name, line in (("fused_silica_tip", "contact     at the largest depth, 250 nm less what frame and tip take of it"),
+                       ("cone_load", "contact     its width follows from the load and is not known")):
+        words = ["-options_file", str(harness.ROOT / "options" / f"{name}.opts"), "-check"]
+        done = harness.subprocess.run(harness.command(words, 1), capture_output=True, text=True, env=harness.environment(1), cwd=tmp_path)
+        assert line in done.stdout, done.stderr
+
+
 def test_refused(expect):
     expect_refused(expect, Table({**CASE, "output_dir": "out"}, [
         ("another form", {"check": "html"}, ["-check html: must be one of none, text, json"]),
@@ -73,8 +83,10 @@ def test_from_python(tmp_path, monkeypatch):
     assert len(found.figure.axes) == 2 and "2.23 cells" in found.figure.axes[1].get_title()
     lines = case_check.text_of(found)
     assert lines[0].endswith(" points, cells of 500, 250 nm") and any(line.startswith("warning: ") for line in lines)
-    with pytest.raises(mlgimp.RunError, match="^mlgimp: error: -m_preset gold: must be one of"):
-        mlgimp.check(CASE, m_preset="gold")
+    framed = case_check.text_of(found._replace(facts={**found.facts, "contact": {**found.facts["contact"], "at_most": True}}))
+    assert "at 200 nm: " in lines[3] and "at 200 nm less what frame and tip take of it" in framed[3]
+    with pytest.raises(mlgimp.RunError, match="^mlgimp: error: -m_preset Gold: must be gold, which is nearest"):
+        mlgimp.check(CASE, m_preset="Gold")
 
 
 SHIPPED = "pressure", "sphere_axisymmetric", "punch_axisymmetric", "wedge_3level", "cone_metal", "film_stress", "taylor_bar", "berkovich_3d"

@@ -1,6 +1,6 @@
 """Values with units and materials and tips by name: the same case, to the last digit, and refusals that say what a unit is of."""
 import harness
-from mlgimp import presets
+from mlgimp import presets, units
 from refusals import Table, expect_refused
 
 PLAIN = {"geometry": "axisymmetric", "domain_lower": "0,0", "domain_upper": "12e-6,12e-6", "cell_size": "500e-9", "boundary_y_lower": "symmetry",
@@ -33,7 +33,9 @@ def test_units_that_are_refused(expect):
         ("a kind without a name", {"m_density": "2.7kg/m4"}, ["kg/m4 is a quantity in m-4 kg, -m_density is a density"]),
         ("unknown", {"cell_size": "0.5micron"}, ["micron is no unit of a length (nm, um, mm, m)"]),
         ("a capital", {"m_youngs_modulus": "70gPa"}, ["gPa is no unit of a stress (kPa, MPa, GPa)"]),
-        ("milli for mega", {"m_yield_stress": "400mPa"}, ["mPa is no unit of a stress"]),
+        ("milli for mega", {"m_yield_stress": "400mPa"}, ["mPa is no unit of a stress", "it may be MPa"]),
+        ("a small letter", {"m_youngs_modulus": "114Gpa"},
+         ["-m_youngs_modulus 114Gpa: must be a number, or one with its unit; Gpa is no unit", "it may be GPa"]),
         ("some have units", {"domain_upper": "12um,12"}, ["12 has no unit, and others have one"]),
         ("of a pure number", {"cfl": "0.4um"}, ["um is a length, -cfl is a pure number"]),
         ("of a count", {"max_steps": "30s"}, ["-max_steps 30s: must be a whole number"]),
@@ -58,6 +60,20 @@ def test_material_by_name():
     assert linear.summary["options"]["-m_model"] == "linear" and "-m_yield_stress" not in linear.summary["options"]
 
 
+def test_gold_on_silicon_in_axisymmetry(expect):
+    """By presets alone; their elastic constants are the means of Voigt's and Reuss' averages of the crystals of the same table."""
+    film = {name: value for name, value in PLAIN.items() if not name.startswith(("m_", "block_"))}
+    bodies = {"materials": "film,wafer", "film_preset": "gold", "wafer_preset": "silicon_isotropic", "bodies": "top,bottom", "top_material": "film",
+              "bottom_material": "wafer", "top_lower": "0,9um", "top_upper": "12um,10um", "bottom_lower": "0,0", "bottom_upper": "12um,9um"}
+    assert harness.run({**film, **bodies, "max_steps": "3"}).summary["steps"] == 3
+    for crystal, name in (("gold_crystal", "gold"), ("silicon_crystal", "silicon_isotropic")):
+        c11, c12, c44 = (units.in_si(each) for each in presets.materials()[crystal].values["elastic_constants"].split(","))
+        bulk, shear = (c11 + 2 * c12) / 3, ((c11 - c12 + 3 * c44) / 5 + 5 * (c11 - c12) * c44 / (4 * c44 + 3 * (c11 - c12))) / 2
+        known = presets.numbers(presets.materials()[name])
+        expect(f"{name}: Young's modulus", known["youngs_modulus"] / (9 * bulk * shear / (3 * bulk + shear)), near=1, tolerance=0.01)
+        expect(f"{name}: Poisson's ratio", known["poissons_ratio"], near=(3 * bulk - 2 * shear) / (6 * bulk + 2 * shear), tolerance=0.005)
+
+
 def test_tip_by_name():
     """In axisymmetry a pyramid is the cone of the same area."""
     without = {name: value for name, value in PLAIN.items() if name != "indenter_half_angle"}
@@ -71,7 +87,13 @@ def test_tip_by_name():
 def test_names_that_are_refused(expect):
     expect_refused(expect, Table({**PLAIN, "output_dir": "out"}, [
         ("no such material", {"m_preset": "unobtainium"}, ["-m_preset unobtainium: must be one of none, aluminium_6061"]),
-        ("no such tip", {"indenter": "berkovich_R7"}, ["-indenter berkovich_R7: must be one of"]),
+        ("a letter less", {"m_preset": "coper_ofhc"}, ["-m_preset coper_ofhc: must be copper_ofhc, which is nearest"]),
+        ("the beginning alone", {"m_preset": "copper"}, ["-m_preset copper: must be copper_ofhc, which is nearest"]),
+        ("no such tip", {"indenter": "needle_R7"}, ["-indenter needle_R7: must be one of berkovich_R50", "-presets"]),
+        ("a tip in other capitals", {"indenter": "Berkovich_R50"}, ["-indenter Berkovich_R50: must be berkovich_R50, which is nearest"]),
+        ("a cubic crystal in axisymmetry", {"m_preset": "gold_crystal", "m_model": None, "m_youngs_modulus": None, "m_poissons_ratio": None,
+                                            "m_yield_stress": None, "m_hardening_modulus": None},
+         ["cubic crystals need -geometry 3d", "silicon_isotropic"]),
         ("a pyramid in plane strain", {"geometry": "plane_strain", "indenter": "berkovich_R50", "indenter_half_angle": None},
          ["-indenter berkovich: must be one of", "plane_strain"]),
         ("what the law does not take", {"m_preset": "steel_s7", "m_model": "linear"}, ["-m_hardening_modulus: unknown or unused"]),

@@ -73,7 +73,14 @@ class Richardson(unittest.TestCase):
 
     def test_nothing_follows_where_differences_do_not_shrink(self):
         for values in ([1], [1, 2], [1, 2, 3], [1, 2, 1.5], [1, 2, 4], [1, 1, 1], [1, 2, 2]):
-            self.assertTrue(all(math.isnan(figure) for figure in converge.richardson(values)[1:]), values)
+            self.assertTrue(all(math.isnan(figure) for figure in converge.richardson(values)[1:3]), values)
+            spread = max(values) - min(values) if len(values) == 3 else math.nan
+            np.testing.assert_equal(converge.richardson(values)[3], spread)
+
+    def test_a_sentence_says_why_there_is_no_order(self):
+        for values, words in (([1, 2], "-refine 3"), ([1, 2, 1.5], "goes up and down.* apart, 1 .67 % of the last"), ([1, 2, 4], "do not shrink"),
+                              ([1, 1, 1], "are the same"), ([1, 1.8, 2.0], "^$")):
+            self.assertRegex(converge.why_no_order(values), words)
 
 
 class Stress(unittest.TestCase):
@@ -122,7 +129,8 @@ class Cases(unittest.TestCase):
         modulus = 1e7 * 0.7 / (1.3 * 0.4)
         for row in rows:
             self.assertAlmostEqual(row["value"] / (1e10 / (2 * modulus) * 64), 1, delta=0.015)
-        self.assertEqual(len(printed), 2 + 3 + 2)
+        why = converge.why_no_order([row["value"] for row in rows])
+        self.assertEqual(len(printed), 2 + 3 + 2 + bool(why))
         self.assertGreater(plt.imread(self.root / "energy" / "convergence.png").std(), 0.05)
         times = [results.read_history(folder)["time"] for folder in sorted((self.root / "energy").glob("cells_*"))]
         for other in times[1:]:
@@ -149,6 +157,19 @@ class Cases(unittest.TestCase):
             self.study("missing", "-refine", "2", "-quantity", "stress_xz", "-place", "12.3,1.7", "-max_steps", "3")
         self.assertRegex(caught.exception.code, "^error: -place 12.3,1.7, -quantity stress_xz: must be those of the case's geometry")
 
+    def test_help_at_any_place_starts_nothing(self):
+        for words in (["-h"], [str(self.file), "--help"], [str(self.file), "-refine", "3", "-h"]):
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                converge.main([*words, "-output_dir", str(self.root / "help")] if len(words) > 1 else words)
+            self.assertIn("usage: scripts/converge.py", printed.getvalue())
+        self.assertFalse((self.root / "help").exists())
+
+    def test_units_and_both_dashes(self):
+        own, passed = converge.parse(converge.one_dash([str(self.file), "--refine", "2", "-depth", "190nm", "--frames=3"]))
+        self.assertAlmostEqual(own.depth, 190e-9)
+        self.assertEqual((own.refine, passed), (2, {"frames": "3"}))
+        np.testing.assert_allclose(converge.read_place("1um,2"), [1e-6, 2])
+
     def test_wrong_arguments_are_one_line(self):
         file = str(self.file)
         bare = self.root / "bare.opts"
@@ -163,7 +184,12 @@ class Cases(unittest.TestCase):
                                 ([file, "-cell_size", "small"], "-cell_size small"), ([file, "7"], "7: must follow an option"),
                                 ([str(bare)], "must give -cell_size"), ([file, "-bar_uper", "1,1"], "cells of 2.0 m: mlgimp: error: -bar_uper"),
                                 ([file, "-quantity", "laod", "-max_steps", "3"], "-quantity laod.*load"),
-                                ([file, "-quantity", "load", "-depth", "1", "-max_steps", "3"], "-depth 1: must be in")):
+                                ([file, "-quantity", "load", "-depth", "1", "-max_steps", "3"], "-depth 1: must be in"),
+                                ([file, "--quantity=load", "--depth", "1s"], "-depth 1s: must be a number in m, or"),
+                                ([file, "-indenter_loads", "0,1"], "prescribes the load"),
+                                ([file, "-indenter_control", "load"], "prescribes the load"),
+                                ([file, "-indenter", "cone", "-quantity", "depth"], "prescribes the depth"),
+                                ([file, "-quantity", "depth", "-depth", "1nm"], "is what -depth gives")):
             with self.assertRaises(SystemExit) as caught, contextlib.redirect_stdout(io.StringIO()):
                 converge.main([words[0], *words[1:], "-output_dir", str(self.root / "wrong"), "-overwrite"])
             self.assertRegex(str(caught.exception.code), rf"^error: [^\n]*{expected}[^\n]*$", words)

@@ -3,13 +3,14 @@ import csv
 import json
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import fit
 import harness
-from mlgimp import fit_profiles, fitting
+from mlgimp import fit_profiles, fit_search, fitting
 from mlgimp.errors import Error
 from made_curves import CONE_OPTIONS, curve
 from test_scripts import HISTORY
@@ -87,6 +88,26 @@ def test_intervals_hold_the_truth(fitted, expect):
             widths.append((each["upper"] - each["lower"]) / each["value"])
     expect("intervals that hold the truth", held, at_least=13)
     expect("largest width", max(widths), at_most=0.03)
+
+
+def test_intervals_hold_the_best_run_too(monkeypatch):
+    """A run of the table that misses less than the values found lies in the intervals, and a line says so."""
+    class Search:
+        def __init__(self, *_):
+            pass
+
+        def begin(self):
+            return np.eye(1)
+
+        def go(self, _):
+            return fit_search.Solution(np.zeros(1), np.full(100, 0.02), np.ones((100, 1)), np.array([[1e-6]])), True
+    monkeypatch.setattr(fitting.fit_search, "Search", Search)
+    rows = [(1, 50e9, 0.021, 1.0), (2, 56e9, 0.015, 1.0)]
+    runs = SimpleNamespace(variables=[fitting.Variable("E", "m_youngs_modulus", 50e9, 1e9, 1e12)], values=lambda x: 50e9 * np.exp(x), residuals=None,
+                           groups=list, errors=list, rows=rows, targets=[], folder=None)
+    found = fitting.search(runs, 1)
+    assert found.lower[0] < 50e9 and found.upper[0] == 56e9
+    assert "run 2 of fit.csv misses 1.5 % with E 5.6e+10, the values found 2 %" in next(fitting.doubts_of_best(found))
 
 
 def test_constants_that_cannot_be_told_apart(fitted, capsys):
@@ -278,7 +299,9 @@ def test_lists_must_agree(monkeypatch, given, line):
 WORDS = {
     "nothing": ([], "must be given"), "only the curve": (["m.csv"], "must be given"), "no curve": (["none.csv", "case.opts"], "none.csv"),
     "no case": (["m.csv", "none.opts"], "none.opts"), "nothing varied": (["m.csv", "case.opts"], "-vary"),
-    "no option": (["m.csv", "case.opts", "-vary", "E,yield"], "-vary yield"), "no number": (["m.csv", "case.opts", "-vary", "model"], "m_model is j2"),
+    "two dashes": (["m.csv", "case.opts", "--vary", "E,yield", "--evaluations=3"], "-vary yield"),
+    "no option": (["m.csv", "case.opts", "-vary", "E,yield"], "-vary yield: must be an option that the case gives; the nearest is yield_stress"),
+    "no number": (["m.csv", "case.opts", "-vary", "model"], "m_model is j2"),
     "of two materials": (["m.csv", "case.opts", "-vary", "density"], "s_density, m_density"),
     "twice": (["m.csv", "case.opts", "-vary", "E,youngs_modulus"], "twice"),
     "not positive": (["m.csv", "case.opts", "-vary", "E", "-m_youngs_modulus", "-1"], "number > 0"),

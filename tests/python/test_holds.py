@@ -8,7 +8,7 @@ import pytest
 
 import harness  # noqa: F401 (finds the package)
 from made_curves import CONE_OPTIONS, curve, main, metal, write_run
-from mlgimp import creep, cycles, holds, oliver_pharr, tips
+from mlgimp import creep, cycles, holds, load_depth, oliver_pharr, tips
 
 pytestmark = pytest.mark.fast
 
@@ -93,6 +93,20 @@ def test_stiffness_without_creep(expect, seconds):
         expect("stiffness as it is", row["stiffness_mN_per_um"] / STIFFNESS_OF_METAL - 1, at_least=0.004)
         expect("stiffness without creep", row["corrected_stiffness_mN_per_um"] / STIFFNESS_OF_METAL, near=1, tolerance=0.02 if seconds < 300 else 0.07)
         assert row["corrected_hardness_GPa"] > 0 and row["corrected_modulus_GPa"] > 0
+
+
+def test_what_does_not_creep_has_no_stiffness_without_creep(tmp_path):
+    """A hold of a run whose materials do not flow with the time; in a measured curve nobody knows."""
+    depth, load = metal(rows=300)
+    depth, load = (np.concatenate([each[:300], np.full(300, each[299]), each[300:]]) for each in (depth, load))
+    hold = curve(depth, load, time=np.linspace(0, 30, len(depth)))
+    rows = [oliver_pharr.analyse(hold._replace(creeps=known))[0] for known in (None, True, False)]
+    assert [math.isfinite(row["corrected_hardness_GPa"]) for row in rows] == [True, True, False]
+    assert rows[2]["C_IT_percent"] == pytest.approx(0, abs=1e-9)
+    assert math.isnan(rows[2]["corrected_stiffness_mN_per_um"])
+    for options, known in (({}, False), ({"-m_rate_law": "none", "-m_model": "j2"}, False), ({"-m_rate_law": "norton"}, True),
+                           ({"-m_model": "viscoelastic"}, True)):
+        assert load_depth.creeps(options) == known
 
 
 def test_relaxation(expect):

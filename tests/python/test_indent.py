@@ -80,11 +80,18 @@ def test_cases_are_accepted(tmp_path, law, case):
     assert finest["upper"][0] > 2.2 * radius
 
 
+def test_a_misspelt_material_leads_to_the_right_one(tmp_path):
+    with pytest.raises(mlgimp.Error, match="law=coper_ofhc: must be copper_ofhc, which is nearest, or a law"):
+        mlgimp.indent("coper_ofhc", depth=1e-7, file=tmp_path / "case.opts")
+
+
 @pytest.mark.parametrize("case, line", [
     (dict(METAL), "depth, load, test: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
     (dict(METAL, depth="deep"), "depth=deep"), (dict(METAL, depth=float("nan")), "depth=nan"), (dict(METAL, load=-1), "load=-1: must be a number > 0 in N"),
     (dict(youngs_modulus=70, depth=1e-7), "youngs_modulus=70: must be .* in Pa; 70 GPa are 70e9"), (dict(depth=1e-7), "youngs_modulus=None"),
-    (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"), (dict(METAL, depth=1e-7, tip="brinell"), "tip=brinell: must be one of cone, sphere"),
+    (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"),
+    (dict(METAL, depth=1e-7, tip="brinell"), "tip=brinell: must be brinell_1, which is nearest, or one of cone, sphere"),
+    (dict(METAL, depth=1e-7, tip="Berkovich_R50"), "tip=Berkovich_R50: must be berkovich_R50, which is nearest"),
     (dict(METAL, depth=1e-7, tip="cone"), "half_angle: must be given for tip=cone"), (dict(METAL, depth=1e-7, radius=1e-6), "radius: must be left out"),
     (dict(METAL, depth=1e-7, tip="sphere", radius=5), "radius=5"), (dict(METAL, depth=2e-6, tip="sphere", radius=1e-6), "depth=2e-06: must be less than the radius"),
     (dict(METAL, depth=1e-7, geometry="plane_strain"), "geometry=plane_strain"), (dict(METAL, depth=1e-7, cells=1), "cells=1"),

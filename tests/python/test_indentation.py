@@ -127,6 +127,34 @@ def test_units_of_no_solid_give_a_warning(tmp_path, capsys):
         assert ("is that of no solid" in capsys.readouterr().out) == warned
 
 
+def test_a_modulus_that_is_not_known_is_said(tmp_path, capsys):
+    """As of a film on a substrate with another Poisson's ratio; with --poisson the page has it too."""
+    run = write_run(tmp_path / "run", {**CONE_OPTIONS, "-s_poissons_ratio": "0.2"})
+    main([str(run)])
+    assert "note: there is no modulus of the specimen" in capsys.readouterr().out
+    main([str(run), "--poisson", "0.25", "--report"])
+    printed = capsys.readouterr().out
+    assert "no modulus of the specimen" not in printed and "specimen's modulus" in printed
+    assert re.search(r"Poisson(&#x27;|')s ratio</t[dh]><td[^>]*>0.25<", (run / "indentation.html").read_text())
+
+
+def test_a_run_without_an_unloading_says_how_to_get_one():
+    depth, load = metal()
+    with pytest.raises(ResultError, match="there is no unloading.*-indenter_unload_velocity"):
+        oliver_pharr.analyse(curve(depth[:400], load[:400], is_run=True))
+
+
+def test_tips_by_name(tmp_path, capsys):
+    """A tip that -presets lists, with its sizes; one that is given counts more; a name in other capitals leads to the right one."""
+    (tmp_path / "m.csv").write_text(GOOD)
+    areas = []
+    for words in (["berkovich_R50"], ["berkovich", "--tip-radius", "0.05"], ["berkovich_R50", "--tip_radius", "0.1"]):
+        main([str(tmp_path / "m.csv"), "-tip", *words])
+        areas.append(re.search(r"area +(\S+) um2", capsys.readouterr().out)[1])
+    assert areas[0] == areas[1] != areas[2]
+    assert "--tip Berkovich_R50: must be berkovich_R50, which is nearest" in refusal(tmp_path / "m.csv", "--tip", "Berkovich_R50")
+
+
 # ---- refusals ----
 
 WORDS = {

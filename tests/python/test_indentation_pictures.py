@@ -41,6 +41,17 @@ def test_picture_of_curves_with_an_unloading_each(tmp_path, drawn, names):
         assert modulus.get_xlabel() == "curve" and "2: measured_specimen_0.csv" in legend
 
 
+def test_intervals_of_uncertainty_are_drawn(tmp_path, drawn):
+    """A line beside the largest unloading, from the lower to the upper end."""
+    (tmp_path / "a.csv").write_text(text_of(*cycles_of((1, 2, 5))))
+    main([str(tmp_path / "a.csv"), "--tip", "vickers", "--poisson", "0.3", "--uncertainty", "200"])
+    _, hardness, modulus = drawn[0].axes
+    known = json.loads((tmp_path / "indentation.json").read_text())["curves"][0]["uncertainty"]
+    for axes, name in ((hardness, "hardness_GPa"), (modulus, "modulus_GPa")):
+        [[(low, high)]] = [[segment[:, 1] for segment in each.get_segments()] for each in axes.collections]
+        assert (low, high) == pytest.approx((known["lower_95"][name], known["upper_95"][name]))
+
+
 def test_picture_over_depth(tmp_path, drawn):
     """Where a curve has several unloadings; one that cannot be fitted, or another curve that has no figures, does not stop it."""
     (tmp_path / "a.csv").write_text(text_of(*cycles_of((1, 2, 5))))

@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.text import Text
 
 import mlgimp
-from mlgimp import fields, pictures
+from mlgimp import fields, gallery, pictures, surface
 from mlgimp.fields import Scale
 from test_package import pressed  # noqa: F401, a fixture
 
@@ -28,6 +28,19 @@ def test_for_a_paper(pressed, tmp_path, name):  # noqa: F811
     on_screen = pressed[0].plot(name)[name]
     assert on_screen.get_figwidth() > 6 and any(axes.get_title() for axes in on_screen.axes)
     pictures.plt.close(on_screen)
+
+
+def test_fields_for_a_paper_fill_their_width(pressed):  # noqa: F811
+    figure = pressed[0].plot("von_mises_stress", style="paper")["von_mises_stress"]
+    inside = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert inside.x1 > figure.get_figwidth() - 0.1
+    pictures.plt.close(figure)
+
+
+def test_energies_that_no_line_shows_are_told():
+    history = dict.fromkeys(pictures.ENERGIES, np.array([0, 1e-9])) | {"kinetic_energy": np.array([0, 2e-12]), "external_work": np.zeros(2)}
+    assert pictures.size_if_hidden(history, "kinetic_energy") == ",\nat most 2 pJ"
+    assert pictures.size_if_hidden(history, "strain_energy") == pictures.size_if_hidden(history, "external_work") == ""
 
 
 def test_files(pressed, tmp_path):  # noqa: F811
@@ -69,6 +82,31 @@ def test_one_scale_of_several_frames():
     """A frame in which nothing has happened yet leaves it as it is, and of both signs it is symmetric."""
     assert fields.common_scale([(0, 0), (0, 2)], "equivalent_plastic_strain") == Scale(0, 2, "magma_r")
     assert fields.common_scale([(-1, 0), (0, 2)], "xx") == Scale(-2, 2, "RdBu_r")
+
+
+def test_a_small_contact_is_shown_near(pressed):  # noqa: F811
+    """By default of the command, where the contact is a dot in all that there is; the title says so."""
+    run = pressed[0]
+    panel = fields.read_panel(run.folder)
+    left, right, *_ = fields.extent(panel)
+    for half, small in ((0.04, True), (0.2, False)):
+        history = {"contact_half_width": np.array([0, half * (right - left)])}
+        assert gallery.is_small(history, panel._replace(boxes=np.zeros((2, 2, 2)))) == small
+        assert not gallery.is_small(history, panel._replace(boxes=panel.boxes[:1]))
+    assert not gallery.is_small({}, panel)
+
+
+def test_windows_and_frames_of_the_command(pressed, tmp_path, monkeypatch):  # noqa: F811
+    """--window all is everything, nothing is auto, and a frame is a number or that of the largest load."""
+    import plot
+    asked = []
+    monkeypatch.setattr(plot, "gallery", lambda *arguments: asked.append(arguments[1:3]) or {})
+    for words in ([], ["--window", "all"], ["--window", "near", "--frame", "largest_load"], ["--frame", "1"]):
+        plot.main([str(pressed[0].folder), *words])
+    assert asked == [(None, "auto"), (None, None), ("largest_load", "near"), (1, "auto")]
+    frame = surface.frame_of_largest_load(pressed[0].folder)
+    one, other = (gallery.gallery(pressed[0].folder, number)["stress_yy"]() for number in ("largest_load", frame))
+    assert one.axes[0].get_title() == other.axes[0].get_title()
 
 
 def test_long_titles_have_lines():

@@ -71,7 +71,7 @@ def test_datum_of_an_open_package(expect):
     Those results belong to the depth 111.172 nm, which that test uses; 111.901 nm stands in a remark beside it.
     """
     tip = tips.tip_of_function([32.9049, -6418.303798, 288484.8518, -989287.0625, 103588.5588, 675977.3345])
-    _, area, hardness, reduced = oliver_pharr.contact(tip, 0.111172457420282, 0.491297865144331, 159.111704268288, tip.epsilon, tip.beta(0.35))
+    _, area, hardness, reduced = oliver_pharr.contact(tip, 0.111172457420282, 0.491297865144331, 159.111704268288, tip.epsilon, tip.beta(0.35, 0.1))
     constants = Constants(tip_modulus=1141, tip_poisson=0.07)
     for name, value, expected in (("area, um2", area, 0.598047490), ("hardness, GPa", hardness, 0.8215030968), ("reduced modulus, GPa", reduced, 182.3388587),
                               ("modulus, GPa", oliver_pharr.specimen_modulus(reduced, 0.35, constants), 190.2577293)):

@@ -101,5 +101,5 @@ class Names(unittest.TestCase):
 
     def test_links_lead_somewhere(self):
         for document in DOCUMENTS:
-            targets = LINK.findall(document.read_text())
+            targets = [name for name in LINK.findall(document.read_text()) if not name.startswith("results/")]  # which `make docs` writes
             self.assertEqual([name for name in targets if not (document.parent / name).exists()], [], document.name)

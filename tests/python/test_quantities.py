@@ -80,7 +80,8 @@ def test_materials_and_tips_by_name():
                "hardening_exponent": 0.31}
     same = indentation.indentation_options("j2", **written, tip="cone", half_angle=70.3, tip_radius=150e-9, depth=200e-9)
     assert group_with(groups, "domain_upper") == group_with(same, "domain_upper") and groups[-2] == same[-2]
-    for law, line in (("silicon_crystal", "is a crystal"), ("copper", "must be a law, .* or a material, aluminium_6061")):
+    for law, line in (("silicon_crystal", "is a crystal"),
+                      ("copper", "must be copper_ofhc, which is nearest, or a law, .* or a material, aluminium_6061")):
         with pytest.raises(mlgimp.Error, match=line):
             indentation.indentation_options(law, depth=1e-7)
     assert presets.materials()["copper_ofhc"].percents["youngs_modulus"] == 2 and presets.tips()["rockwell_c"].source == "ISO 6508-2"

@@ -82,6 +82,19 @@ def test_figures_and_warnings(runs, tmp_path):
     assert "Hardness and modulus: " in parts_of(runs("axis"), tmp_path / "page.html")[1]
 
 
+def test_facts_have_units_and_say_whose_load_it_is(runs, tmp_path):
+    """A half model has half the load of the tip; a tip whose area is not known is named by its option."""
+    run = runs("plane")
+    rows = dict(run_report.facts(run.folder, run.history, run.summary))
+    found = re.search(r"([\d.e+-]+) mN of the model, ([\d.e+-]+) mN of the whole tip \(2 x", rows["largest depth and load"])
+    model, whole = map(float, found.groups())
+    assert whole == pytest.approx(2 * model, rel=1e-3)
+    assert rows["tip"] == run.summary["options"]["-indenter"]
+    assert rows["rubber yield stress"] == "500 kPa" and rows["rubber density"].endswith(" kg/m3")
+    single = dict(run_report.facts(runs("axis").folder, runs("axis").history, runs("axis").summary))["largest depth and load"]
+    assert "model" not in single and single.endswith(" mN")
+
+
 def test_each_of_several_unloadings_has_a_row(runs, monkeypatch):
     monkeypatch.setattr(run_report.load_depth, "read_run", lambda folder: curve(*cycles_of((1, 2, 5)), is_run=True))
     words = [word for word in Checker("".join(run_report.figures(".", runs("plane").history, {}))).words if word.strip()]

@@ -55,6 +55,17 @@ def test_all_combinations_once(tmp_path, runs):
     assert len(runs) == 6
 
 
+def test_values_with_units_are_numbers_in_the_table(tmp_path):
+    """In SI units, which the head names, so that the columns plot; other texts stay."""
+    values = {"m_yield_stress": ["300MPa", "0.4 GPa"], "angle": ["60", "70.3"], "law": ["j2", "m"], "x": [1.5], "k": ["3N/um", "5"]}
+    rows = [{"m_yield_stress": stress, "angle": "60", "law": "m", "x": 1.5, "k": "3N/um", "status": "completed"}
+            for stress in values["m_yield_stress"]]
+    sweeps.write(tmp_path / "sweep.csv", rows, values)
+    first, second = csv.DictReader(open(tmp_path / "sweep.csv", encoding="utf-8"))
+    assert [float(row["m_yield_stress_Pa"]) for row in (first, second)] == [300e6, 400e6]
+    assert (first["angle"], first["law"], first["x"], float(first["k_N/m"])) == ("60", "m", "1.5", 3e6)
+
+
 def test_a_failure_is_a_row(tmp_path, runs):
     """With the program's line, and it is tried again the next time."""
     for count in (2, 3):
@@ -192,6 +203,9 @@ def test_what_a_notebook_shows(indented):
     text = html_of(run)
     checker = Checker(text)
     words = " ".join(checker.words)
+    lines = str(run).splitlines()
+    assert lines[0].endswith(str(run.folder)) and lines[1].startswith("largest load ")
+    assert any(re.match(r"hardness [\d.]+ GPa \+- ", line) for line in lines)
     assert len(text) < 300e3 and [tag for tag, _ in checker.seen].count("img") == 2 and run._repr_html_() == text
     for needed in ("completed, 3 frames in", str(run.folder), "hardness", "± ", "largest load", "mN"):
         assert needed in words, needed

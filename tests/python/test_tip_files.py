@@ -50,6 +50,31 @@ def test_other_tips():
     assert float(punch.area(3.0)) == pytest.approx(math.pi * 25)
 
 
+AREA = {"-indenter": "area_function", "-indenter_area_depths": "none"}
+
+
+def test_the_same_shape_has_the_same_beta(tmp_path):
+    """A cone by name, by an area function and by a profile; a ball has 1; a pyramid by an area function that of its faces; those of
+    calibrations stay at 1."""
+    r = np.linspace(0, 3e-6, 301)
+    np.savetxt(tmp_path / "cone.txt", np.column_stack([r, r / math.tan(math.radians(70.3))]))
+    cone = tips.make_tip("cone", half_angle=70.3)
+    exact = math.pi * math.tan(math.radians(70.3)) ** 2
+    given = {"function": {**AREA, "-indenter_area_coefficients": repr(exact)},
+             "profile": {"-indenter": "profile", "-indenter_profile": str(tmp_path / "cone.txt")}}
+    for name, options in given.items():
+        tip = load_depth.tip_of_run(options)
+        assert np.allclose(tip.beta(0.3, np.array([0.05, 0.2])), cone.beta(0.3, 0.2), rtol=1e-6), name
+    ball = load_depth.tip_of_run({**AREA, "-indenter_area_coefficients": f"{-math.pi!r},{2 * math.pi * 5e-6!r}"})
+    assert 1 < ball.beta(0.3, 0.01) < 1.02 and math.isnan(ball.beta(0.3, -0.01))
+    worn = load_depth.tip_of_run({**AREA, "-indenter_area_coefficients": "24.5,1200e-9"})
+    slope = (2 * 24.5 * 0.2 + 1.2) / 2 / math.sqrt(math.pi * (24.5 * 0.04 + 1.2 * 0.2))  # da/dh
+    assert worn.beta(0.17, 0.2) == pytest.approx(tips.hay(slope, 0.17), rel=1e-4)
+    faces = load_depth.tip_of_run({**AREA, "-indenter_area_coefficients": "24.5", "-indenter_faces": "3"})
+    assert faces.beta(0.3, 0.2) == tips.make_tip("berkovich").beta(0.3, 0.2) == 1.034
+    assert tips.tip_of_function([24.5]).beta(0.3, 0.2) == 1
+
+
 # ---- maps ----
 
 def test_a_map_is_read_as_it_was_written(tmp_path):

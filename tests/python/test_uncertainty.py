@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from made_curves import CONE_OPTIONS, GOOD, STIFFNESS, curve, main, metal, refusal, write_run
-from mlgimp import oliver_pharr, tips, uncertainty
+from mlgimp import oliver_pharr, tips, uncertainty, zeros
 from mlgimp.errors import Error
 from mlgimp.uncertainty import QUANTITIES, Inputs
 
@@ -113,6 +113,33 @@ def test_cells_of_two_runs(expect):
     found = found_of(run, Inputs(), draws=5000)
     share = next(share for share in found.shares if share.source == "cells")
     expect("even between the limits of the expected error", share.deviation["hardness_GPa"] / found.values["hardness_GPa"], near=0.3 / 8 / math.sqrt(3), tolerance=1e-3)
+
+
+def test_the_block_makes_moduli_smaller_alone():
+    """A block of 20 half widths: moduli are too large by 1.09/20 at most, hardnesses are not; what is left out is said with the figures of the
+    true area."""
+    depth, load = metal(lowest=0.1)
+    run = curve(depth, load, np.full(len(depth), 6.0), is_run=True)
+    found = found_of(run, Inputs(depth_nm=0, load_uN=0), draws=5000)
+    share = next(share for share in found.shares if share.source == "block")
+    assert share.deviation["hardness_GPa"] < 1e-12
+    assert share.deviation["modulus_GPa"] / found.values["modulus_GPa"] == pytest.approx(1.09 / 20 / math.sqrt(12), rel=0.03)
+    assert found.values["modulus_GPa"] - found.lower["modulus_GPa"] > 1.5 * (found.upper["modulus_GPa"] - found.values["modulus_GPa"])
+    [sentence] = found.left_out
+    assert "the true contact area of this run is" in sentence and f"hardness {10 / 6:.4g} GPa" in sentence
+    assert f"  not included: {sentence}" in list(uncertainty.lines_of(found))
+    assert "an unloading does not show them" in found_of(curve(depth, load, tip=TIP)).left_out[0]
+
+
+def test_a_zero_that_was_found_has_its_own_error():
+    random = np.random.default_rng(1)
+    test, _ = measured(random)
+    plain = uncertainty.standard(test, analysed(test)[1]).zero_nm
+    found = zeros.without_zero_depth(test._replace(depth=test.depth + 0.1), "auto")
+    own = uncertainty.standard(found, analysed(found)[1]).zero_nm
+    assert own == pytest.approx(1e3 * zeros.by_power(test).error, rel=0.05) and own < plain / 3
+    assert "of the zero that was found (--u-zero)" in " ".join(share.input for share in found_of(found, Inputs()).shares)
+    assert "that was found" not in " ".join(share.input for share in found_of(found).shares)
 
 
 def test_the_same_seed_gives_the_same(expect):

@@ -154,7 +154,8 @@ TEST(Options, Numbers)
     EXPECT_EQ(ReadNumber("-size " + bad, &value), "-size " + bad + ": must be > 0; " + bad + " is no finite number");
   EXPECT_EQ(ReadNumber("-size 1um", &value), "");
   EXPECT_EQ(value, 1e-6);
-  EXPECT_EQ(ReadNumber("-size 1kg", &value), "-size 1kg: must be > 0; kg is a mass, -size is a length");
+  EXPECT_EQ(ReadNumber("-size 1kg", &value),
+            "-size 1kg: must be a number, or one with its unit; kg is a mass, -size is a length");
   EXPECT_EQ(ReadNumber("-size", &value), "-size (nothing): must be > 0");
   EXPECT_EQ(ReadNumber("-size 1", &value, Open(0, 1)), "-size 1: must be in (0, 1)");
   EXPECT_EQ(ReadNumber("-size 1", &value, Closed(0, 1)), "");
@@ -210,7 +211,8 @@ TEST(Options, WordsAndFlags)
   EXPECT_EQ(kind, "box");
   EXPECT_EQ(Refusal("-kind disk", choose), "");
   EXPECT_EQ(kind, "disk");
-  EXPECT_EQ(Refusal("-kind Disk", choose), "-kind Disk: must be one of box, disk");
+  EXPECT_EQ(Refusal("-kind Disk", choose), "-kind Disk: must be disk, which is nearest, or another of box, disk");
+  EXPECT_EQ(Refusal("-kind ball", choose), "-kind ball: must be one of box, disk");
   EXPECT_EQ(Refusal("-on false", flag), "");
   EXPECT_FALSE(on);
   EXPECT_EQ(Refusal("-on", flag), "");

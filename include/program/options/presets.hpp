@@ -33,7 +33,8 @@ std::string PresetTable();
 /// out. prefix: "-NAME_". notes: gains a line with all that was set, and the source.
 void ReadMaterialPreset(OptionReader &reader, const std::string &prefix, std::vector<std::string> *notes);
 /// The same of a tip that -indenter names. cone_of: in axisymmetry, half the angle of the cone that stands for a kind of pyramid,
-/// degrees, 0 for other kinds; null elsewhere.
-void ReadTipPreset(double (*cone_of)(const std::string &), std::vector<std::string> *notes);
+/// degrees, 0 for other kinds; null elsewhere. kinds: what -indenter takes beside them; another name is refused with the nearest.
+void ReadTipPreset(const OptionReader &reader, double (*cone_of)(const std::string &), const std::vector<std::string> &kinds,
+                   std::vector<std::string> *notes);
 
 } // namespace mlgimp

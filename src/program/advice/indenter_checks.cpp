@@ -40,6 +40,17 @@ double DeepestInside(const Case &c, Vec3 tip)
   return deepest;
 }
 
+/// Refuses the option that leads the tip to a depth at which the domain has ended before, both in m.
+[[noreturn]] void RefuseTooDeep(OptionReader &reader, double depth, double floor)
+{
+  std::string name = "-indenter_velocities", value;
+  for (const char *other : {"-indenter_max_depth", "-indenter_depths"})
+    if (FindValue(other, &value)) name = other;
+  FindValue(name, &value);
+  reader.Refuse(name, value, "such that the tip stays in the domain; it leads to a depth of {} m, where the domain ends at {} m",
+                depth, floor);
+}
+
 /// Refuses a tip that starts far above the body, usually by a wrong unit, and warns of one that does not reach it.
 void CheckReach(OptionReader &reader, const Case &c)
 {
@@ -52,10 +63,7 @@ void CheckReach(OptionReader &reader, const Case &c)
     reader.Refuse("-indenter_tip", indenter.tip, "at most the height of the domain, {}, above the body; it is {}", height, above);
   const double deepest = -nearest;
   const double floor = indenter.initial_surface - c.domain.lower[indenter.up];
-  if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor)
-    reader.Refuse("-indenter_tip", indenter.tip,
-                  "such that the tip stays in the domain; its motion leads to a depth of {} m, where the domain ends at {} m",
-                  deepest, floor);
+  if (c.model.contact.method != "none" && std::isfinite(deepest) && deepest > floor) RefuseTooDeep(reader, deepest, floor);
   bool moves = !c.model.loads.empty() || c.model.nodal.gravity != Vec3{}; // a body to the tip, or the tip sideways
   for (int axis = 0; axis < indenter.up; ++axis) moves = moves || !indenter.sideways[axis].Times().empty();
   for (const Body &body : c.model.bodies) moves = moves || body.velocity != Vec3{};

@@ -93,10 +93,12 @@ void CheckSymmetry(const OptionReader &reader, const std::string &option, const 
                   "such that the plane of x and y is a mirror of the crystal (or -geometry 3d): there {} is {} Pa, so "
                   "that strains in the plane shear it out of the plane",
                   breach.name, breach.value);
-  reader.Refuse(option, value,
-                "such that all directions about y, the axis, are alike, as about the c axis of a hexagonal crystal (or "
-                "-geometry 3d): in the axes of the run {} is {} Pa",
-                breach.name, breach.value);
+  reader.Refuse(
+      option, value,
+      "such that all directions about y, the axis, are alike, as about the c axis of a hexagonal crystal: in the axes of "
+      "the run {} is {} Pa; cubic crystals need -geometry 3d, or a stand-in without directions by its Young's modulus, "
+      "as the presets silicon_isotropic and gold",
+      breach.name, breach.value);
 }
 
 Stiffness ReadConstants(OptionReader &reader, const std::string &prefix)

@@ -192,7 +192,10 @@ void ReadIndenter(OptionReader &reader, Case *c)
   std::string kind = "none";
   std::vector<std::string> methods = ContactMethods(geometry);
   methods.push_back("none");
-  if (!reader.Help()) ReadTipPreset(geometry == GeometryKind::kAxisymmetric ? EquivalentHalfAngle : nullptr, &c->notes);
+  std::vector<std::string> kinds;
+  for (const NamedInGeometry &one : IndenterKinds()) kinds.emplace_back(one.name);
+  if (!reader.Help())
+    ReadTipPreset(reader, geometry == GeometryKind::kAxisymmetric ? EquivalentHalfAngle : nullptr, kinds, &c->notes);
   ChooseInGeometry(reader, {"-indenter", "indenter, or one of the tips that -presets lists"}, geometry, IndenterKinds(), &kind);
   reader.Choice({"-contact", "contact method"}, methods, &c->model.contact.method);
   ReadQuasiStatic(reader, kind != "none", &c->quasi_static);

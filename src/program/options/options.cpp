@@ -1,13 +1,13 @@
 // Option reading on PETSc's options database.
 #include "program/options/options.hpp"
 
+#include "program/options/nearest.hpp"
 #include "program/options/units.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <cstring>
-#include <numeric>
 #include <set>
 
 namespace mlgimp
@@ -66,9 +66,19 @@ namespace
 /// A word of a value: a finite number that an option takes, or why it is none.
 struct Quantity {
   double value = 0; ///< in the unit of the option
-  bool has_unit = false;
+  bool has_unit = false, wrong_unit = false;
   std::string problem;
 };
+
+/// A unit that differs from one of the examples, as "kPa, MPa, GPa", in capitals alone, as a hint; empty where there is none.
+std::string OtherCapitals(const std::string &name, const std::string &examples)
+{
+  for (std::string one : Split(examples, ',')) {
+    one.erase(0, one.find_first_not_of(' '));
+    if (LowerCase(one) == LowerCase(name)) return Format("; it may be {}", one);
+  }
+  return "";
+}
 
 /// Reads a number, or one with a unit of the option's kind behind it.
 Quantity ReadQuantity(const std::string &word, const Option &option)
@@ -84,9 +94,12 @@ Quantity ReadQuantity(const std::string &word, const Option &option)
     return q;
   }
   const std::optional<Unit> unit = ParseUnit(name), own = ParseUnit(option.unit);
+  const std::string examples = own && !option.unit.empty() ? ExamplesOf(*own) : "";
+  q.wrong_unit = !unit || !own || !unit->IsLike(*own);
   if (!unit)
-    q.problem = Format("{} is no unit{}", Shortened(name),
-                       own && !option.unit.empty() ? Format(" of {} ({})", KindOf(*own), ExamplesOf(*own)) : "");
+    q.problem =
+        Format("{} is no unit{}{}", Shortened(name),
+               own && !option.unit.empty() ? Format(" of {} ({})", KindOf(*own), examples) : "", OtherCapitals(name, examples));
   else if (!own || !unit->IsLike(*own))
     q.problem = Format("{} is {}, {} {}", name, KindOf(*unit), option.name,
                        own ? Format("is {}", KindOf(*own)) : Format("has numbers in {}", option.unit));
@@ -179,10 +192,11 @@ template <> bool OptionReader::Read(const Option &option, std::vector<double> *v
   }
   values->clear();
   std::string plain; // a number without a unit
-  bool has_units = false;
+  bool has_units = false, wrong_unit = false;
   for (const std::string &word : Split(text, ',')) {
     const bool infinite = range.or_infinity && word == "inf";
-    const Quantity q = infinite ? Quantity{HUGE_VAL, false, ""} : ReadQuantity(word, option);
+    const Quantity q = infinite ? Quantity{HUGE_VAL, false, false, ""} : ReadQuantity(word, option);
+    wrong_unit = wrong_unit || q.wrong_unit;
     if (strange.empty() && !text.empty() && !q.problem.empty()) strange = Format("; {}", q.problem);
     allowed = allowed && q.problem.empty() && (infinite || range.Contains(q.value));
     has_units = has_units || q.has_unit;
@@ -194,6 +208,7 @@ template <> bool OptionReader::Read(const Option &option, std::vector<double> *v
     allowed = false;
   }
   if (option.most == 1 && values->size() > 1) strange = Format("; one number, and not {} with commas", values->size());
+  if (wrong_unit) Refuse(option.name, text, "a number, or one with its unit{}", strange);
   const std::string count = CountText(option), kind = range.Text();
   if (!allowed || values->size() < option.least || (option.most && values->size() > option.most))
     Refuse(option.name, text.empty() ? kNothing : text, "{}{}{}", count,
@@ -254,7 +269,7 @@ int OptionReader::Choice(const Option &option, const std::vector<std::string> &c
   const std::string all = Join(choices, ", ");
   Raw({option.name, Format("{}: {}", option.help, all), option.unit}, *value, value);
   const auto place = std::find(choices.begin(), choices.end(), *value);
-  if (place == choices.end()) Refuse(option.name, value->empty() ? kNothing : *value, "one of {}", all);
+  if (place == choices.end()) Refuse(option.name, value->empty() ? kNothing : *value, "{}", OneOf(*value, choices));
   return static_cast<int>(place - choices.begin());
 }
 
@@ -271,22 +286,6 @@ void OptionReader::Chosen(const std::string &name, double value)
 {
   for (std::string &one : identity_)
     if (one.rfind(name + " ", 0) == 0) one = Format("{} {}", name, FormatNumber(value));
-}
-
-/// Number of insertions, deletions and replacements that turn a into b (Levenshtein).
-static std::size_t EditDistance(const std::string &a, const std::string &b)
-{
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
 }
 
 /// Options that the program has not read.
@@ -314,15 +313,6 @@ static bool LooksLikePetsc(const std::string &option)
   if (name.rfind("contact_", 0) == 0) name = name.substr(8);
   if (name.find("_view") != std::string::npos || name.find("_monitor") != std::string::npos) return true;
   return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char *start) { return name.rfind(start, 0) == 0; });
-}
-
-constexpr std::size_t kMaxTypingErrors = 2; ///< size: of messages alone; between an option and the name that was meant
-
-/// The known name that is most like an option's.
-static const std::string &Nearest(const std::string &option, const std::vector<std::string> &known)
-{
-  return *std::min_element(known.begin(), known.end(),
-                           [&](const auto &a, const auto &b) { return EditDistance(option, a) < EditDistance(option, b); });
 }
 
 /// Options of earlier versions, and why they are gone.

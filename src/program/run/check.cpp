@@ -56,10 +56,11 @@ double StepsOf(const Case &c, const RunState &state)
   return c.time.max_steps > 0 ? std::min<double>(by_time, c.time.max_steps) : by_time;
 }
 
-/// The largest depth that the motion is known to reach, m; not a number where it follows from a load.
+/// The largest depth that the motion is known to reach, m, with a compliance that of the whole; not a number where it follows
+/// from a load.
 double LargestDepth(const Case &c)
 {
-  if (!c.model.indenter || c.model.indenter->by_load || c.model.indenter->IsFree()) return NAN;
+  if (!c.model.indenter || c.model.indenter->by_load) return NAN;
   const Indenter &indenter = *c.model.indenter;
   if (c.quasi_static.depth > 0) return c.quasi_static.depth;
   const double end = std::min(c.time.end_time, indenter.motion.turning_time);
@@ -85,7 +86,8 @@ Json ContactJson(const Case &c)
           {"half_width", half},
           {"cells", cells},
           {"load_error", kLoadError / cells},
-          {"area_error", kAreaError / cells}};
+          {"area_error", kAreaError / cells},
+          {"at_most", c.model.indenter->compliance.Any()}};
 }
 
 Json LevelsJson(Hierarchy &hierarchy, const Case &c)
@@ -114,11 +116,13 @@ std::string LevelLine(const Json &level, std::size_t number)
 
 std::string ContactLine(const Json &contact)
 {
+  if (contact.is_null()) return "contact     its width follows from the load and is not known before the run";
   return Format(
-      "contact     at the largest depth, {}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of the area",
-      Quantity(contact["depth"].get<double>(), "m"), Quantity(contact["half_width"].get<double>(), "m"),
-      std::round(10 * contact["cells"].get<double>()) / 10, std::round(1000 * contact["load_error"].get<double>()) / 10,
-      std::round(1000 * contact["area_error"].get<double>()) / 10);
+      "contact     at the largest depth, {}{}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of the area",
+      Quantity(contact["depth"].get<double>(), "m"),
+      contact["at_most"].get<bool>() ? " less what frame and tip take of it (what follows is without that)" : "",
+      Quantity(contact["half_width"].get<double>(), "m"), std::round(10 * contact["cells"].get<double>()) / 10,
+      std::round(1000 * contact["load_error"].get<double>()) / 10, std::round(1000 * contact["area_error"].get<double>()) / 10);
 }
 
 std::string Text(const Json &json)
@@ -126,7 +130,7 @@ std::string Text(const Json &json)
   std::vector<std::string> lines = {
       Format("case        {}, {}", json["case"].get<std::string>(), json["geometry"].get<std::string>())};
   for (std::size_t l = 0; l < json["levels"].size(); ++l) lines.push_back(LevelLine(json["levels"][l], l));
-  if (!json["contact"].is_null()) lines.push_back(ContactLine(json["contact"]));
+  if (json["has_indenter"].get<bool>()) lines.push_back(ContactLine(json["contact"]));
   lines.push_back(Format("steps       {} of {} on level 0, {} on the finest", FormatNumber(json["steps"].get<double>()),
                          Quantity(json["time_step"].get<double>(), "s"), FormatNumber(json["finest_steps"].get<double>())));
   const int ranks = json["ranks"].get<int>();
@@ -150,6 +154,7 @@ std::string DescribeCase(const Case &c, Hierarchy &hierarchy, const RunState &st
   const Json json = {{"case", c.name},
                      {"geometry", kGeometryNames[static_cast<int>(c.model.geometry.kind)]},
                      {"levels", LevelsJson(hierarchy, c)},
+                     {"has_indenter", c.model.indenter.has_value()},
                      {"contact", ContactJson(c)},
                      {"steps", steps},
                      {"time_step", state.time_step},

@@ -29,7 +29,7 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FLOOR_BYTES = 296  # of a point and step: what points to grid reads, 120, and what the way back reads and writes, 176
 USL_BYTES, GOAL_BYTES = 1632, 2448  # over the bandwidth: the time that a step may take, with USL and in general
-MOVED_BYTES = {"USL": 336, "default": 520, "XPIC(2)": 488}  # of a point and step, by the sweeps as they are
+MOVED_BYTES = {"USL": 320, "default": 448, "XPIC(2)": 402}  # of a point and step, by the sweeps as they are
 INSTRUCTIONS = {"USL": 330, "default": 599, "XPIC(2)": 551}  # of a point and step, of the AVX2 build by callgrind
 ISSUED_PER_CYCLE = 6
 REPETITIONS = 5

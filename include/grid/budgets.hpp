@@ -94,7 +94,8 @@ struct Budgets {
   ScalarBudget contact_work{"contact_work", Adds::kTotal, Shown::kColumn};
   /// With levels coupled by nodes, and on one level with volume averages, kinetic and strain energy that points got since the
   /// start, without stress, from anything but contact, loads, body forces, damping, splitting and merging: from the coupling,
-  /// from sides, and from time steps of finite length. A level adds up the kinetic part alone, from whatever.
+  /// from sides, and from time steps of finite length. A level adds up the kinetic energy that points get at all; SumBudgets
+  /// makes this of it.
   ScalarBudget exchange_energy{"exchange_energy", Adds::kTotal, Shown::kColumn};
   ScalarBudget transfer_energy{"transfer_energy", Adds::kTotal, Shown::kColumn}; ///< by splitting and merging of points
   ScalarBudget contact_area{"contact_area", Adds::kNow, Shown::kColumn};

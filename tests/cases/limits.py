@@ -180,12 +180,14 @@ def test_materials_of_no_body_have_no_effect():
 
 @pytest.mark.parametrize("cfl, warned", [(1, True), (0.4, False)])
 def test_energy_from_nothing_gives_a_warning(cfl, warned):
-    """The strongest viscosity is not stable with the longest steps: two blows ended with 190 times the energy, without a word."""
-    falling = {**BLOCK, "block_velocity": "0,-20", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry", "short_wave_viscosity": "0.3,0", "max_steps": 200}
+    """A strong viscosity is not stable with the longest steps: two blows ended with 190 times the energy, without a word."""
+    falling = {**BLOCK, "block_velocity": "0,-20", "boundary_x_lower": "symmetry", "boundary_y_lower": "symmetry", "short_wave_viscosity": "0.1,0", "max_steps": 200}
     status, lines, folder = end_of({**falling, "cfl": cfl})
-    assert status == 0 and [line.startswith(WARNING + f"-cfl {cfl}: the bodies have made ") for line in lines] == [True] * warned, lines
+    starts = ["-short_wave_viscosity 0.1,0: has given ", f"-cfl {cfl}: the bodies have made "] if warned else []
+    assert status == 0 and [line[:len(WARNING + start)] for line, start in zip(lines, starts)] == [WARNING + start for start in starts], lines
+    assert len(lines) == len(starts), lines
     energy = sum(read_history(folder)[part] for part in ("kinetic_energy", "strain_energy", "dissipated_energy"))
-    for line in lines:
+    for line in lines[1:]:
         made, had = (float(part.split()[-1]) for part in line.split(" J")[:2])
         assert made == pytest.approx(energy[-1] - energy[0], rel=1e-3) and had == pytest.approx(energy[0], rel=1e-3)
 

@@ -87,11 +87,6 @@ private:
   int interval_ = 1;
 };
 
-/// An owned node whose velocity a neighbouring level has a part in.
-struct CoupledNode {
-  std::ptrdiff_t node; ///< place in the ghosted arrays
-};
-
 /// Nodes of a level, with ghosts, whose velocities a neighbouring level has a part in.
 struct CoupledPlaces {
   std::vector<std::ptrdiff_t> held;      ///< places of those whose velocity another level alone makes

@@ -48,7 +48,7 @@ struct LevelStep {
 /// Nodes whose velocities neighbouring levels have a part in, and the borders to these.
 struct CoupledLevel {
   bool on = false;                      ///< their exchange of energy is added up
-  std::vector<CoupledNode> nodes;       ///< owned ones
+  std::vector<std::ptrdiff_t> nodes;    ///< places of owned ones
   CoupledPlaces places;                 ///< all that this rank has
   FollowingNodes following;             ///< blended ones beside the indenter
   BorderNodes *coarser = nullptr;       ///< the border to the next coarser level; null where there is none

@@ -43,7 +43,7 @@ def alike(name, known, least=ALIKE):
 
 
 def meant(name, known):
-    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or lacks its end; None where
+    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or is its beginning; None where
     there is none."""
     small = {each.lower(): each for each in known}
     if not isinstance(name, str) or len(name) < LETTERS:

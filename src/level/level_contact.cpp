@@ -88,13 +88,13 @@ void LevelContact::Begin(const TipStep &tip, double drift)
 void LevelContact::TakeShared(const LevelParts &level, CoupledLevel *coupled)
 {
   if (!coupled->finer) return;
-  for (const CoupledNode &one : coupled->nodes) {
-    SharedNode &node = coupled->finer[one.node];
-    const double mass = level.grid.Sums()[one.node].mass + node.finer_mass;
+  for (const std::ptrdiff_t place : coupled->nodes) {
+    SharedNode &node = coupled->finer[place];
+    const double mass = level.grid.Sums()[place].mass + node.finer_mass;
     if (mass <= level.nodal.mass_cutoff) node = {}; // the last point has left
     const Vec3 expected = node.impulse == Vec3{} ? Vec3{} : 1 / mass * node.impulse, by = node.finer_contact_change - expected;
-    if (by != Vec3{}) changes_.push_back({one.node, by});
-    const NodeVelocity now = level.grid.Velocity(one.node);
+    if (by != Vec3{}) changes_.push_back({place, by});
+    const NodeVelocity now = level.grid.Velocity(place);
     for (int axis = 0; axis < level.grid.Geometry().dim; ++axis)
       now.velocity[axis] -= expected[axis], now.change[axis] -= expected[axis];
     node.impulse = {};

@@ -23,9 +23,9 @@ struct BlendNode {
 
 /// Nodes of this rank that the border acts on.
 struct CoupledOfBorder {
-  std::vector<CoupledNode> coarse;         ///< interface nodes that it owns on the coarse level
+  std::vector<std::ptrdiff_t> coarse;      ///< interface nodes that it owns on the coarse level
   std::vector<std::ptrdiff_t> held_coarse; ///< interface nodes with ghosts, whose velocity the border makes
-  std::vector<CoupledNode> fine;           ///< of the band, in its order
+  std::vector<std::ptrdiff_t> fine;        ///< of the band, in its order
   CoupledPlaces fine_places;
 };
 

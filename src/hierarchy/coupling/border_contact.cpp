@@ -145,9 +145,9 @@ PetscErrorCode BorderContact::ShareContact()
     outgoing[k].shared = outgoing_[k];
   }
   PetscCall(nodes_.ToCoarse(up_unit_, outgoing.data(), incoming.data()));
-  for (const CoupledNode &node : nodes_.Coupled().coarse) {
-    std::copy_n(incoming[node.node].velocity, fields_.components, coarse.Velocity(node.node).velocity);
-    shared_[node.node] = incoming[node.node].shared;
+  for (const std::ptrdiff_t place : nodes_.Coupled().coarse) {
+    std::copy_n(incoming[place].velocity, fields_.components, coarse.Velocity(place).velocity);
+    shared_[place] = incoming[place].shared;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -34,7 +34,7 @@ void InterfaceNodes::ListOwned()
   if (coarse_->Participates())
     border_->ForEachInterface(coarse_->Ghosted(), [&](Index node) {
       coupled_.held_coarse.push_back(coarse_->Place(node));
-      if (coarse_->Owned().Contains(node)) coupled_.coarse.push_back({coupled_.held_coarse.back()});
+      if (coarse_->Owned().Contains(node)) coupled_.coarse.push_back(coupled_.held_coarse.back());
     });
   if (fine_->Participates()) {
     const PetscMPIInt block = RankIn(fine_->Comm());
@@ -70,7 +70,7 @@ void InterfaceNodes::ListBand()
   ForEach(Intersection(fine_->Owned(), border_->MassNodes()), [&](Index node) {
     if (border_->Beta(node) >= 1) return;
     band_.push_back(Blend(node));
-    coupled_.fine.push_back({band_.back().node});
+    coupled_.fine.push_back(band_.back().node);
   });
   ForEach(Intersection(fine_->Ghosted(), border_->MassNodes()), [&](Index node) {
     const double beta = border_->Beta(node);

@@ -23,7 +23,7 @@ PetscErrorCode LightInterface::Create(MPI_Comm world, const InterfaceNodes &node
     Index at;
     PetscMPIInt to, from;
   };
-  const std::vector<CoupledNode> &owned = nodes.Coupled().coarse;
+  const std::vector<std::ptrdiff_t> &owned = nodes.Coupled().coarse;
   std::vector<Reader> list;
   std::map<std::ptrdiff_t, std::size_t> number;
   PetscFunctionBeginUser;
@@ -35,7 +35,7 @@ PetscErrorCode LightInterface::Create(MPI_Comm world, const InterfaceNodes &node
   for (int k = 0; k < nodes.Known(); ++k) list.push_back({nodes.At(k), coarse.OwnerOf(nodes.At(k)), RankIn(world)});
   PetscCall(ExchangeRecords(world, &list, [](const Reader &one) { return one.to; }));
   readers_.assign(owned.size(), {});
-  for (std::size_t k = 0; k < owned.size(); ++k) number[owned[k].node] = k;
+  for (std::size_t k = 0; k < owned.size(); ++k) number[owned[k]] = k;
   for (const Reader &one : list) readers_[number.at(coarse.Place(one.at))].push_back(one.from);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -51,7 +51,7 @@ PetscErrorCode LightInterface::Update(const LightNodes &light)
   std::vector<std::pair<int, Donor>> found;
   PetscFunctionBeginUser;
   for (std::size_t k = 0; k < readers_.size(); ++k) {
-    const std::ptrdiff_t place = nodes_->Coupled().coarse[k].node;
+    const std::ptrdiff_t place = nodes_->Coupled().coarse[k];
     if (!light.IsLight(place)) continue;
     light.ForEachDonor(place, [&](std::ptrdiff_t on, double weight) {
       for (const PetscMPIInt reader : readers_[k])

@@ -40,7 +40,7 @@ def elastic():
     """Depth and load of the ball on the body as it is at once."""
     case = {**BALL, "m_relaxation_shares": [0, 0], "test_times": [0, 1], "indenter_loads": [0, 1.2e-3]}
     history = harness.run(case).history
-    return history["depth"], history["load_quasi_static"]
+    return history.beside("load_quasi_static", "depth"), history["load_quasi_static"]
 
 
 def elastic_load(depth):
@@ -79,7 +79,7 @@ def test_ball_on_a_polymer(control, expect):
     case = LOADS if control == "load" else {**BALL, "test_times": [0, 1, 101], "indenter_depths": [0, 150e-9, 150e-9]}
     history = harness.run(case).history
     for at in (1, 2, 5, 10, 30, 100):
-        load = numpy.interp(at, history["test_time"], history["load_quasi_static"])
+        load = numpy.interp(at, history.beside("load_quasi_static", "test_time"), history["load_quasi_static"])
         expect(f"{control}: load of the integral at {at} s, of the load", relaxed_load(history, at) / load, near=1, tolerance=0.01)
     expect("time of the test at its end", history["test_time"][-1], near=101, tolerance=1e-9)
     expect("energy less work, of the work", metals.energy_left(history), near=0, tolerance=0.004)  # terms are quadratic in their stress
@@ -88,8 +88,8 @@ def test_ball_on_a_polymer(control, expect):
 
 def test_rates_and_times_scale_exactly(expect):
     """Twice the rate of creep in half the time of the test is the same run."""
-    slow = harness.run({**CONE, "max_steps": 6000}).history
-    fast = harness.run({**CONE, "max_steps": 6000, "m_creep_rate": 2 * SOLDER["creep_rate"],
+    slow = harness.run({**CONE, "max_steps": 2000}).history
+    fast = harness.run({**CONE, "max_steps": 2000, "m_creep_rate": 2 * SOLDER["creep_rate"],
                         "test_times": [0.5 * time for time in CONE["test_times"]]}).history
     expect.that("the test has come into its hold", slow["test_time"][-1] > 1.5)
     for column in slow:
@@ -99,10 +99,10 @@ def test_rates_and_times_scale_exactly(expect):
 
 def test_restart_in_a_hold(expect, tmp_path):
     """A run that stops in a hold goes on as if it had not, on other numbers of ranks too."""
-    whole = harness.run({**CONE, "max_steps": 4200}).history
-    harness.run({**CONE, "max_steps": 4003, "checkpoint_interval": 4000}, folder=tmp_path / "first")
+    whole = harness.run({**CONE, "max_steps": 1600}).history
+    harness.run({**CONE, "max_steps": 1403, "checkpoint_interval": 1400}, folder=tmp_path / "first")
     for ranks, tolerance in ((1, 0), (3, 1e-9)):
-        rest = harness.run({**CONE, "max_steps": 4200, "restart": tmp_path / "first" / "checkpoint_004000.h5"}, ranks=ranks).history
+        rest = harness.run({**CONE, "max_steps": 1600, "restart": tmp_path / "first" / "checkpoint_001400.h5"}, ranks=ranks).history
         same = numpy.isin(whole["step"], rest["step"])
         expect.that("the test was in its hold", 1 < rest["test_time"][0] < 20)
         for column in ("test_time", "depth", "load", "plastic_work"):

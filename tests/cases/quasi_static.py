@@ -36,7 +36,7 @@ def parts(history):
 def loading(history, column, shares):
     """The load at shares of the largest depth, by parabolas over a tenth of it."""
     deepest, last = history["depth"].max(), parts(history)[0]
-    depth, load = history["depth"][:last] / deepest, history[column][:last]
+    depth, load = history.beside(column, "depth")[:last] / deepest, history[column][:last]
     near = [abs(depth - share) < 0.05 for share in shares]
     return numpy.array([numpy.polyfit(depth[rows] - share, load[rows], 2)[-1] for rows, share in zip(near, shares)])
 
@@ -45,7 +45,7 @@ def unloading(history, column):
     """(load at the end of the hold, slope there): a parabola through it, over the rows from 97 to 50 % of it."""
     first, last = parts(history)
     held = numpy.mean(history[column][last - (last - first) // 3:last])
-    depth, load = history["depth"][last:] - history["depth"][last], history[column][last:]
+    depth, load = history.beside(column, "depth")[last:] - history["depth"][last], history[column][last:]
     rows = numpy.arange(numpy.argmax(load < 0.97 * held), numpy.argmax(load < 0.5 * held))
     x = depth[rows]
     return held, numpy.linalg.lstsq(numpy.stack([x, x**2], axis=1), load[rows] - held, rcond=None)[0][0]
@@ -115,7 +115,26 @@ def test_turns_count(expect):
         plans.append(harness.run(case).summary["quasi_static"])
     for plan in plans[1:]:
         expect("end of the schedule", plan["end_time"] / plans[0]["end_time"], near=1, tolerance=1e-12)
-    expect("transits", plans[0]["transits"], near=40, tolerance=0)
+    width = 0.6 * numpy.tan(numpy.radians(80))  # half of the contact's
+    expect("transits", plans[0]["transits"], near=numpy.ceil(40 * numpy.sqrt(2 * width / 16)), tolerance=0)
+
+
+def test_pace_follows_the_contact(expect):
+    """Transits are as the square root of the contact's size over the body's, down to 8, where the body stands on a support. Where it bends, or the
+    punch covers it, and in plane strain they are those of a body that moves as a whole; under a load the contact is no narrower than it gets."""
+    def transits(**more):
+        case = {name: value for name, value in {**CONE, "max_steps": 1, **more}.items() if value is not None}
+        return harness.run(case).summary["quasi_static"]["transits"]
+
+    tan = numpy.tan(numpy.radians(80))
+    for depth, tolerance in ((0.9, 0.01), (0.3, 0.01), (0.3, 0.02), (0.03, 0.01)):
+        wanted = max(8, numpy.ceil(0.4 / tolerance * numpy.sqrt(2 * depth * tan / 16)))
+        expect(f"depth {depth}, tolerance {tolerance}", transits(indenter_depths=f"{depth},0", quasi_static_tolerance=tolerance), near=wanted, tolerance=0)
+    blunt = {"indenter": "flat_punch", "indenter_half_angle": None, "indenter_radius": 12, "indenter_depths": "0.1,0"}
+    for name, more, wanted in (("free below", {"boundary_y_lower": "free"}, 40), ("above its support", {"block_lower": "0,1"}, 40), ("under a punch", blunt, 40),
+                               ("plane strain", OTHERS["plane strain"], 80)):
+        expect(name, transits(**more), near=wanted, tolerance=0)
+    expect("under a load", transits(**LOADS), at_least=numpy.ceil(40 * numpy.sqrt(2 * 0.6 * tan / 16)), at_most=40)
 
 
 def test_schedule_in_the_history(expect):
@@ -235,6 +254,10 @@ def test_what_gives_a_warning():
     """The user's damping, end and rate are kept, and named in the output."""
     own = harness.run({**CONE, "damping": 0.05, "xpic_fraction": 0, "end_time": 5, "quasi_static_tolerance": 0.1})
     assert "damping 0.05 1/s as given" in own.stdout and "-end_time 5 ends the run before its schedule" in own.stdout
+    assert own.summary["quasi_static"]["cfl"] == 0.6
+    for more, cfl in (({"time_step": 0.1}, 0.4), ({"cfl": 0.3}, 0.3), ({"time_step": 0}, 0.6)):
+        plan = harness.run({**CONE, **more, "max_steps": 3}).summary
+        assert plan["quasi_static"]["cfl"] == cfl, plan
     assert own.summary["quasi_static"]["damping"] == 0.05 and own.summary["quasi_static"]["xpic_fraction"] == 0 and own.summary["simulated_time"] == 5
     law = {"m_model": "j2", "m_hardening": "johnson_cook", "m_yield_stress": 0.01, "m_hardening_modulus": 0.1, "m_hardening_exponent": 0.5,
            "m_rate_sensitivity": 0.1, "m_reference_rate": 1, "m_thermal_exponent": 1, "m_melting_temperature": 1000}

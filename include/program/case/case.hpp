@@ -74,6 +74,7 @@ struct QuasiStaticPlan {
   std::vector<double> turns;                    ///< depths that -indenter_depths gives, m
   int unloadings = 0;                           ///< small ones, on the way of the first loading
   bool own_damping = true;                      ///< none was given
+  bool own_step = true;                         ///< neither -cfl nor -time_step was given
   bool own_xpic = true;                         ///< no fraction of XPIC was given
   double distance = 0;                          ///< from the contact to the farthest end of the bodies along an axis, m
   SlowPace pace;                                ///< of depths, or of roots of the load
@@ -152,6 +153,14 @@ struct Case {
   {
     const std::optional<Side> side = SideAtTip(axis);
     return side && model.sides[*side] == BoundaryKind::kSymmetry;
+  }
+  /// How many models like this make the whole tip: two for each side of symmetry that it is on.
+  int PartsOfTip() const
+  {
+    int parts = 1;
+    for (int axis = 0; axis < model.indenter->up; ++axis)
+      if (MirrorsTip(axis) && !(axis == 0 && model.geometry.HasHoop())) parts *= 2;
+    return parts;
   }
   int Dim() const { return model.geometry.Dim(); }
   /// Points that splitting has made, less those that merging has taken.

@@ -73,15 +73,16 @@ SlowSchedule::SlowSchedule(const SlowPace &pace, const std::vector<double> &turn
 {
   if (pace.start > 0) times_.push_back(pace.start), speeds_.push_back(0);
   const double duration = pace.transits * pace.transit, ramp = SlowPace::kRamp * duration;
-  const auto speed = [&](double x) { return std::min(pace.max_speed, x / (duration - ramp)); };
+  const double back = std::max(duration, SlowPace::kBack * pace.transit);
+  const auto speed = [&](double x, double in) { return std::min(pace.max_speed, x / ((1 - SlowPace::kRamp) * in)); };
   for (std::size_t k = 1; k < turns.size(); ++k) {
     const double from = turns[k - 1], to = turns[k], distance = to - from, begin = times_.back();
     const bool then_rests = k + 1 < turns.size() && turns[k + 1] == to;
     if (distance > 0) {
-      Leg(distance, speed(to > surface ? to - surface : distance), ramp);
+      Leg(distance, speed(to > surface ? to - surface : distance, duration), ramp);
     } else if (distance < 0) {
       const double reached = from > surface ? from - surface : -distance, first = pace.spring_back * reached;
-      Unload(-distance, first, speed(first), speed(reached), ramp);
+      Unload(-distance, first, speed(first, back), speed(reached, duration), ramp);
     } else {
       Rest(duration);
     }

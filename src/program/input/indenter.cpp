@@ -134,9 +134,7 @@ void ReadCompliance(OptionReader &reader, Case *c)
     reader.Refuse("-indenter_youngs_modulus", modulus,
                   "left out in -geometry plane_strain, where depths grow with the body's size");
   if (has_ratio && !elastic) reader.Refuse("-indenter_poissons_ratio", ratio, "left out without -indenter_youngs_modulus");
-  double parts = 1;
-  for (int axis = 0; axis < indenter.up; ++axis)
-    if (c->MirrorsTip(axis) && !(axis == 0 && c->model.geometry.HasHoop())) parts *= 2;
+  const double parts = c->PartsOfTip();
   indenter.compliance = {parts / stiffness, parts * (1 - ratio * ratio) / (2 * modulus), !c->model.Flows(),
                          0.5 * c->CellSize(c->LevelAtTip())};
   for (const auto &material : c->model.materials)

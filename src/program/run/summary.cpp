@@ -112,6 +112,7 @@ Json QuasiStaticJson(const Case &c, const QuasiStaticWatch &watch)
           {"damping", Number(c.model.nodal.damping)},
           {"damping_ratio", Number(plan.damping_ratio)},
           {"xpic_fraction", Number(c.model.nodal.xpic_fraction)},
+          {"cfl", Number(c.time.cfl)},
           {"end_time", Number(plan.end_time)},
           {"kinetic_over_internal", Number(watch.SoFar().kinetic_share)},
           {"added_load", Number(watch.SoFar().load_share)},

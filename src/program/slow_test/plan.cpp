@@ -14,6 +14,8 @@ namespace
 
 // By measurement (docs/indentation.md): inertia and damping of the ratio kDampingRatio add about kLoadPerTransit/N to the load.
 constexpr double kLoadPerTransit = 0.4, kMinTransits = 8, kDampingRatio = 0.1, kMetalDampingRatio = 0.05;
+constexpr double kFarField = 2;        ///< (pace where a contact alone moves / where the whole body does)^2 over a/R
+constexpr double kCfl = 0.6;           ///< of a slow test, whose waves are smooth
 constexpr double kXpicFraction = 0.02; ///< in holds and slow motion the noise of velocities does not go by itself
 constexpr double kPlaneStrain = 2;     ///< more transits where the load grows like the depth, and its beginning counts
 constexpr double kLoadControl = 2;     ///< more transits for metals, whose depth lags behind their load
@@ -66,19 +68,36 @@ Vec3 ContactPlace(const Case &c)
   return x;
 }
 
-/// The longest path within the bodies from the contact along an axis to a side of the domain, or to one that is held.
-double LongestPath(const Case &c, bool held)
+/// The longest path within the bodies from the contact along an axis towards a side of the domain.
+double PathTowards(const Case &c, Side side)
 {
   const Indenter &indenter = *c.model.indenter;
+  const int axis = AxisOf(side);
+  const double from = axis == indenter.up ? indenter.initial_surface : indenter.tip[axis];
   double longest = 0;
-  for (const Body &body : c.model.bodies)
-    for (const Side side : SidesOf{c.Dim()}) {
-      const int axis = AxisOf(side);
-      const double from = axis == indenter.up ? indenter.initial_surface : indenter.tip[axis],
-                   to = body.region->Bounds().At(side);
-      if (!held || c.model.sides[side] != BoundaryKind::kFree) longest = std::max(longest, std::abs(to - from));
-    }
+  for (const Body &body : c.model.bodies) longest = std::max(longest, std::abs(body.region->Bounds().At(side) - from));
   return longest;
+}
+
+/// The longest of these paths, or of those to a side that is held.
+double LongestPath(const Case &c, bool held)
+{
+  double longest = 0;
+  for (const Side side : SidesOf{c.Dim()})
+    if (!held || c.model.sides[side] != BoundaryKind::kFree) longest = std::max(longest, PathTowards(c, side));
+  return longest;
+}
+
+/// Whether bodies stand on a side of the domain that holds them: others bend.
+bool StandsOnSupport(const Case &c)
+{
+  const int up = c.model.indenter->up;
+  for (const Side side : SidesAcross(up))
+    for (const Body &body : c.model.bodies)
+      if (c.domain.At(side) < c.model.indenter->initial_surface && c.model.sides[side] != BoundaryKind::kFree &&
+          std::abs(body.region->Bounds().At(side) - c.domain.At(side)) < kRounding * c.cell_size)
+        return true;
+  return false;
 }
 
 /// The path of a wave to the support; where nothing lies between the tip and the sides that are held, to any end of the bodies.
@@ -119,12 +138,53 @@ double MaxSpeed(const Case &c)
   return fastest;
 }
 
+/// Half the width of the contact at the largest load, m, or more: as in an elastic half space, P = 0.6 E* a h, or as where all
+/// of it flows, P = H pi a^2, whichever is wider.
+double HalfWidthOfLoad(const Case &c, double load)
+{
+  constexpr double kElastic = 0.6; // exact: of a cone 2/pi with the tip's own width, of a ball 0.94
+  const Indenter &indenter = *c.model.indenter;
+  const Material *material = MaterialAt(c.model, ContactPlace(c));
+  if (!material) return HUGE_VAL;
+  const auto carries = [&](double depth) {
+    const double a = indenter.HalfWidth(depth);
+    const double whole =
+        std::min(kElastic * material->Elastic().PlaneModulus() * a * depth, ContactPressureOfFlow(*material) * M_PI * a * a);
+    return whole / c.PartsOfTip();
+  };
+  double depth = kRounding * c.cell_size;
+  for (; carries(depth) < load; depth *= 2)
+    if (depth > c.domain.upper[indenter.up] - c.domain.lower[indenter.up]) return HUGE_VAL;
+  return indenter.HalfWidth(depth);
+}
+
+/// Pace over that where the whole body moves with the tip. Around a contact of half width a a body that stands on a support moves
+/// as a/r, so that its kinetic energy over the strain energy is as (a/R)/N^2, R the distance of its sides and N the transits: the
+/// same with N as (a/R)^(1/2) (docs/indentation.md). In plane strain the motion reaches all ends.
+double PaceOfContact(const Case &c, double half_width)
+{
+  if (c.model.geometry.kind == GeometryKind::kPlaneStrain || !StandsOnSupport(c)) return 1;
+  double nearest = HUGE_VAL;
+  for (const Side side : SidesOf{c.Dim()}) {
+    const double path = PathTowards(c, side);
+    if (path > kRounding * c.cell_size) nearest = std::min(nearest, path);
+  }
+  return std::sqrt(std::min(1.0, kFarField * half_width / nearest));
+}
+
+/// Transits of a loading in which inertia and damping add no more than the tolerance to the load.
+double Transits(const Case &c, double pace)
+{
+  const double transits = std::max(kMinTransits, std::ceil(kLoadPerTransit * pace / c.quasi_static.tolerance - 1e-9));
+  return c.model.geometry.kind == GeometryKind::kPlaneStrain ? kPlaneStrain * transits : transits;
+}
+
 /// Loads and gravity rise from nothing, and the bodies come to rest, before the tip starts: what begins at once is a blow.
 void PlanRise(Case *c)
 {
   QuasiStaticPlan &plan = c->quasi_static;
   if (c->model.loads.empty() && c->model.nodal.gravity == Vec3{}) return;
-  plan.rise = plan.pace.transits * plan.pace.transit;
+  plan.rise = Transits(*c, 1) * plan.pace.transit;
   plan.pace.start = plan.rise + SlowPace::kHold * plan.pace.transit;
   for (Load &load : c->model.loads) load.pressure = SmoothRise(load.pressure.EndValue(), plan.rise);
   c->model.gravity_share = SmoothRise(1, plan.rise);
@@ -185,6 +245,7 @@ void PlanDepths(OptionReader &reader, Case *c)
   plan.depth = *std::max_element(turns.begin(), turns.end()) - gap;
   if (!(plan.depth > 0)) reader.Refuse("-quasi_static", "true", "with an indenter that comes below the body's surface");
   plan.exponent = LoadExponent(*c, plan.depth);
+  plan.pace.transits = Transits(*c, PaceOfContact(*c, indenter.HalfWidth(plan.depth)));
   plan.pace.max_speed = MaxSpeed(*c);
   plan.pace.spring_back = SpringBack(*c, plan.exponent, plan.depth);
   turns = WithUnloadings(turns, plan.unloadings, gap,
@@ -207,6 +268,7 @@ void PlanLoads(OptionReader &reader, Case *c)
   plan.load = *std::max_element(turns.begin(), turns.end());
   if (!(plan.load > 0)) reader.Refuse("-quasi_static", "true", "with a load above 0");
   plan.exponent = LoadExponent(*c, c->CellSize(c->LevelAtTip()));
+  plan.pace.transits = Transits(*c, PaceOfContact(*c, HalfWidthOfLoad(*c, plan.load)));
   if (c->model.Flows()) plan.pace.transits *= kLoadControl;
   plan.pace.spring_back = 1 - std::pow(0.5, 1 / plan.exponent);
   for (double &load : turns) load = std::pow(load, 1 / plan.exponent);
@@ -324,8 +386,6 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.distance = LongestPath(*c, false); // free ends ring as well, and a thin layer is wider than it is high
   plan.pace.transit = plan.distance * MeanSlowness(*c);
   plan.wave_speed = plan.distance / plan.pace.transit;
-  plan.pace.transits = std::max(kMinTransits, std::ceil(kLoadPerTransit / plan.tolerance - 1e-9));
-  if (c->model.geometry.kind == GeometryKind::kPlaneStrain) plan.pace.transits *= kPlaneStrain;
   if (!plan.test.times.empty() && std::isfinite(end_time))
     reader.Refuse("-end_time", end_time, "left out with -test_times: the test ends at the last of them");
   PlanRise(c);
@@ -336,6 +396,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.damping_ratio = damping / critical;
   double &xpic_fraction = c->model.nodal.xpic_fraction;
   if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);
+  if (plan.own_step) c->time.cfl = kCfl;
   reader.Chosen("-damping", damping);
   reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;

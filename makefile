@@ -141,6 +141,7 @@ gallery: deps
 bench: deps
 	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp $(BIN)/bench_machine
 	@$(PYTHON) scripts/bench.py
+	@$(PYTHON) tests/bench/accuracy.py
 	@$(PYTHON) -m pytest tests/bench
 
 # Layout and checks of the sources; needs clang-format and clang-tidy. Fewer nodes than the analyser's own 225000 halve its time.

@@ -131,7 +131,9 @@ def test_pace_follows_the_contact(expect):
         wanted = max(8, numpy.ceil(0.4 / tolerance * numpy.sqrt(2 * depth * tan / 16)))
         expect(f"depth {depth}, tolerance {tolerance}", transits(indenter_depths=f"{depth},0", quasi_static_tolerance=tolerance), near=wanted, tolerance=0)
     blunt = {"indenter": "flat_punch", "indenter_half_angle": None, "indenter_radius": 12, "indenter_depths": "0.1,0"}
+    ball = {"block_shape": "disk", "block_lower": None, "block_upper": None, "block_center": "0,8", "block_radius": 8, "indenter_depths": "0.1,0"}
     for name, more, wanted in (("free below", {"boundary_y_lower": "free"}, 40), ("above its support", {"block_lower": "0,1"}, 40), ("under a punch", blunt, 40),
+                               ("a ball", ball, 40),
                                ("plane strain", OTHERS["plane strain"], 80)):
         expect(name, transits(**more), near=wanted, tolerance=0)
     expect("under a load", transits(**LOADS), at_least=numpy.ceil(40 * numpy.sqrt(2 * 0.6 * tan / 16)), at_most=40)

@@ -37,19 +37,25 @@ double Slowness(const Material &material)
   return std::max(1 / material.SpeedOfSound(), std::sqrt(material.Density() / material.Elastic().mu) / kRatio);
 }
 
+constexpr int kSamples = 40; // size: of the domain along each axis
+
+/// Calls work(material, layer) for places spread over the domain that lie in a body; layers are counted along the last axis.
+template <class Work> void ForEachSample(const Case &c, Work work)
+{
+  const Vec3 step = (1.0 / kSamples) * (c.domain.upper - c.domain.lower);
+  ForEach({{0, 0, 0}, {kSamples, kSamples, c.Dim() == 3 ? kSamples : 1}}, [&](Index k) {
+    Vec3 x = c.domain.lower;
+    for (int axis = 0; axis < c.Dim(); ++axis) x[axis] += (k[axis] + 0.5) * step[axis];
+    if (const Material *material = MaterialAt(c.model, x)) work(*material, k[c.Dim() - 1]);
+  });
+}
+
 /// Mean of the time that waves take for a length over all bodies, s/m.
 double MeanSlowness(const Case &c)
 {
-  constexpr int kSamples = 40; // size: along each axis
-  const bool is_space = c.Dim() == 3;
-  const Vec3 step = (1.0 / kSamples) * (c.domain.upper - c.domain.lower);
   double sum = 0;
   int count = 0;
-  ForEach({{0, 0, 0}, {kSamples, kSamples, is_space ? kSamples : 1}}, [&](Index k) {
-    Vec3 x = c.domain.lower;
-    for (int axis = 0; axis < c.Dim(); ++axis) x[axis] += (k[axis] + 0.5) * step[axis];
-    if (const Material *material = MaterialAt(c.model, x)) sum += Slowness(*material), ++count;
-  });
+  ForEachSample(c, [&](const Material &material, int) { sum += Slowness(material), ++count; });
   return count > 0 ? sum / count : Slowness(*c.model.materials[c.model.bodies[0].material]);
 }
 
@@ -88,10 +94,13 @@ double LongestPath(const Case &c, bool held)
   return longest;
 }
 
-/// Whether bodies stand on a side of the domain that holds them: others bend.
+/// Whether bodies stand on a side of the domain that holds them, with half of their widest section at least: others bend or rock.
 bool StandsOnSupport(const Case &c)
 {
   const int up = c.model.indenter->up;
+  int sections[kSamples] = {};
+  ForEachSample(c, [&](const Material &, int layer) { ++sections[layer]; });
+  if (2 * sections[0] < *std::max_element(std::begin(sections), std::end(sections))) return false;
   for (const Side side : SidesAcross(up))
     for (const Body &body : c.model.bodies)
       if (c.domain.At(side) < c.model.indenter->initial_surface && c.model.sides[side] != BoundaryKind::kFree &&

@@ -61,6 +61,11 @@ def theirs(what, compute):
     return Run(what, error, seconds_of_children() - before, increments, None)
 
 
+def curvature_in_block(infinite, size):
+    """P/h^2 in a block of a size, m, of that in an infinite body, Pa; of metals with E = 50 GPa."""
+    return infinite * (1 + 2 * BLOCK_COMPLIANCE * infinite * hardness.DEPTH / (50e9 / (1 - hardness.POISSON**2) * size))
+
+
 def curvature_error(C, parts=1):
     """Error of P/h^2 of a history; parts: models like it that make the whole tip."""
     def error(history):
@@ -70,14 +75,8 @@ def curvature_error(C, parts=1):
 
 # ---- a cone in a metal: E 50 GPa, sy 1 GPa, no hardening ----
 
-CONE_ANGLE, CONE_BLOCK = 70.3, 25.6e-6
+CONE_ANGLE, CONE_BLOCK, CONE_CURVATURE = 70.3, 25.6e-6, 52.1e9  # P/h^2 in an infinite body, +- 0.2e9 Pa
 CONE_RADIUS = hardness.DEPTH * math.tan(math.radians(CONE_ANGLE))  # of the contact without pile-up
-
-
-def cone_curvature(size):
-    """P/h^2, 52.1 +- 0.2 GPa in an infinite body, in a block of a size, m."""
-    infinite, modulus = 52.1e9, 50e9 / (1 - hardness.POISSON**2)
-    return infinite * (1 + 2 * BLOCK_COMPLIANCE * infinite * hardness.DEPTH / (modulus * size))
 
 
 def press_cone(coarse):
@@ -94,7 +93,7 @@ def press_cone(coarse):
                "level_2_upper": [inner, top], "b_lower": "0,0", "b_upper": [CONE_BLOCK, CONE_BLOCK], "indenter": "cone",
                "indenter_half_angle": CONE_ANGLE, "indenter_tip": [0.0, CONE_BLOCK], "quasi_static": "true",
                "indenter_depths": hardness.DEPTH, "frames": 0}
-    return ours(f"{CONE_RADIUS / cell * 16:.1f} cells in the contact's radius", options, curvature_error(cone_curvature(CONE_BLOCK)))
+    return ours(f"{CONE_RADIUS / cell * 16:.1f} cells in the contact's radius", options, curvature_error(curvature_in_block(CONE_CURVATURE, CONE_BLOCK)))
 
 
 def cone_by_elements(size, increments):
@@ -102,7 +101,7 @@ def cone_by_elements(size, increments):
     def compute(folder):
         case = cone.Case(CONE_ANGLE, 50.0, 1.0, (1.0, 0.7), 4.0, 1.12, 1.5, increments, 0)
         rows = cone.press(folder, "cone", case, size)
-        return hardness.curvature({"depth": rows[:, 0], "load": rows[:, 1]}) / cone_curvature(1e-6 * cone.size_of(case)) - 1, len(rows)
+        return hardness.curvature({"depth": rows[:, 0], "load": rows[:, 1]}) / curvature_in_block(CONE_CURVATURE, 1e-6 * cone.size_of(case)) - 1, len(rows)
     return theirs(f"{1e6 * CONE_RADIUS / size:.1f} elements in the contact's radius", compute)
 
 
@@ -177,13 +176,7 @@ def ball_by_elements(size, increments):
 
 # ---- a Berkovich pyramid in a metal: E 50 GPa, sy 2 GPa, n 0.3; tests/reference/berkovich.csv ----
 
-BERKOVICH_BLOCK = 64 * hardness.DEPTH
-
-
-def berkovich_curvature():
-    """P/h^2 in the block, Pa."""
-    infinite = 81.3787e9
-    return infinite * (1 + 2 * BLOCK_COMPLIANCE * infinite * hardness.DEPTH / (50e9 / (1 - hardness.POISSON**2) * BERKOVICH_BLOCK))
+BERKOVICH_BLOCK, BERKOVICH_CURVATURE = 64 * hardness.DEPTH, 81.3787e9
 
 
 def press_pyramid(cells):
@@ -199,7 +192,7 @@ def press_pyramid(cells):
                **{f"boundary_{side}": "symmetry" for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower")}, "levels": 3,
                "refinement_ratio": 4, "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich",
                "indenter_tip": [0.0, 0.0, size], "quasi_static": "true", "indenter_depths": hardness.DEPTH, "frames": 0}
-    return ours(f"{cells} cells in the depth, half a model", options, curvature_error(berkovich_curvature(), 2))
+    return ours(f"{cells} cells in the depth, half a model", options, curvature_error(curvature_in_block(BERKOVICH_CURVATURE, BERKOVICH_BLOCK), 2))
 
 
 # ---- the wedge of the paper, in motion: neo-Hookean aluminium, tests/reference/wedge_neohooke.csv ----

@@ -282,30 +282,24 @@ def verify_angle_80(study):
     expect_angle(study, 80)
 
 
-def pyramid(E, sy, exponent, cells):
-    """(case, wave speed): half of a block, mirrored at y = 0, of 16 coarse cells on four levels, under a Berkovich pyramid; as many of the
-    finest cells in its depth."""
+def press_pyramid(E, sy, exponent, cells):
+    """Half of a block, mirrored at y = 0, of 16 coarse cells on four levels; a Berkovich pyramid presses as many of the finest
+    cells deep. Without unloading."""
     fine = DEPTH / cells
     size, top = 1024 * fine, 1088 * fine
     material, speed = metal(E, sy, exponent, size)
+    down = 1e-3 * speed
+    loading = DEPTH / down
     boxes = {}
     for level, back, front in ((1, 320, 320), (2, 80, 80), (3, 16, 24)):
         boxes[f"level_{level}_lower"] = [-back * fine, 0.0, size - back * fine]
         boxes[f"level_{level}_upper"] = [front * fine, front * fine, top]
-    return {
+    return harness.run({
         **material, **boxes, "geometry": "3d", "domain_lower": [-size, 0.0, 0.0], "domain_upper": [size, size, top], "cell_size": 64 * fine,
         **{f"boundary_{side}": "symmetry" for side in ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower")}, "levels": 4,
         "refinement_ratio": 4, "b_lower": [-size, 0.0, 0.0], "b_upper": [size, size, size], "indenter": "berkovich",
-        "indenter_tip": [0.0, 0.0, size], "frames": 0, "history_interval": 2}, speed
-
-
-def press_pyramid(E, sy, exponent, cells):
-    """Result of a loading, without unloading."""
-    case, speed = pyramid(E, sy, exponent, cells)
-    down = 1e-3 * speed
-    loading = DEPTH / down
-    return harness.run({**case, "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down], "end_time": 1.075 * loading},
-                       timeout=7200)
+        "indenter_tip": [0.0, 0.0, size], "indenter_times": [0, 0.15 * loading, loading], "indenter_velocities": [0, down, down],
+        "end_time": 1.075 * loading, "frames": 0, "history_interval": 2}, timeout=7200)
 
 
 def verify_berkovich(study):

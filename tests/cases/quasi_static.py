@@ -3,6 +3,7 @@ import numpy
 import pytest
 
 import harness
+import metals
 from mlgimp import load_depth, oliver_pharr
 from ranks import largest_difference
 from restart import rows_after
@@ -268,6 +269,14 @@ def test_what_gives_a_warning():
     fast = harness.run({**{name: value for name, value in CONE.items() if name not in ("quasi_static", "indenter_depths")}, "indenter_times": "0",
                         "indenter_velocities": 0.01, "end_time": 5})
     assert "load_quasi_static" not in fast.history and "quasi_static" not in fast.summary and fast.stdout == ""
+
+
+def test_side_off_a_cell_line(expect):
+    """Thin points in a metal bear steps up to a CFL of 0.55; with 0.6 the run breaks at a third of its way."""
+    off = {"block_upper": "15.3,16", "boundary_x_upper": "free", "domain_upper": "18,18"}
+    run = harness.run({**CONE, **METAL, **off, "indenter_depths": "0.6", "quasi_static_tolerance": 0.02})
+    expect("share of the largest step", run.summary["quasi_static"]["cfl"], near=0.4, tolerance=0)
+    expect("energy less work, of the work", metals.energy_left(run.history), near=0, tolerance=0.02)
 
 
 def test_without_a_support():

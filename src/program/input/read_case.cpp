@@ -126,11 +126,12 @@ void ReadTime(OptionReader &reader, Case *c)
   reader.Read({"-end_time", "end of the run", "s", kPositive}, &c->time.end_time);
   reader.Read({"-max_steps", "level-0 steps at which the run ends; 0 = no limit", "", kNotNegative}, &c->time.max_steps);
   reader.Read({"-time_step", "level-0 time step; 0 = from -cfl", "s", kNotNegative}, &c->time.time_step);
-  const bool cfl = reader.Read({"-cfl",
-                                "time step as a fraction of h/(c + |v|), c the current wave speed (0.6 with -quasi_static)",
-                                "",
-                                {0, kLargestCfl, true, false}},
-                               &c->time.cfl);
+  const bool cfl = reader.Read(
+      {"-cfl",
+       "time step as a fraction of h/(c + |v|), c the current wave speed (0.6 with -quasi_static and boxes on cell lines)",
+       "",
+       {0, kLargestCfl, true, false}},
+      &c->time.cfl);
   c->quasi_static.own_step = !cfl && c->time.time_step == 0;
   reader.Read({"-max_wall_time", "time by the clock before which the run writes a checkpoint and ends", "s", kPositive},
               &c->time.max_wall_time);

@@ -147,11 +147,24 @@ double MaxSpeed(const Case &c)
   return fastest;
 }
 
+/// Whether all bodies are boxes whose sides lie on lines of cells of level 0. Others may have thin points, which bear shorter
+/// steps alone (CheckThinPoints in src/program/advice/start_checks.cpp).
+bool LiesOnCellLines(const Case &c)
+{
+  for (const Body &body : c.model.bodies)
+    for (const Side side : SidesOf{c.Dim()}) {
+      const int axis = AxisOf(side);
+      const double cells = (body.region->Bounds().At(side) - c.domain.lower[axis]) / c.cell_size;
+      if (!body.region->IsBox() || std::abs(cells - std::round(cells)) > kRounding * std::max(1.0, std::abs(cells))) return false;
+    }
+  return true;
+}
+
 /// Half the width of the contact at the largest load, m, or more: as in an elastic half space, P = 0.6 E* a h, or as where all
 /// of it flows, P = H pi a^2, whichever is wider.
 double HalfWidthOfLoad(const Case &c, double load)
 {
-  constexpr double kElastic = 0.6; // exact: of a cone 2/pi with the tip's own width, of a ball 0.94
+  constexpr double kElastic = 0.6; // exact: a bound below 2/pi, that of a cone with the tip's own width; of a ball it is 0.94
   const Indenter &indenter = *c.model.indenter;
   const Material *material = MaterialAt(c.model, ContactPlace(c));
   if (!material) return HUGE_VAL;
@@ -405,7 +418,7 @@ void PlanQuasiStatic(OptionReader &reader, double end_time, Case *c)
   plan.damping_ratio = damping / critical;
   double &xpic_fraction = c->model.nodal.xpic_fraction;
   if (plan.own_xpic) xpic_fraction = std::max(xpic_fraction, kXpicFraction);
-  if (plan.own_step) c->time.cfl = kCfl;
+  if (plan.own_step && LiesOnCellLines(*c)) c->time.cfl = kCfl;
   reader.Chosen("-damping", damping);
   reader.Chosen("-xpic_fraction", xpic_fraction);
   c->time.end_time = std::isfinite(end_time) ? end_time : plan.end_time;

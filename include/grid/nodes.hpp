@@ -107,19 +107,19 @@ struct NodeChange {
 /// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
 /// Nodes that hang on others have none: a flat surface on a line of nodes else splits its last two layers of points.
 inline constexpr double kContactLead = 0.1, kTractionLead = 0.3;
-/// Adds these parts to the momenta in `rates`, before they are summed up; returns the nodes, each once, with the parts.
+/// Adds these parts to what points have spread into `rates`, before it is summed up; returns the nodes, each once, with the parts.
 std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
                                                      const LightNodes &light);
 
-/// Makes of what SpreadChange has left in `rates` the momenta of points after the step, p + sum m S dv_p; without it p + m dv, as
-/// if nodes had their mass to themselves.
-void AddMomenta(const Grid &grid, bool spread);
+/// The momentum that points have on a node after the step, kg m/s: p + sum m S dv_p where they have spread their change, into
+/// `rates`; else p + m dv, as if nodes had their mass to themselves.
+Vec3 MomentumAfter(const Grid &grid, std::ptrdiff_t place, bool spread);
 
 /// Kinetic energy that the points get from parts of the changes of nodal velocities, J: exactly dv . (p + P)/2 with their momenta
-/// on the node before and after the step (P: in `rates`, not yet divided). Blows on nodes with little mass, which points hardly
-/// see, do not count as work. ahead: what AdvanceContactNodes has put into `rates`.
-double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
-                    const std::map<std::ptrdiff_t, double> &ahead);
+/// on the node before and after the step (P: MomentumAfter). Blows on nodes with little mass, which points hardly see, do not
+/// count as work. ahead: what AdvanceContactNodes has put into `rates`.
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, const std::map<std::ptrdiff_t, double> &ahead,
+                    bool spread);
 
 // What follows is done to owned nodes and ghosts, of which all ranks have the same sums; budgets count owned nodes.
 
@@ -146,8 +146,8 @@ struct SecondVelocityPlan {
   double xpic;                                  ///< share of XPIC in the step
 };
 
-/// Divides the sums in `rates` by the mass: second velocity, mean of the points' velocities for XPIC; at
-/// sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
+/// Makes velocities of what points have spread into `rates`: the second one, MomentumAfter over the mass, and for XPIC the mean of
+/// the points' velocities; at sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
 void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const SecondVelocityPlan &plan,
                  Budgets &budgets);
 

@@ -86,7 +86,7 @@ private:
   PetscErrorCode SpreadChange(const SpreadPlan &plan);
   /// Velocities and strain rates of the nodes for the points; the budgets that need momenta after the step.
   PetscErrorCode FindRates(const SpreadPlan &spread, double xpic);
-  PetscErrorCode AddWorkOfLoads(double dt);
+  PetscErrorCode AddWorkOfLoads(const SpreadPlan &spread);
   PetscErrorCode GridToPoints(const GridToPointsPlan &plan);
   /// Calls sweep(view, budgets, failure) for the level's own points and for both stores of copies, where there are any;
   /// what copies do is not added up. flops: of a point.

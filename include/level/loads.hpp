@@ -36,9 +36,9 @@ void AddLoads(const Grid &grid, Points &points, bool owned, const std::vector<Lo
 /// Adds up the impulse of the forces in a step, from the sums as points have given them. Forces on nodes with no more than a mass
 /// are lost. Masses must be known on ghosts.
 void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, double mass_cutoff, double dt, Budgets &budgets);
-/// (p + P)/2m of all local nodes, P the momentum after the step, as in WorkOnPoints, m/s [ghosted nodes][dim]. Sums, velocities
-/// and rates must be known on ghosts.
-std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff);
+/// (p + P)/2m of all local nodes, P the momentum after the step (MomentumAfter), m/s [ghosted nodes][dim]. Sums, velocities and
+/// rates must be known on ghosts.
+std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff, bool spread);
 /// Adds up the work of the forces, from the motion of all nodes with those that hang on others.
 void AddLoadWork(const Grid &grid, const std::vector<FaceForce> &applied, const std::vector<double> &motion, double dt,
                  Budgets &budgets);

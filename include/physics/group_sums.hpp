@@ -157,4 +157,35 @@ inline void AddToNodes(const AxisStencils<dim> &block, int first, int count, con
   });
 }
 
+/// Two numbers of each point of a group, as of even and odd points: (x0, y0, x2, y2) and (x1, y1, x3, y3). The two numbers of a
+/// point would fill half a vector.
+struct PointPairs {
+  Pack even, odd;
+
+  PointPairs(Pack x, Pack y) : even(EvenLanes(x, y)), odd(OddLanes(x, y)) {}
+  explicit PointPairs(Pack both) : PointPairs(both, both) {}
+};
+
+/// Adds S times two numbers of the points of a group to the first two components of their nodes, in the plane; those of lanes
+/// beyond the group are to be zero.
+template <int components>
+inline void AddPairsToNodes(const AxisStencils<2> &block, int first, const Lattice &grid, double *array, const PointPairs &share)
+{
+  const auto pairs = [&](const Row &row) { return PointPairs(LoadVector(row + first)); };
+  const PointPairs w[3] = {pairs(block.w[0][0]), pairs(block.w[0][1]), pairs(block.w[0][2])};
+  ForEachRows<2, components, 3>(block, first, grid, array, [&](const NodeRows<2, 3> &rows) {
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      const PointPairs of_row = pairs(block.w[1][r]);
+      const Pack even = of_row.even * share.even, odd = of_row.odd * share.odd;
+#pragma GCC unroll 3
+      for (int k = 0; k < 3; ++k) {
+        const Pack sum = w[k].even * even + w[k].odd * odd;
+        double *const node = rows.middle[r] + (k - 1) * components;
+        StoreVector(node, LoadVector<HalfPack>(node) + (Low(sum) + High(sum)));
+      }
+    }
+  });
+}
+
 } // namespace mlgimp

@@ -142,23 +142,25 @@ std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std
   return ahead;
 }
 
-void AddMomenta(const Grid &grid, bool spread)
+Vec3 MomentumAfter(const Grid &grid, std::ptrdiff_t place, bool spread)
 {
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
-    const NodeSums &node = grid.Sums()[place];
-    double *const after = grid.Rates(place);
-    const double *const change = grid.Velocity(place).change;
-    for (int axis = 0; axis < dim; ++axis) after[axis] = node.momentum[axis] + (spread ? after[axis] : node.mass * change[axis]);
-  });
+  const NodeSums &node = grid.Sums()[place];
+  const double *const added = grid.Rates(place), *const change = grid.Velocity(place).change;
+  Vec3 after{};
+  for (int axis = 0; axis < grid.Geometry().dim; ++axis)
+    after[axis] = node.momentum[axis] + (spread ? added[axis] : node.mass * change[axis]);
+  return after;
 }
 
-double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, const std::map<std::ptrdiff_t, double> &ahead)
+double WorkOnPoints(const Grid &grid, const std::vector<NodeChange> &contact_nodes, const std::map<std::ptrdiff_t, double> &ahead,
+                    bool spread)
 {
   const int dim = grid.Geometry().dim;
   double work = 0;
   for (const NodeChange &one : contact_nodes) {
     const NodeSums &node = grid.Sums()[one.node];
-    const double *const after = grid.Rates(one.node), *const change = grid.Velocity(one.node).change;
+    const double *const change = grid.Velocity(one.node).change;
+    const Vec3 after = MomentumAfter(grid, one.node, spread);
     const auto pushed = ahead.find(one.node);
     for (int axis = 0; axis < dim; ++axis) {
       const double lead = pushed == ahead.end() ? 0 : pushed->second * node.mass * change[axis];
@@ -220,15 +222,12 @@ void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalS
                  Budgets &budgets)
 {
   ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
-    constexpr int components = NodeLayout::StrainRate(dim);
     const NodeSums &node = grid.Sums()[place];
-    double *const rates = grid.Rates(place);
-    if (node.mass <= settings.mass_cutoff) {
-      std::fill_n(rates, components, 0.0);
-      return;
-    }
-    const double inverse_mass = 1 / node.mass;
-    for (int k = 0; k < components; ++k) rates[k] *= inverse_mass;
+    double *const velocity = grid.Rates(place), *const mean = velocity + NodeLayout::Projected(dim);
+    const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+    for (int axis = 0; axis < dim; ++axis) velocity[axis] = inverse_mass * (node.momentum[axis] + velocity[axis]);
+    if (plan.xpic > 0)
+      for (int axis = 0; axis < dim; ++axis) mean[axis] *= inverse_mass;
   });
   HoldRates(grid, plan);
   for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, node);

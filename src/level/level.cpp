@@ -245,13 +245,13 @@ PetscErrorCode Level::GridToPoints(const GridToPointsPlan &plan)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Level::AddWorkOfLoads(double dt)
+PetscErrorCode Level::AddWorkOfLoads(const SpreadPlan &spread)
 {
   PetscFunctionBeginUser;
   if (model_.loads.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  std::vector<double> motion = MeanMotion(*grid_, nodal_.mass_cutoff);
+  std::vector<double> motion = MeanMotion(*grid_, nodal_.mass_cutoff, spread.momentum);
   PetscCall(light_.Prolong(grid_->Halo(), motion.data(), model_.geometry.Dim()));
-  AddLoadWork(*grid_, step_.applied, motion, dt, budgets_);
+  AddLoadWork(*grid_, step_.applied, motion, spread.dt, budgets_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -280,9 +280,8 @@ PetscErrorCode Level::FindRates(const SpreadPlan &spread, double xpic)
   const SecondVelocityPlan plan = {coupled_.places.held, coupled_.following.Places(), xpic};
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(events_.grid_update, 0, 0, 0, 0));
-  if (spread.momentum || contact_.IsActive() || !model_.loads.empty()) AddMomenta(*grid_, spread.momentum);
-  budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), step_.ahead);
-  PetscCall(AddWorkOfLoads(spread.dt));
+  budgets_.contact_work += WorkOnPoints(*grid_, contact_.Changes(), step_.ahead, spread.momentum);
+  PetscCall(AddWorkOfLoads(spread));
   if (spread.momentum) {
     DivideRates(*grid_, geometry_.sides, nodal_, plan, budgets_);
     PetscCall(Timed(events_.halo, [&] {

@@ -1,6 +1,8 @@
 // Consistent nodal forces of pressures on faces.
 #include "level/loads.hpp"
 
+#include "grid/nodes.hpp"
+
 #include <algorithm>
 
 namespace mlgimp
@@ -75,7 +77,7 @@ void AddLoadImpulse(const Grid &grid, const std::vector<FaceForce> &applied, dou
     });
 }
 
-std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff)
+std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff, bool spread)
 {
   const int dim = grid.Geometry().dim;
   std::vector<double> motion(dim * grid.Ghosted().Count());
@@ -83,7 +85,7 @@ std::vector<double> MeanMotion(const Grid &grid, double mass_cutoff)
     const std::ptrdiff_t place = grid.Place(at);
     const NodeSums &node = grid.Sums()[place];
     if (node.mass <= mass_cutoff) return;
-    const double *const after = grid.Rates(place);
+    const Vec3 after = MomentumAfter(grid, place, spread);
     for (int axis = 0; axis < dim; ++axis) motion[dim * place + axis] = 0.5 / node.mass * (node.momentum[axis] + after[axis]);
   });
   return motion;

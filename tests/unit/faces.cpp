@@ -105,10 +105,10 @@ TEST(Faces, ForcesOfAPressure)
     ForEach(grid.Owned(), [&](Index node) {
       NodeSums &sums = grid.Sums()[grid.Place(node)];
       sums.mass = 2;
-      for (int d = 0; d < 2; ++d) sums.momentum[d] = 2, grid.Rates(grid.Place(node))[d] = 4;
+      for (int d = 0; d < 2; ++d) sums.momentum[d] = 2, grid.Rates(grid.Place(node))[d] = 2;
     });
     AddLoadImpulse(grid, applied, 0, 2, totals);
-    AddLoadWork(grid, applied, MeanMotion(grid, 0), 2, totals);
+    AddLoadWork(grid, applied, MeanMotion(grid, 0, true), 2, totals);
     EXPECT_NEAR(totals.external_work, 1.5 * (totals.load_impulse[0] + totals.load_impulse[1]), 1e-12 * scale);
     EXPECT_LE(Norm(totals.load_impulse - (n % 2 == 0 ? 2.0 : 0.0) * force), 1e-13 * scale) << "of owned points alone";
     for (int d = 0; d < 2; ++d)

@@ -261,7 +261,7 @@ private:
     LoadRows<1>(b.mass, b.count, masses);
     ForEachGroup(w, b.count, [&](int first, int count) {
       const At<NodeLayout::Velocity(dim)> at(w, first, grid.IndexSpace(), grid.Arrays().VelocityArray());
-      const Pack mass = LoadVector(masses[0] + first);
+      const Pack mass = FirstLanes(LoadVector(masses[0] + first), count);
       PrefetchNext<Geometry>(b, first, kMassOfPoint);
       Pack parts[n] = {};
 #pragma GCC unroll 3
@@ -274,6 +274,8 @@ private:
         StoreVector(velocity[d] + first, v);
         parts[kProjected + d] = mass * v;
       }
+      if constexpr (dim == 2 && !project)
+        return AddPairsToNodes<n>(w, first, grid.IndexSpace(), grid.Arrays().RatesArray(), PointPairs(parts[0], parts[1]));
       constexpr int vectors = dim == 3 && project ? 2 : 1;
 #pragma GCC unroll 2
       for (int k = 0; k < vectors; ++k) StoreTransposed(parts + kLanes * k, shares + kLanes * k, n);

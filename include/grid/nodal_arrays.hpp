@@ -1,4 +1,4 @@
-// What a rank keeps at its nodes, ghosts among them: sums, velocities, rates and sums of cells.
+// What a rank keeps at its nodes, ghosts among them: sums, velocities, rates, strain rates and sums of cells.
 #pragma once
 
 #include "base/handle.hpp"
@@ -38,24 +38,23 @@ struct alignas(64) CellRate {
 };
 
 /// Components of the nodal arrays by dimension. Velocities: as many for the new one as for its change. Rates: momentum or
-/// velocity of the second extrapolation, momentum or velocity of the projection for XPIC, smooth strain rate (xx, yy, xy in the
-/// plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz, xz in space). Each begins a vector of four in space, of two in the
-/// plane.
+/// velocity of the second extrapolation, and of the projection for XPIC; each begins a vector of four in space, of two in the
+/// plane. Strain rates: xx, yy, xy in the plane, xx, yy, zz, xy in axisymmetry, xx, yy, zz, xy, yz, xz in space. They are an
+/// array of their own, as most sweeps need one of the two.
 struct NodeLayout {
   static constexpr int kSums = sizeof(NodeSums) / sizeof(double);
   static constexpr int Viewed(int dim) { return 1 + 3 * dim; } ///< of the vector that PETSc's viewers show
   static constexpr int Velocity(int dim) { return dim == 2 ? 4 : 8; }
-  static constexpr int Rates(int dim) { return dim == 2 ? 8 : 16; }
-  static constexpr int Projected(int dim) { return dim == 2 ? 2 : 4; }  ///< place of the projection among the rates
-  static constexpr int StrainRate(int dim) { return dim == 2 ? 4 : 8; } ///< place of the strain rate among them
+  static constexpr int Rates(int dim) { return dim == 2 ? 4 : 8; }   ///< of rates, and of strain rates
+  static constexpr int Projected(int dim) { return Rates(dim) / 2; } ///< place of the projection among the rates
 };
 
 /// The arrays by place of the node, see NodePartition::Place and NodeLayout. Whoever may read them may also write them.
 class NodalArrays
 {
 public:
-  /// For so many nodes. volume_averages: number of materials that keep sums at the cells; has_marks: see Marks.
-  PetscErrorCode Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_marks);
+  /// For so many nodes. volume_averages: number of materials that keep sums at the cells; has_strain_rates: and marks.
+  PetscErrorCode Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_strain_rates);
 
   NodeSums *Sums() const { return sums_; }
   double *VelocityArray() const { return velocity_; }
@@ -66,6 +65,9 @@ public:
     return {first, first + velocity_size_ / 2};
   }
   double *Rates(std::ptrdiff_t place) const { return rates_ + rates_size_ * place; }
+  /// Null where they are not kept.
+  double *StrainRatesArray() const { return strain_rates_; }
+  double *StrainRates(std::ptrdiff_t place) const { return strain_rates_ + rates_size_ * place; }
   /// Sums of a material over the points of cells: those of the cell above a node, along every axis, lie CellStride() times the
   /// node's place from the first.
   CellSums *Cells(int average) const { return cells_ + average; }
@@ -76,7 +78,7 @@ public:
   CellRate *Layer(int layer, std::ptrdiff_t count);
   /// Sums of nodes, and marks.
   void ClearSums() const;
-  /// Rates, and the sums of cells.
+  /// Rates, but not those of strain, and the sums of cells.
   void ClearRates() const;
 
   /// The values of a node as one unit of communication.
@@ -89,12 +91,12 @@ private:
     double values[8];
   };
 
-  std::vector<CacheLine> memory_[3]; ///< of sums, velocities and rates
+  std::vector<CacheLine> memory_[4]; ///< of sums, velocities, rates and strain rates
   std::vector<CellSums> cell_memory_;
   std::vector<double> mark_memory_;
   std::vector<CellRate> layers_[2];
   NodeSums *sums_ = nullptr;
-  double *velocity_ = nullptr, *rates_ = nullptr;
+  double *velocity_ = nullptr, *rates_ = nullptr, *strain_rates_ = nullptr;
   CellSums *cells_ = nullptr;
   double *marks_ = nullptr;
   std::ptrdiff_t velocity_size_ = 0, rates_size_ = 0; ///< doubles of a node

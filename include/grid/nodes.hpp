@@ -107,7 +107,8 @@ struct NodeChange {
 /// doubled every 10 crossings. More costs energy; where friction acts, 0.2 leaves noise, as columns let go in turns.
 /// Nodes that hang on others have none: a flat surface on a line of nodes else splits its last two layers of points.
 inline constexpr double kContactLead = 0.1, kTractionLead = 0.3;
-/// Adds these parts to what points have spread into `rates`, before it is summed up; returns the nodes, each once, with the parts.
+/// Adds these parts to what points have spread into `rates`, before it is summed up; returns the nodes, each once, with the
+/// parts.
 std::map<std::ptrdiff_t, double> AdvanceContactNodes(const Grid &grid, const std::vector<NodeChange> &contact_nodes,
                                                      const LightNodes &light);
 
@@ -146,8 +147,8 @@ struct SecondVelocityPlan {
   double xpic;                                  ///< share of XPIC in the step
 };
 
-/// Makes velocities of what points have spread into `rates`: the second one, MomentumAfter over the mass, and for XPIC the mean of
-/// the points' velocities; at sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
+/// Makes velocities of what points have spread into `rates`: the second one, MomentumAfter over the mass, and for XPIC the mean
+/// of the points' velocities; at sides those that these hold. Adds up the impulse of sides on the velocities that XPIC projects.
 void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const SecondVelocityPlan &plan,
                  Budgets &budgets);
 

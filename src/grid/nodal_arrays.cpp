@@ -6,21 +6,22 @@
 namespace mlgimp
 {
 
-PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_marks)
+PetscErrorCode NodalArrays::Create(int dim, std::ptrdiff_t nodes, int volume_averages, bool has_strain_rates)
 {
   PetscFunctionBeginUser;
   velocity_size_ = NodeLayout::Velocity(dim);
   rates_size_ = NodeLayout::Rates(dim);
   cell_size_ = volume_averages;
-  const std::ptrdiff_t components[3] = {NodeLayout::kSums, velocity_size_, rates_size_};
-  for (int k = 0; k < 3; ++k) memory_[k].assign((nodes * components[k] + 7) / 8, {});
+  const std::ptrdiff_t components[4] = {NodeLayout::kSums, velocity_size_, rates_size_, has_strain_rates ? rates_size_ : 0};
+  for (int k = 0; k < 4; ++k) memory_[k].assign((nodes * components[k] + 7) / 8, {});
   sums_ = reinterpret_cast<NodeSums *>(memory_[0].data());
   velocity_ = reinterpret_cast<double *>(memory_[1].data());
   rates_ = reinterpret_cast<double *>(memory_[2].data());
+  strain_rates_ = has_strain_rates ? reinterpret_cast<double *>(memory_[3].data()) : nullptr;
   cell_memory_.resize(cell_size_ * nodes);
   cells_ = cell_memory_.data();
-  mark_memory_.resize(has_marks ? nodes : 0);
-  marks_ = has_marks ? mark_memory_.data() : nullptr;
+  mark_memory_.resize(has_strain_rates ? nodes : 0);
+  marks_ = has_strain_rates ? mark_memory_.data() : nullptr;
   PetscCall(sums_unit_.Create(NodeLayout::kSums));
   PetscCall(velocity_unit_.Create(static_cast<int>(velocity_size_)));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -129,7 +129,7 @@ private:
   void PutMeans(Index at, const CellRate *above, const CellRate *below)
   {
     constexpr int n = NodeLayout::Rates(dim);
-    double *const rates = grid_.Rates(grid_.Place(at)) + NodeLayout::StrainRate(dim);
+    double *const rates = grid_.Arrays().StrainRates(grid_.Place(at));
     const int count = grid_.Ghosted().Size(0);
     CellColumn<dim> before(above, below, along_y_);
     for (int x = 0; x < count; ++x) {

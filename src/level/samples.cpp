@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mlgimp
 {
@@ -143,23 +144,26 @@ PetscErrorCode SmoothTensors(Level &level, const std::vector<int> &points, std::
   Grid &grid = parts.grid;
   Budgets discarded;
   PetscFunctionBeginUser;
-  tensors->resize(8 * points.size());
+  tensors->resize(kTensors * points.size());
   if (!grid.Participates()) PetscFunctionReturn(PETSC_SUCCESS);
-  grid.Arrays().ClearRates();
+  std::vector<double> nodes(kTensors * grid.Ghosted().Count());
+  std::vector<int> all(kTensors);
+  std::iota(all.begin(), all.end(), 0);
   grid.Arrays().ClearSums();
   for (Points *store : level.Stores().All()) {
     const SweepView view = {grid, store->Arrays(), parts.bodies, store == &parts.points};
-    parts.kernels.ScatterTensors(view);
+    parts.kernels.ScatterTensors(view, nodes.data());
     parts.kernels.PointsToGrid(view, {}, 0, discarded);
   }
-  PetscCall(grid.ShareRates(NodeLayout::Rates(2)));
+  PetscCall(grid.Halo().Sum({{nodes.data(), kTensors, all}}));
   PetscCall(grid.ShareSums());
   for (std::ptrdiff_t node = 0; node < grid.Ghosted().Count(); ++node) {
     const double mass = std::max(grid.Sums()[node].mass, parts.nodal.mass_cutoff);
-    for (int c = 0; c < NodeLayout::Rates(2); ++c) grid.Rates(node)[c] /= mass;
+    for (int c = 0; c < kTensors; ++c) nodes[kTensors * node + c] /= mass;
   }
   const SweepView view = parts.View();
-  for (std::size_t k = 0; k < points.size(); ++k) parts.kernels.TensorsAt(view, points[k], &(*tensors)[8 * k]);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    parts.kernels.TensorsAt(view, nodes.data(), points[k], &(*tensors)[kTensors * k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -75,7 +75,7 @@ public:
     int count = 0;
     ForEach(grid_.Ghosted(), [&](Index at) {
       if (!IsIn(at, 2 + from_surface, 6 - from_surface)) return;
-      work(PlaceOf(at), grid_.Rates(grid_.Place(at)) + NodeLayout::StrainRate(dim_));
+      work(PlaceOf(at), grid_.Arrays().StrainRates(grid_.Place(at)));
       ++count;
     });
     EXPECT_GT(count, 4);

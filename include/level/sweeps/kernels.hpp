@@ -73,6 +73,8 @@ struct VelocitySample {
   std::array<double, 9> L{}; ///< [dim][dim], by rows
 };
 
+inline constexpr int kTensors = 8; ///< size: components of F and stress in two dimensions
+
 /// The sweeps, in one geometry with one shape function.
 class Kernels
 {
@@ -94,10 +96,10 @@ public:
   /// no point had reached in the step.
   virtual VelocitySample VelocityAt(const SweepView &view, int point, double mass_cutoff) const = 0;
 
-  /// In two dimensions: adds F and stress, times mass, to `rates`.
-  virtual void ScatterTensors(const SweepView &view) const = 0;
-  /// tensors [8]: F and stress of the nodes at one point; needs node values in `rates` that were divided by the mass.
-  virtual void TensorsAt(const SweepView &view, int point, double tensors[8]) const = 0;
+  /// In two dimensions: adds F and stress, times mass, to an array of the nodes [ghosted nodes][kTensors].
+  virtual void ScatterTensors(const SweepView &view, double *nodes) const = 0;
+  /// F and stress at one point, tensors [kTensors], from those of the nodes.
+  virtual void TensorsAt(const SweepView &view, double *nodes, int point, double *tensors) const = 0;
 };
 
 /// Names that -shape_function accepts: linear, ugimp, cpgimp.

@@ -29,12 +29,12 @@ template <class Work> void ForEachBlock(const SweepView &view, Work work)
   }
 }
 
-/// Parts of a point's fields that a sweep needs beside those of its weights and the short-wave stress.
+/// Parts of a point's fields that a sweep needs beside those of its weights.
 enum PointParts : int {
   kVelocityOfPoint = 1,
   kMassOfPoint = 2,
   kMomentum = kVelocityOfPoint | kMassOfPoint,
-  kStressOfPoint = 4,
+  kStressOfPoint = 4, ///< with the short-wave stress
   kInternal = 8
 };
 
@@ -46,10 +46,9 @@ template <class Geometry> [[gnu::always_inline]] inline void PrefetchNext(const 
   constexpr int dim = Geometry::kDim;
   p += kBlock;
   Prefetch<dim>(b.position, p), Prefetch<dim>(b.half_size, p), Prefetch<dim * dim>(b.F, p);
-  Prefetch<Geometry::kRate>(b.short_wave_stress, p);
   if (parts & kVelocityOfPoint) Prefetch<dim>(b.velocity, p);
   if (parts & kMassOfPoint) Prefetch<1>(b.mass, p);
-  if (parts & kStressOfPoint) Prefetch<Geometry::kStress>(b.stress, p);
+  if (parts & kStressOfPoint) Prefetch<Geometry::kStress>(b.stress, p), Prefetch<Geometry::kRate>(b.short_wave_stress, p);
   if (parts & kInternal && b.history) Prefetch<1>(b.history, p, b.history_components);
   if (parts & kInternal && b.average >= 0) Prefetch<1>(b.faces, p);
 }

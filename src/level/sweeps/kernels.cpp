@@ -110,29 +110,31 @@ public:
     return sample;
   }
 
-  void ScatterTensors(const SweepView &view) const override
+  void ScatterTensors(const SweepView &view, double *nodes) const override
   {
     if constexpr (dim == 2) {
       Weights w;
-      alignas(64) double shares[8 * kBlock];
+      alignas(64) double shares[kTensors * kBlock];
       ForEachBlock(view, [&](const Block &b) {
         SetWeights<false>(view, b, ExtentsOf<dim>(b), w);
         for (int p = 0; p < b.count; ++p) {
-          StoreVector(shares + 8 * p, b.mass[p] * LoadVector(b.F + 4 * p));
-          StoreVector(shares + 8 * p + 4, b.mass[p] * LoadVector(b.stress + 4 * p));
+          StoreVector(shares + kTensors * p, b.mass[p] * LoadVector(b.F + 4 * p));
+          StoreVector(shares + kTensors * p + 4, b.mass[p] * LoadVector(b.stress + 4 * p));
         }
-        AddToRates(view.grid, w, b.count, shares);
+        ForEachGroup(w, b.count, [&](int first, int count) {
+          AddToNodes<dim, kTensors, kTensors / kLanes>(w, first, count, view.grid.IndexSpace(), nodes, shares + kTensors * first);
+        });
       });
     }
   }
 
-  void TensorsAt(const SweepView &view, int point, double tensors[8]) const override
+  void TensorsAt(const SweepView &view, double *nodes, int point, double *tensors) const override
   {
     if constexpr (dim == 2) {
       Weights w;
       SetWeights(view, point, w);
-      const AtRates at(w, 0, view.grid.IndexSpace(), view.grid.Arrays().RatesArray());
-      for (int k = 0; k < 8; ++k) tensors[k] = Gather<dim, false>(at, k).value[0];
+      const At<kTensors> at(w, 0, view.grid.IndexSpace(), nodes);
+      for (int k = 0; k < kTensors; ++k) tensors[k] = Gather<dim, false>(at, k).value[0];
     }
   }
 
@@ -160,29 +162,30 @@ private:
   static void GatherNodes(const Grid &grid, const Weights &w, const Block &b, const GridToPointsPlan &plan, Motion<dim> &motion,
                           FromNodes &nodes)
   {
-    const bool second = plan.second_velocity && b.average < 0, rates = second || plan.xpic_fraction > 0 || plan.short_wave.On();
+    const bool second = plan.second_velocity && b.average < 0, rates = second || plan.xpic_fraction > 0;
     constexpr int kChange = NodeLayout::Velocity(dim) / 2; // size
+    const auto value = [](const auto &at, int k) { return Gather<dim, false>(at, k).value; };
     ForEachGroup(w, b.count, [&](int p, int) {
       const At<NodeLayout::Velocity(dim)> velocity(w, p, grid.IndexSpace(), grid.Arrays().VelocityArray());
       PrefetchNext<Geometry>(b, p, kMomentum | kStressOfPoint | kInternal);
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
-        if (plan.change_velocity) StoreVector(nodes.change[d] + p, Gather<dim, false>(velocity, kChange + d).value);
+        if (plan.change_velocity) StoreVector(nodes.change[d] + p, value(velocity, kChange + d));
         if (!second) KeepGathered(Gather<dim>(velocity, d), d, p, motion);
-        if (plan.change_velocity && plan.velocity.damped > 0)
-          StoreVector(nodes.velocity[d] + p, Gather<dim, false>(velocity, d).value);
+        if (plan.change_velocity && plan.velocity.damped > 0) StoreVector(nodes.velocity[d] + p, value(velocity, d));
       }
-      if (!rates) return;
-      const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
-      const auto value = [&](int k) { return Gather<dim, false>(at, k).value; };
+      if (rates) {
+        const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().RatesArray());
 #pragma GCC unroll 3
-      for (int d = 0; d < dim; ++d) {
-        if (second) KeepGathered(Gather<dim>(at, d), d, p, motion);
-        if (plan.xpic_fraction > 0) StoreVector(nodes.projected[d] + p, value(NodeLayout::Projected(dim) + d));
+        for (int d = 0; d < dim; ++d) {
+          if (second) KeepGathered(Gather<dim>(at, d), d, p, motion);
+          if (plan.xpic_fraction > 0) StoreVector(nodes.projected[d] + p, value(at, NodeLayout::Projected(dim) + d));
+        }
       }
       if (!plan.short_wave.On()) return;
+      const AtRates at(w, p, grid.IndexSpace(), grid.Arrays().StrainRatesArray());
 #pragma GCC unroll 6
-      for (int k = 0; k < kRate; ++k) StoreVector(nodes.strain_rate[k] + p, value(NodeLayout::StrainRate(dim) + k));
+      for (int k = 0; k < kRate; ++k) StoreVector(nodes.strain_rate[k] + p, value(at, k));
     });
   }
   /// The new velocity of the nodes at the points of a block, with its gradient.
@@ -262,7 +265,7 @@ private:
     ForEachGroup(w, b.count, [&](int first, int count) {
       const At<NodeLayout::Velocity(dim)> at(w, first, grid.IndexSpace(), grid.Arrays().VelocityArray());
       const Pack mass = FirstLanes(LoadVector(masses[0] + first), count);
-      PrefetchNext<Geometry>(b, first, kMassOfPoint);
+      PrefetchNext<Geometry>(b, first, kMomentum);
       Pack parts[n] = {};
 #pragma GCC unroll 3
       for (int d = 0; d < dim; ++d) {
@@ -280,15 +283,6 @@ private:
 #pragma GCC unroll 2
       for (int k = 0; k < vectors; ++k) StoreTransposed(parts + kLanes * k, shares + kLanes * k, n);
       AddToNodes<dim, n, vectors>(w, first, count, grid.IndexSpace(), grid.Arrays().RatesArray(), shares);
-    });
-  }
-
-  /// Adds shares of a block to `rates`.
-  static void AddToRates(const Grid &grid, const Weights &w, int count, const double *shares)
-  {
-    constexpr int n = NodeLayout::Rates(dim);
-    ForEachGroup(w, count, [&](int first, int points) {
-      AddToNodes<dim, n, n / kLanes>(w, first, points, grid.IndexSpace(), grid.Arrays().RatesArray(), shares + n * first);
     });
   }
 

@@ -125,9 +125,9 @@ template <int dim, int components, int n, class Work>
 }
 
 /// Adds S times the shares of a group of points to their nodes, to the first `vectors` vectors of four of their components;
-/// shares [][components] of the points of the group. Vectors hold the components of a point: sums over points then need no sums
+/// shares [][stride] of the points of the group. Vectors hold the components of a point: sums over points then need no sums
 /// over lanes.
-template <int dim, int components, int vectors>
+template <int dim, int components, int vectors, int stride = components>
 inline void AddToNodes(const AxisStencils<dim> &block, int first, int count, const Lattice &grid, double *array,
                        const double *shares)
 {
@@ -150,7 +150,7 @@ inline void AddToNodes(const AxisStencils<dim> &block, int first, int count, con
 #pragma GCC unroll 3
       for (int r = 0; r < kRows; ++r)
 #pragma GCC unroll 4
-        for (int c = 0; c < n; ++c) share[r][c] = rows.Weight(r, p) * LoadVector<Vector>(shares + components * p + lanes * c);
+        for (int c = 0; c < n; ++c) share[r][c] = rows.Weight(r, p) * LoadVector<Vector>(shares + stride * p + lanes * c);
       for_each([&](int r, int k, int c) { sum[r][k][c] += block.w[0][k][first + p] * share[r][c]; });
     }
     for_each([&](int r, int k, int c) { StoreVector(place(r, k, c), sum[r][k][c]); });

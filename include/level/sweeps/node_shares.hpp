@@ -31,8 +31,8 @@ public:
     for (int p = 0; p < b.count; ++p) {
       const double *const v = b.velocity + dim * p, *const stress = b.stress + Geometry::kStress * p,
                           *const s = b.short_wave_stress + Geometry::kRate * p;
-      double *const flux = points_[p].flux[0];
-      StoreVector(points_[p].sums, b.mass[p] * Join(counts, LoadVector<HalfPack>(v)));
+      double *const flux = flux_[p][0];
+      StoreVector(sums_[p], b.mass[p] * Join(counts, LoadVector<HalfPack>(v)));
       if constexpr (dim == 2) {
         constexpr int xy = Geometry::kRate - 1;
         const Pack total = Pack{stress[0], stress[3], stress[3], stress[1]} + Pack{s[0], s[xy], s[xy], s[1]};
@@ -65,19 +65,21 @@ public:
       }
   }
 
-  /// Adds the shares of a block to its nodes.
+  /// Adds the shares of a block to its nodes. Sums and forces one after the other: the sums of three rows of nodes stay in
+  /// registers then.
   template <bool with_body> void AddTo(const Grid &grid, const Weights &w, const Block &b) const
   {
+    const Lattice &space = grid.IndexSpace();
     ForEachGroup(w, b.count, [&](int first, int count) {
       PrefetchNext<Geometry>(b, first, kMomentum | kStressOfPoint);
-      ForEachRows<dim, kNode, kRows>(w, first, grid.IndexSpace(), &grid.Sums()->mass,
-                                     [&](const NodeRows<dim, kRows> &rows) { AddRows<with_body>(w, first, count, rows); });
+      AddToNodes<dim, kNode, 1, kLanes>(w, first, count, space, &grid.Sums()->mass, sums_[first]);
+      ForEachRows<dim, kNode, kRows>(w, first, space, &grid.Sums()->mass + kPlace,
+                                     [&](const NodeRows<dim, kRows> &rows) { AddForces<with_body>(w, first, count, rows); });
     });
   }
 
 private:
-  static constexpr int kNode = NodeLayout::kSums,
-                       kRows = dim == 2 ? RowsAtOnce(2) : 1; // size: doubles of a node; rows of nodes at once
+  static constexpr int kNode = NodeLayout::kSums, kRows = RowsAtOnce(1); // size: doubles of a node; rows of nodes at once
   static constexpr int kPlace = offsetof(NodeSums, force) / sizeof(double) + dim - kForce;
 
   template <class Work> static void ForEachNode(Work work)
@@ -89,42 +91,32 @@ private:
   }
 
   template <bool with_body>
-  [[gnu::always_inline]] void AddRows(const Weights &w, int first, int count, const NodeRows<dim, kRows> &rows) const
+  [[gnu::always_inline]] void AddForces(const Weights &w, int first, int count, const NodeRows<dim, kRows> &rows) const
   {
-    Pack sum[kRows][3];
     Force force[kRows][3];
     const auto node = [&](int r, int k) { return rows.middle[r] + (k - 1) * kNode; };
     const auto spread = [](double x) { return First<Force>(Spread(x)); };
-    ForEachNode([&](int r, int k) { sum[r][k] = LoadVector(node(r, k)), force[r][k] = LoadVector<Force>(node(r, k) + kPlace); });
+    ForEachNode([&](int r, int k) { force[r][k] = LoadVector<Force>(node(r, k)); });
     for (int p = 0; p < count; ++p) {
-      const Point &point = points_[first + p];
-      Pack sums[kRows];
       Force along[kRows], across[kRows]; // the axis x
 #pragma GCC unroll 3
       for (int r = 0; r < kRows; ++r) {
-        const auto flux = [&](int axis) { return LoadVector<Force>(point.flux[axis]); };
-        const Pack S = Spread(rows.Weight(r, p));
-        sums[r] = S * LoadVector(point.sums);
-        along[r] = First<Force>(S) * flux(0);
+        const auto flux = [&](int axis) { return LoadVector<Force>(flux_[first + p][axis]); };
+        const Force S = spread(rows.Weight(r, p));
+        along[r] = S * flux(0);
         across[r] = spread(rows.Slope(r, 1, p)) * flux(1);
         if constexpr (dim == 3) across[r] += spread(rows.Slope(r, 2, p)) * flux(2);
-        if constexpr (with_body) across[r] += First<Force>(S) * LoadVector<Force>(body_[first + p]);
+        if constexpr (with_body) across[r] += S * LoadVector<Force>(body_[first + p]);
       }
-      ForEachNode([&](int r, int k) {
-        const Pack S = Spread(w.w[0][k][first + p]);
-        sum[r][k] += S * sums[r];
-        force[r][k] += First<Force>(S) * across[r];
-      });
+      ForEachNode([&](int r, int k) { force[r][k] += spread(w.w[0][k][first + p]) * across[r]; });
       ForEachNode([&](int r, int k) { force[r][k] += spread(w.g[0][k][first + p]) * along[r]; });
     }
-    ForEachNode([&](int r, int k) { StoreVector(node(r, k), sum[r][k]), StoreVector(node(r, k) + kPlace, force[r][k]); });
+    ForEachNode([&](int r, int k) { StoreVector(node(r, k), force[r][k]); });
   }
 
-  struct alignas(32) Point {
-    double sums[kLanes];      ///< mass, owned mass, two components of momentum; kg, kg m/s
-    double flux[dim][kForce]; ///< -V (sigma + s), by axes of the slope, J
-  } points_[kBlock];
-  double body_[kBlock][kForce]; ///< N; in space behind a component of momentum
+  alignas(32) double sums_[kBlock][kLanes];      ///< mass, owned mass, two components of momentum; kg, kg m/s
+  alignas(32) double flux_[kBlock][dim][kForce]; ///< -V (sigma + s), by axes of the slope, J
+  double body_[kBlock][kForce];                  ///< N; in space behind a component of momentum
 };
 
 } // namespace mlgimp

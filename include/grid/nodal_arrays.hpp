@@ -30,8 +30,8 @@ struct CellSums {
   double relative_volume; ///< J, at the step's start
 };
 
-/// The strain rate of a cell in its middle (components as NodeLayout's) times a weight, 1/s, and that weight: zero where no
-/// point lies in it, so that the cell has none.
+/// The strain rate of a cell in its middle (components as NodeLayout's) times a weight, 1/s, and that weight, in the plane as the
+/// fourth of these numbers: zero where no point lies in the cell, so that it has none.
 struct alignas(64) CellRate {
   double strain[6];
   double weight, unused;

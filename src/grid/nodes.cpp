@@ -72,17 +72,22 @@ double KineticEnergy(const Grid &grid, const NodalSettings &settings)
 
 void UpdateVelocities(const Grid &grid, const NodalSettings &settings, double dt)
 {
-  const bool body_forces = settings.HasBodyForces();
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
-    NodeSums &node = grid.Sums()[place];
-    const auto [velocity, change] = grid.Velocity(place);
-    const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
-    if (body_forces)
-      for (int axis = 0; axis < dim; ++axis)
-        node.force[axis] += node.mass * settings.gravity[axis] - settings.damping * node.momentum[axis];
+  const Vec3 gravity = settings.gravity;
+  const double damping = settings.damping, cutoff = settings.mass_cutoff;
+  ForEachLocal(grid, [=, sums = grid.Sums(), velocities = grid.Arrays().VelocityArray()](std::ptrdiff_t place, auto dim, auto) {
+    NodeSums &node = sums[place];
+    double *const velocity = velocities + NodeLayout::Velocity(dim) * place;
+    double v[dim], dv[dim], force[dim]; // all before any is stored, as the compiler makes vectors then
+    const double mass = node.mass, inverse_mass = mass <= cutoff ? 0 : 1 / mass;
     for (int axis = 0; axis < dim; ++axis) {
-      change[axis] = dt * node.force[axis] * inverse_mass;
-      velocity[axis] = node.momentum[axis] * inverse_mass + change[axis];
+      const double momentum = node.momentum[axis];
+      force[axis] = node.force[axis] + (mass * gravity[axis] - damping * momentum);
+      dv[axis] = dt * force[axis] * inverse_mass;
+      v[axis] = momentum * inverse_mass + dv[axis];
+    }
+    for (int axis = 0; axis < dim; ++axis) {
+      node.force[axis] = force[axis];
+      velocity[axis] = v[axis], velocity[NodeLayout::Velocity(dim) / 2 + axis] = dv[axis];
     }
   });
 }
@@ -221,13 +226,13 @@ static void HoldRates(const Grid &grid, const SecondVelocityPlan &plan)
 void DivideRates(const Grid &grid, const BoundaryConditions &sides, const NodalSettings &settings, const SecondVelocityPlan &plan,
                  Budgets &budgets)
 {
-  ForEachLocal(grid, [&](std::ptrdiff_t place, auto dim, auto) {
-    const NodeSums &node = grid.Sums()[place];
-    double *const velocity = grid.Rates(place), *const mean = velocity + NodeLayout::Projected(dim);
-    const double inverse_mass = node.mass <= settings.mass_cutoff ? 0 : 1 / node.mass;
+  const double cutoff = settings.mass_cutoff, share = plan.xpic;
+  ForEachLocal(grid, [=, sums = grid.Sums(), rates = grid.Arrays().RatesArray()](std::ptrdiff_t place, auto dim, auto) {
+    const NodeSums &node = sums[place];
+    double *const velocity = rates + NodeLayout::Rates(dim) * place, *const mean = velocity + NodeLayout::Projected(dim);
+    const double inverse_mass = node.mass <= cutoff ? 0 : 1 / node.mass;
     for (int axis = 0; axis < dim; ++axis) velocity[axis] = inverse_mass * (node.momentum[axis] + velocity[axis]);
-    if (plan.xpic > 0)
-      for (int axis = 0; axis < dim; ++axis) mean[axis] *= inverse_mass;
+    for (int axis = 0; share > 0 && axis < dim; ++axis) mean[axis] *= inverse_mass;
   });
   HoldRates(grid, plan);
   for (const std::ptrdiff_t node : plan.following) FollowMotion(grid, settings, node);

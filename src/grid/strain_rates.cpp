@@ -52,9 +52,10 @@ template <int dim, bool has_hoop> struct CellMotion {
   void PutRate(CellRate *cell) const
   {
     const double xy = 0.5 * (slope[1][0] + slope[0][1]);
-    if constexpr (dim == 2) {
-      StoreVector(cell->strain,
-                  weight * (has_hoop ? Pack{slope[0][0], slope[1][1], hoop, xy} : Pack{slope[0][0], slope[1][1], xy, 0}));
+    if constexpr (dim == 2 && !has_hoop) {
+      StoreVector(cell->strain, weight * Pack{slope[0][0], slope[1][1], xy, 1});
+    } else if constexpr (dim == 2) {
+      StoreVector(cell->strain, weight * Pack{slope[0][0], slope[1][1], hoop, xy});
       StoreVector(cell->strain + 4, Pack{0, 0, weight, 0});
     } else {
       StoreVector(cell->strain, weight * Pack{slope[0][0], slope[1][1], slope[2][2], xy});
@@ -64,8 +65,9 @@ template <int dim, bool has_hoop> struct CellMotion {
 };
 
 /// Strain rates, times weights, and those, of the cells around a node that lie on one side of it along x; `above`: those in the
-/// layer above it, the last of them.
-template <int dim> struct CellColumn {
+/// layer above it, the last of them. In the plane there is no `high`, and the weight is the last number of `low`.
+template <int dim, bool has_hoop> struct CellColumn {
+  static constexpr bool kHasHigh = dim == 3 || has_hoop;
   Pack low{}, high{};
 
   CellColumn() = default;
@@ -74,7 +76,7 @@ template <int dim> struct CellColumn {
 #pragma GCC unroll 2
     for (int k = 0; k < dim - 1; ++k) {
       low += LoadVector(above[-k * along_y].strain) + LoadVector(below[-k * along_y].strain);
-      high += LoadVector(above[-k * along_y].strain + 4) + LoadVector(below[-k * along_y].strain + 4);
+      if constexpr (kHasHigh) high += LoadVector(above[-k * along_y].strain + 4) + LoadVector(below[-k * along_y].strain + 4);
     }
   }
 };
@@ -131,11 +133,12 @@ private:
     constexpr int n = NodeLayout::Rates(dim);
     double *const rates = grid_.Arrays().StrainRates(grid_.Place(at));
     const int count = grid_.Ghosted().Size(0);
-    CellColumn<dim> before(above, below, along_y_);
+    using Column = CellColumn<dim, has_hoop>;
+    Column before(above, below, along_y_);
     for (int x = 0; x < count; ++x) {
-      const CellColumn<dim> after(above + x + 1, below + x + 1, along_y_);
+      const Column after(above + x + 1, below + x + 1, along_y_);
       const Pack low = before.low + after.low, high = before.high + after.high;
-      const double inverse = high[2] > 0 ? 1 / high[2] : 0;
+      const double weight = Column::kHasHigh ? high[2] : low[3], inverse = weight > 0 ? 1 / weight : 0;
       StoreVector(rates + n * x, inverse * low);
       if constexpr (dim == 3) StoreVector(rates + n * x + 4, inverse * high);
       before = after;

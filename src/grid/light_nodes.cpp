@@ -1,6 +1,8 @@
 // Finding what light nodes hang on, and sums and motions to and fro.
 #include "grid/light_nodes.hpp"
 
+#include "base/pack.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +18,14 @@ int Distance(Index a, Index b)
   int most = 0;
   for (int axis = 0; axis < 3; ++axis) most = std::max(most, std::abs(a[axis] - b[axis]));
   return most;
+}
+
+/// to += weight from, of `size` numbers.
+void AddTimes(double weight, const double *from, double *to, std::ptrdiff_t size)
+{
+  std::ptrdiff_t c = 0;
+  for (; c + kLanes <= size; c += kLanes) StoreVector(to + c, LoadVector(to + c) + weight * LoadVector(from + c));
+  for (; c < size; ++c) to[c] += weight * from[c];
 }
 
 /// (C + part) y = r by Cholesky's factors, in place of r.
@@ -244,17 +254,10 @@ PetscErrorCode LightNodes::Restrict(HaloExchange &halo, double *values, std::ptr
   given_.assign(targets_.size() * size, 0.0);
   for (const Light &light : lights_) {
     const double *const from = values + size * light.place;
-    double *const left = &given_[size * tables_.target[light.place]];
-    for (int c = 0; c < size; ++c) left[c] += (light.own - 1) * from[c];
-    for (int d = light.first; d < light.end; ++d) {
-      double *const to = &given_[size * donors_[d].target];
-      for (int c = 0; c < size; ++c) to[c] += donors_[d].weight * from[c];
-    }
+    AddTimes(light.own - 1, from, &given_[size * tables_.target[light.place]], size);
+    for (int d = light.first; d < light.end; ++d) AddTimes(donors_[d].weight, from, &given_[size * donors_[d].target], size);
   }
-  const auto add = [&](std::ptrdiff_t place, const double *shares) {
-    double *const to = values + size * place;
-    for (int c = 0; c < size; ++c) to[c] += shares[c];
-  };
+  const auto add = [&](std::ptrdiff_t place, const double *shares) { AddTimes(1, shares, values + size * place, size); };
   const auto add_from = [&](std::size_t first, std::size_t end) {
     for (std::size_t rank = first; rank < end; ++rank)
       for (std::size_t k = 0; k < incoming[rank].size(); k += 1 + size)
@@ -279,10 +282,7 @@ PetscErrorCode LightNodes::Prolong(HaloExchange &halo, double *values, std::ptrd
   for (const Light &light : lights_) {
     double *const to = values + size * light.place;
     for (int c = 0; c < size; ++c) to[c] *= light.own;
-    for (int d = light.first; d < light.end; ++d) {
-      const double *const from = values + size * donors_[d].place;
-      for (int c = 0; c < size; ++c) to[c] += donors_[d].weight * from[c];
-    }
+    for (int d = light.first; d < light.end; ++d) AddTimes(donors_[d].weight, values + size * donors_[d].place, to, size);
   }
   for (const Copy &copy : light_copies_) {
     const double *const from = values + size * lights_[copy.number].place;

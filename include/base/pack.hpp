@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #ifdef __AVX__
 #include <immintrin.h>
@@ -34,6 +35,14 @@ template <class Vector> inline void StoreVector(double *x, Vector value)
 {
   typedef Vector Unaligned __attribute__((aligned(8)));
   *reinterpret_cast<Unaligned *>(x) = value;
+}
+
+/// to += weight from, of `size` numbers.
+inline void AddTimes(double weight, const double *from, double *to, std::ptrdiff_t size)
+{
+  std::ptrdiff_t c = 0;
+  for (; c + kLanes <= size; c += kLanes) StoreVector(to + c, LoadVector(to + c) + weight * LoadVector(from + c));
+  for (; c < size; ++c) to[c] += weight * from[c];
 }
 
 /// One number in all lanes.

@@ -20,14 +20,6 @@ int Distance(Index a, Index b)
   return most;
 }
 
-/// to += weight from, of `size` numbers.
-void AddTimes(double weight, const double *from, double *to, std::ptrdiff_t size)
-{
-  std::ptrdiff_t c = 0;
-  for (; c + kLanes <= size; c += kLanes) StoreVector(to + c, LoadVector(to + c) + weight * LoadVector(from + c));
-  for (; c < size; ++c) to[c] += weight * from[c];
-}
-
 /// (C + part) y = r by Cholesky's factors, in place of r.
 struct SpreadFactors {
   int dim;

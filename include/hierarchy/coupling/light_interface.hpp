@@ -51,7 +51,4 @@ private:
   std::vector<Donor> donors_;
 };
 
-/// to += part times mass, momentum and force of `from`.
-void AddSums(double part, const NodeSums &from, NodeSums *to);
-
 } // namespace mlgimp

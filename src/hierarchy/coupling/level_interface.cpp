@@ -2,6 +2,7 @@
 #include "hierarchy/coupling/level_interface.hpp"
 
 #include "base/exchange.hpp"
+#include "base/pack.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -75,7 +76,7 @@ PetscErrorCode LevelInterface::Restrict()
     if (from.mass == 0) continue;
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      AddSums(part, from, &fields_.fine[node.interface[a]]);
+      AddTimes(part, &from.mass, &fields_.fine[node.interface[a]].mass, NodeLayout::kSums);
     }
   }
   for (NodeSums &sums : fields_.fine) sums.owned_mass = sums.mass;
@@ -129,8 +130,7 @@ void LevelInterface::Prolong()
     for (int c = 0; c < fields_.components; ++c) to[c] *= node.beta;
     for (int a = 0; a < node.count; ++a) {
       const double part = (1 - node.beta) * node.weight[a];
-      const double *const from = fields_.In(fields_.velocity, node.interface[a]).velocity;
-      for (int c = 0; c < fields_.components; ++c) to[c] += part * from[c];
+      AddTimes(part, fields_.In(fields_.velocity, node.interface[a]).velocity, to, fields_.components);
     }
   }
 }

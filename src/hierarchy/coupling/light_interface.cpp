@@ -2,6 +2,7 @@
 #include "hierarchy/coupling/light_interface.hpp"
 
 #include "base/exchange.hpp"
+#include "base/pack.hpp"
 
 #include <algorithm>
 #include <map>
@@ -10,7 +11,8 @@
 namespace mlgimp
 {
 
-void AddSums(double part, const NodeSums &from, NodeSums *to)
+/// to += part times mass, momentum and force of `from`.
+static void AddSums(double part, const NodeSums &from, NodeSums *to)
 {
   to->mass += part * from.mass;
   for (int axis = 0; axis < 3; ++axis)
@@ -92,8 +94,7 @@ void LightInterface::Prolong(int components, std::vector<double> *motion) const
   ForEachLight([&](int k) {
     double *const to = motion_of(k);
     for (int c = 0; c < components; ++c) to[c] *= own_[k];
-    for (int d = first_[k]; d < first_[k + 1]; ++d)
-      for (int c = 0; c < components; ++c) to[c] += donors_[d].weight * motion_of(donors_[d].on)[c];
+    for (int d = first_[k]; d < first_[k + 1]; ++d) AddTimes(donors_[d].weight, motion_of(donors_[d].on), to, components);
   });
 }
 

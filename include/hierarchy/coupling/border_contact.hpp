@@ -92,6 +92,7 @@ private:
   std::vector<Vec3> carried_over_;   ///< [owned]: what fine points have not got of it yet
   std::vector<double> change_;       ///< [known][components]: what contact on the finer level adds to velocities
   std::vector<SharedNode> shared_;   ///< by place on the coarse level
+  std::vector<UpRecord> incoming_;   ///< by place on the coarse level, where contact may push
   std::vector<SharedNode> outgoing_; ///< [owned]
   int steps_far_ = 0;                ///< coarse steps in a row in which contact could push no interface node
   UnitHandle shared_unit_, up_unit_;

@@ -128,7 +128,7 @@ PetscErrorCode BorderContact::ToCoarse()
     PetscCall(ShareContact());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  std::fill(shared_.begin(), shared_.end(), SharedNode());
+  for (const std::ptrdiff_t place : nodes_.Coupled().coarse) shared_[place] = {};
   PetscCall(nodes_.ToCoarse(coarse.VelocityUnit(), fields_.mean.data(), coarse.VelocityArray()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -137,17 +137,18 @@ PetscErrorCode BorderContact::ToCoarse()
 PetscErrorCode BorderContact::ShareContact()
 {
   const NodalArrays &coarse = coarse_.Mesh().Arrays();
-  std::vector<UpRecord> outgoing(nodes_.Owned()), incoming(shared_.size());
+  std::vector<UpRecord> outgoing(nodes_.Owned());
   PetscFunctionBeginUser;
   for (int k = 0; k < nodes_.Owned(); ++k) {
     outgoing_[k].finer_mass = fields_.fine[k].mass;
     std::copy_n(fields_.In(fields_.mean, k).velocity, fields_.components, outgoing[k].velocity);
     outgoing[k].shared = outgoing_[k];
   }
-  PetscCall(nodes_.ToCoarse(up_unit_, outgoing.data(), incoming.data()));
+  incoming_.resize(shared_.size());
+  PetscCall(nodes_.ToCoarse(up_unit_, outgoing.data(), incoming_.data()));
   for (const std::ptrdiff_t place : nodes_.Coupled().coarse) {
-    std::copy_n(incoming[place].velocity, fields_.components, coarse.Velocity(place).velocity);
-    shared_[place] = incoming[place].shared;
+    std::copy_n(incoming_[place].velocity, fields_.components, coarse.Velocity(place).velocity);
+    shared_[place] = incoming_[place].shared;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -124,13 +124,15 @@ void LevelInterface::AdvanceInterface(int substep, double dt)
 /// (v, dv)_i = (1 - beta_i) sum_I N_I(x_i) (v, dv)_I + beta_i (v, dv)_i, where v is that of the motion.
 void LevelInterface::Prolong()
 {
+  const double *const velocity = fields_.velocity.data();
   light_.Prolong(fields_.components, &fields_.velocity);
   for (const BlendNode &node : nodes_.Band()) {
     double *const to = fine_->Mesh().Velocity(node.node).velocity;
-    for (int c = 0; c < fields_.components; ++c) to[c] *= node.beta;
-    for (int a = 0; a < node.count; ++a) {
-      const double part = (1 - node.beta) * node.weight[a];
-      AddTimes(part, fields_.In(fields_.velocity, node.interface[a]).velocity, to, fields_.components);
+    for (int c = 0; c < fields_.components; c += kLanes) {
+      Pack of_interface{};
+      for (int a = 0; a < node.count; ++a)
+        of_interface += node.weight[a] * LoadVector(velocity + fields_.components * node.interface[a] + c);
+      StoreVector(to + c, node.beta * LoadVector(to + c) + (1 - node.beta) * of_interface);
     }
   }
 }

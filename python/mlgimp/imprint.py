@@ -28,7 +28,7 @@ def read_patches(directory, number=None):
         with h5py.File(path, "r") as file:
             if "surface" not in file:
                 raise ResultError(path, "has no surface: it needs a run with -contact pressure")
-            corners, area = file["surface"]["position"][()], float(file.attrs.get("contact_area", 0))
+            corners, area = results.numbers_of(file["surface"]["position"]), float(file.attrs.get("contact_area", 0))
     except OSError as problem:
         raise ResultError(path, f"not a frame of points ({problem})") from None
     dim = corners.shape[1]

@@ -152,12 +152,17 @@ def read_contact_area(path):
         return float(file.attrs.get("contact_area", 0))
 
 
+def numbers_of(dataset):
+    """Returns the numbers of a dataset of a frame; real ones as doubles, also those of -frame_precision single."""
+    return dataset.astype(float)[()] if dataset.dtype.kind == "f" else dataset[()]
+
+
 def read_frame(path):
     """Returns the Frame stored in a points_FFFFFF.h5; a level without points has arrays of length 0."""
     try:
         with h5py.File(path, "r") as file:
             groups = sorted((name for name in file if name.startswith("level_")), key=number_in)
-            levels = [{name: data[()] for name, data in file[group].items() if name != "vertex"} for group in groups]  # that is for ParaView
+            levels = [{name: numbers_of(data) for name, data in file[group].items() if name != "vertex"} for group in groups]  # of ParaView
             if not levels:
                 raise KeyError("no group level_0")
             for group, level in zip(groups, levels):

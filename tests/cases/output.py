@@ -8,6 +8,7 @@ import numpy
 import pytest
 
 import harness
+import mlgimp
 from ranks import COLLISION, WEDGE
 
 pytestmark = pytest.mark.mpi
@@ -50,7 +51,7 @@ OPTIONS = {
     "xpic_order": ["2"], "damping": ["[1/s]", "0"], "sort_interval": ["50"], "rebalance_threshold": ["1.1"],
     "end_time": ["[s]", "none"], "max_steps": ["0"], "time_step": ["[s]", "0"], "cfl": ["0.4"], "output_dir": ["output/"],
     "overwrite": ["false"], "history_interval": ["1"], "frames": ["20"], "checkpoint_interval": ["0"], "restart": [],
-    "monitor": ["false"],
+    "frame_precision": ["double"], "monitor": ["false"],
 }
 
 
@@ -194,6 +195,53 @@ def test_log_view(expect):
         expect.that(f"-log_view: {event} in level 0", row is not None and row[0] > 0, str(row))
         if event in ("P2G", "GridUpdate", "G2PStress"):
             expect.that(f"-log_view: flops of {event}", row is not None and row[1] > 0)
+
+
+def datasets_of(folder):
+    """Dataset by file and name of all frames of a folder, of points and of the surface."""
+    found = {}
+    for path in sorted(folder.glob("points_*.h5")):
+        with h5py.File(path, "r") as file:
+            for group in file:
+                found.update({f"{path.name}/{group}/{name}": data[()] for name, data in file[group].items()})
+    return found
+
+
+def test_single_precision(expect, tmp_path):
+    """Frames with numbers of four bytes: the same to their rounding, half as large, and told to the readers of both series."""
+    wedge = {**WEDGE, "frames": 4, "checkpoint_interval": 10}
+    double, single = harness.run(wedge), harness.run({**wedge, "frame_precision": "single"}, ranks=2)
+    exact, rounded = datasets_of(double.folder), datasets_of(single.folder)
+    expect.that("the same datasets", exact.keys() == rounded.keys(), f"{len(exact)}, {len(rounded)}")
+    kinds = {data.dtype.name for data in rounded.values()}
+    expect.that("no number of eight bytes but ids", kinds == {"float32", "int32", "int64"}, str(kinds))
+    for group in ("level_0", "surface"):
+        last = {name.rsplit("/", 1)[1]: data for name, data in rounded.items() if name.startswith("points_000000.h5/" + group)}
+        start = {name.rsplit("/", 1)[1]: data for name, data in exact.items() if name.startswith("points_000000.h5/" + group)}
+        worst = max(numpy.abs(numpy.sort(last[name], 0) - numpy.sort(start[name], 0)).max() / (numpy.abs(start[name]).max() or 1)
+                    for name in last if last[name].dtype == numpy.float32)
+        expect(f"{group}: what four bytes round away", float(worst), at_most=2 ** -24)
+    sizes = [sum(path.stat().st_size for path in folder.glob("points_*.h5")) for folder in (double.folder, single.folder)]
+    expect("size of the files", sizes[1] / sizes[0], at_most=0.65)
+    with h5py.File(single.folder / "points.vtkhdf", "r") as file:
+        expect.that("VTKHDF", file["VTKHDF/Points"].dtype == numpy.float32 and file["VTKHDF/PointData/stress"].dtype == numpy.float32)
+        shown = file["VTKHDF/Points"][:]
+    expect.that("VTKHDF shows the points", bool(numpy.isin(rounded["points_000000.h5/level_0/position"][:, 0], shown[:, 0]).all()))
+    xdmf = xml.etree.ElementTree.parse(single.folder / "points.xdmf")
+    precisions = {item.get("Precision") for item in xdmf.iter("DataItem") if item.get("NumberType") == "Float"}
+    expect.that("XDMF", precisions == {"4"}, str(precisions))
+    expect.that("Python has doubles", mlgimp.read(single.folder).frame(2)["position"].dtype == numpy.float64)
+
+
+def test_precision_of_a_restart(tmp_path):
+    """A run goes on with frames of the same precision alone in the same folder."""
+    wedge = {**WEDGE, "frames": 4, "checkpoint_interval": 10, "frame_precision": "single"}
+    harness.run({**wedge, "max_steps": 20}, folder=tmp_path)
+    on = {**wedge, "restart": tmp_path / "checkpoint_000020.h5", "max_steps": 30}
+    for ranks in (1, 2):
+        refused = harness.run({**on, "frame_precision": "double"}, folder=tmp_path, ranks=ranks, must_succeed=False)
+        assert refused.status == 1 and "-frame_precision double: " in refused.stderr and "other kind" in refused.stderr, refused.stderr
+    harness.run(on, folder=tmp_path)
 
 
 SHARES = ("contact_share", "halo_share", "transfer_share", "coupling_share")

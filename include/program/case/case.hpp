@@ -93,8 +93,9 @@ struct OutputSettings {
   std::string directory;
   bool overwrite = false, monitor = false;
   int history_interval = 1, frames = 20, checkpoint_interval = 0;
-  std::string restart; ///< checkpoint to go on from; empty for none
-  std::string check;   ///< how the case is described in place of being run, "text" or "json"; empty: it is run
+  bool single_precision = false; ///< of the frames' real numbers
+  std::string restart;           ///< checkpoint to go on from; empty for none
+  std::string check;             ///< how the case is described in place of being run, "text" or "json"; empty: it is run
 };
 
 struct Case {

@@ -14,9 +14,13 @@ namespace mlgimp
 class FrameWriter
 {
 public:
-  FrameWriter(std::string directory, const Model &model) : directory_(std::move(directory)), model_(model) {}
+  /// single_precision: of real numbers, which are doubles else.
+  FrameWriter(std::string directory, const Model &model, bool single_precision)
+      : directory_(std::move(directory)), model_(model), single_precision_(single_precision)
+  {
+  }
 
-  /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on.
+  /// Finds the frames up to number `written` that an interrupted run left, so that the series goes on; of the same precision.
   /// Returns nothing, or what could not be written; here and below.
   std::string Resume(MPI_Comm comm, int written);
   /// Writes frame `number` (0 is the state at the start), and the series with it: with every frame while they are few, then after
@@ -38,6 +42,13 @@ private:
   };
   /// Whether frames have the surface: where patches of it are pressed.
   bool HasSurface() const { return model_.indenter && model_.contact.method == "pressure"; }
+  /// The type of real numbers in the files, in HDF5.
+  hid_t Real() const { return single_precision_ ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE; }
+  hid_t TypeOf(FieldType type) const { return type == FieldType::kReal ? Real() : H5Type(type); }
+  void AddReals(H5Writer &file, const std::string &name, int components, const Slab &slab, const double *values) const;
+  void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const std::vector<double> &pressures,
+                  const Slab &slab) const;
+  std::string FindFrames(int written);
   void AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, hsize_t *total);
   std::string FileName(int number) const;
   VtkSeries Points() const;
@@ -47,6 +58,7 @@ private:
 
   std::string directory_;
   const Model &model_;
+  bool single_precision_;
   std::vector<Frame> frames_;
   std::size_t in_series_ = 0; ///< frames; first rank
 };

@@ -18,7 +18,7 @@ public:
   /// All are kept by reference and must outlive the output.
   RunOutput(const Case &settings, Hierarchy &hierarchy, RunState &state, const RunCost &cost)
       : case_(settings), hierarchy_(hierarchy), state_(state), cost_(cost), folder_(settings.output),
-        frames_(settings.output.directory, settings.model), rows_(settings, hierarchy, state)
+        frames_(settings.output.directory, settings.model, settings.output.single_precision), rows_(settings, hierarchy, state)
   {
   }
 

@@ -176,6 +176,10 @@ void ReadOutput(OptionReader &reader, Case *c)
   reader.Read({"-frames", "number of equally spaced point frames behind that of the start, the last at the end; 0 = none", "",
                Closed(0, 1e6)},
               &out.frames);
+  std::string precision = "double";
+  out.single_precision =
+      reader.Choice({"-frame_precision", "real numbers in frames: of 8 bytes, or of 4, which halves the files"},
+                    {"double", "single"}, &precision) == 1;
   reader.Read({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", "", kNotNegative},
               &out.checkpoint_interval);
   reader.Read({"-restart", "checkpoint to go on from, on any number of ranks"}, &out.restart);

@@ -1,6 +1,7 @@
 // Point frames in HDF5, and their series.
 #include "program/output/frames.hpp"
 
+#include "base/text.hpp"
 #include "program/system/agree.hpp"
 #include "program/system/errors.hpp"
 #include "program/system/files.hpp"
@@ -87,15 +88,22 @@ static std::vector<DerivedField> DerivedFields(const Model &model, const std::ve
   return fields;
 }
 
-static void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const Model &model,
-                       const std::vector<double> &pressures, const Slab &slab)
+void FrameWriter::AddReals(H5Writer &file, const std::string &name, int components, const Slab &slab, const double *values) const
 {
-  const BodyTable bodies = model.Table();
-  for (const DerivedField &field : DerivedFields(model, pressures)) {
+  if (!single_precision_) return file.Dataset(name, Real(), components, slab, values);
+  const std::vector<float> rounded(values, values + static_cast<std::size_t>(components) * slab.count);
+  file.Dataset(name, Real(), components, slab, rounded.data());
+}
+
+void FrameWriter::AddDerived(H5Writer &file, const std::string &group, const PointArrays &points,
+                             const std::vector<double> &pressures, const Slab &slab) const
+{
+  const BodyTable bodies = model_.Table();
+  for (const DerivedField &field : DerivedFields(model_, pressures)) {
     std::vector<double> values(static_cast<std::size_t>(field.components) * points.count);
     for (int p = 0; p < points.count; ++p)
       field.evaluate(points, p, bodies.Of(points, p), &values[PointArrays::At(p, field.components)]);
-    file.Dataset(group + "/" + field.name, H5T_NATIVE_DOUBLE, field.components, slab, values.data());
+    AddReals(file, group + "/" + field.name, field.components, slab, values.data());
   }
 }
 
@@ -130,10 +138,13 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
       const PointFieldInfo &field = level.PointStore().Table()[k];
       if (!field.in_frames || field.components == 0) continue;
       void *const data = level.PointStore().Field(static_cast<PointField>(k));
-      file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
+      if (field.type == FieldType::kReal)
+        AddReals(file, group + "/" + field.name, field.components, slab, static_cast<const double *>(data));
+      else
+        file.Dataset(group + "/" + field.name, H5Type(field.type), field.components, slab, data);
     }
     ExitOnError(level.Contact().PressuresOnPoints(level.Parts(), hierarchy.Tip().At(time), &pressures));
-    AddDerived(file, group, points, model_, pressures, slab);
+    AddDerived(file, group, points, pressures, slab);
     AddVertices(file, group, slab);
     frame.counts.push_back(slab.total);
   }
@@ -144,25 +155,36 @@ std::string FrameWriter::Write(Hierarchy &hierarchy, int number, double time, lo
   return WriteSeries(hierarchy.Comm(), false);
 }
 
-std::string FrameWriter::Resume(MPI_Comm comm, int written)
+/// On the first rank. Returns why the series cannot go on.
+std::string FrameWriter::FindFrames(int written)
 {
-  for (int number = 0; number <= written && RankIn(comm) == 0; ++number) { // some are absent where steps are fewer than frames
+  const std::string first = "/level_0/position";
+  for (int number = 0; number <= written; ++number) { // some are absent where steps are fewer than frames
     H5Reader file;
     Frame frame{number, 0, {}, 0};
     std::vector<double> time(1);
+    hsize_t rows = 0;
     if (!file.Open(PathOf(number)) || !file.Attribute("/", "time", &time)) continue;
+    if (file.Rows(first, single_precision_ ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, model_.geometry.Dim(), &rows))
+      return Format("-frame_precision {}: {} has real numbers of the other kind", single_precision_ ? "single" : "double",
+                    PathOf(number));
     frame.time = time[0];
     for (int l = 0; file.Has("level_" + std::to_string(l)); ++l) {
-      hsize_t rows = 0;
       file.Rows("/level_" + std::to_string(l) + "/id", H5T_NATIVE_INT64, 1, &rows);
       frame.counts.push_back(rows);
     }
     file.Rows(kSurface + "/" + kVertex, H5T_NATIVE_INT, 1, &frame.corners);
     frames_.push_back(frame);
   }
+  return "";
+}
+
+std::string FrameWriter::Resume(MPI_Comm comm, int written)
+{
+  const std::string problem = OnFirstRank(comm, "frames", [&] { return FindFrames(written); });
   int found = static_cast<int>(frames_.size());
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);
-  return found > 0 ? WriteSeries(comm, true) : "";
+  return problem.empty() && found > 0 ? WriteSeries(comm, true) : problem;
 }
 
 /// The surface of bodies in patches, with the pressures on them.
@@ -184,9 +206,9 @@ void FrameWriter::AddSurface(H5Writer &file, Hierarchy &hierarchy, double time, 
   const auto patches = static_cast<int>(bodies.size());
   const Slab of_patches = MakeSlab(hierarchy.Comm(), patches), of_corners = MakeSlab(hierarchy.Comm(), corners * patches);
   file.Group(kSurface);
-  file.Dataset(kSurface + "/position", H5T_NATIVE_DOUBLE, dim, of_corners, positions.data());
+  AddReals(file, kSurface + "/position", dim, of_corners, positions.data());
   AddVertices(file, kSurface, of_corners);
-  file.Dataset(kSurface + "/contact_pressure", H5T_NATIVE_DOUBLE, 1, of_patches, pressures.data());
+  AddReals(file, kSurface + "/contact_pressure", 1, of_patches, pressures.data());
   file.Dataset(kSurface + "/body", H5T_NATIVE_INT, 1, of_patches, bodies.data());
   file.Dataset(kSurface + "/level", H5T_NATIVE_INT, 1, of_patches, levels.data());
   *total = of_corners.total;
@@ -196,17 +218,17 @@ VtkSeries FrameWriter::Points() const
 {
   VtkSeries series{"Vertices", 1, {}, {}};
   std::vector<FrameField> &fields = series.point_fields;
-  for (const DerivedField &field : DerivedFields(model_, {})) fields.push_back({field.name, H5T_NATIVE_DOUBLE, field.components});
+  for (const DerivedField &field : DerivedFields(model_, {})) fields.push_back({field.name, Real(), field.components});
   for (const PointFieldInfo &field : PointFieldTable(model_.geometry.kind, 0, 0))
-    if (field.in_frames && field.components > 0) fields.push_back({field.name, H5Type(field.type), field.components});
+    if (field.in_frames && field.components > 0) fields.push_back({field.name, TypeOf(field.type), field.components});
   return series;
 }
 
 VtkSeries FrameWriter::Patches() const
 {
   const int dim = model_.geometry.Dim();
-  const FrameField position{"position", H5T_NATIVE_DOUBLE, dim}, pressure{"contact_pressure", H5T_NATIVE_DOUBLE, 1},
-      body{"body", H5T_NATIVE_INT, 1}, level{"level", H5T_NATIVE_INT, 1};
+  const FrameField position{"position", Real(), dim}, pressure{"contact_pressure", Real(), 1}, body{"body", H5T_NATIVE_INT, 1},
+      level{"level", H5T_NATIVE_INT, 1};
   return {dim == 2 ? "Lines" : "Polygons", 1 << (dim - 1), {position}, {pressure, body, level}};
 }
 

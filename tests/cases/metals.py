@@ -62,7 +62,7 @@ def punch(**more):
 
 def test_punch(expect):
     """Prandtl: the limit load is (2 + pi) k a, a punch acting a quarter cell wider; the pressure does not alternate. Seen: load 2.1 %, growth 1.1 %,
-    noise 0.12 and 0.8, energies 0.2 and 1.2 %, contact 1.0 %, noise of velocities 5e-5."""
+    noise 0.095 and 0.5 (with kSettling = 4 0.12 and 0.76), energies 0.2 and 1.2 %, contact 1.0 %, noise of velocities 5e-5."""
     result = punch()
     history, frame = result.history, result.frame()
     load = history["load"] / ((2 + math.pi) * SHEAR_YIELD * 8.25e-6)
@@ -73,8 +73,8 @@ def test_punch(expect):
     x, depth = frame["position"][:, 0], 32e-6 - history["depth"][-1] - frame["position"][:, 1]
     below = (x < 8e-6) & (depth < 8e-6) & ~((numpy.abs(x - 8e-6) < 2e-6) & (depth < 2e-6))
     rms, largest = pressure_noise(frame, below, 1e-6)
-    expect("noise of the pressure under the punch without its corner, rms, k", rms / SHEAR_YIELD, at_most=0.25)
-    expect("largest of it, k", largest / SHEAR_YIELD, at_most=1.5)
+    expect("noise of the pressure under the punch without its corner, rms, k", rms / SHEAR_YIELD, at_most=0.11)
+    expect("largest of it, k", largest / SHEAR_YIELD, at_most=0.65)
     expect("energy less what contact gave, of it", energy_left(history, harness.given_by_contact(history)), near=0, tolerance=0.01)
     expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1,
@@ -99,7 +99,7 @@ def test_locking_without_average(expect):
 
 def test_cone(expect):
     """Hardness: P/h^2 of a 70.3 degree cone by finite elements (PNAS 117:7052, 2020), E 50 GPa, sy 1 GPa, no hardening. Seen: P/h^2 5e-3 and 1.4e-3,
-    noise 0.15, energy 5e-4, contact 1.7e-3."""
+    noise 0.10 (with kSettling = 4 0.15), energy 5e-4, contact 1.7e-3."""
     result = harness.run({"frames": 1, "indenter_max_depth": 150e-9, "history_interval": 5}, file="cone_metal.opts", ranks=harness.up_to(2))
     history = result.history
     depth, load = history["depth"], history["load"]
@@ -111,7 +111,7 @@ def test_cone(expect):
     expect("the same in the last fifth over the last half", curvature(120e-9) / curvature(75e-9), near=1, tolerance=0.02)
     frame = result.frame()
     below = (frame["position"][:, 0] < 0.3e-6) & (frame["position"][:, 1] > 25.2e-6)
-    expect("noise of the pressure under it, rms, k", pressure_noise(frame, below, 50e-9)[0] / (1e9 / math.sqrt(3)), at_most=0.25)
+    expect("noise of the pressure under it, rms, k", pressure_noise(frame, below, 50e-9)[0] / (1e9 / math.sqrt(3)), at_most=0.13)
     expect("energy less work, of the work", energy_left(history), near=0, tolerance=0.03)
     expect("what contact gave beyond the indenter's work, of it", harness.given_by_contact(history)[-1] / history["indenter_work"][-1] - 1,
            near=0, tolerance=0.03)

@@ -11,9 +11,10 @@ namespace mlgimp
 {
 
 /// Of the difference between a point's relative volume and the mean of its cell a share goes with strain: all but 1/e of it while
-/// a point is strained by a fourth. With 3 cones show what points brought from other cells, with 10 cutting wedges gain energy.
-/// Of metals: points of a body that does not flow keep their neighbours, and differ within a cell as strain does.
-inline constexpr double kSettling = 4;
+/// a point is strained by a twentieth. With 4 pressures show what points brought from other cells, as chequers in films. Of
+/// metals, whose volume changes by pressure over bulk modulus alone: the differences are no strain to speak of. Points of a body
+/// that does not flow keep their neighbours, and differ within a cell as strain does.
+inline constexpr double kSettling = 20;
 
 /// Growth of volume of the points of a block in a step, det(I + dt L) - 1, in axisymmetry with that along the hoop.
 template <class Geometry>

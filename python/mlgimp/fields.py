@@ -26,6 +26,7 @@ SCALARS = {"von_mises_stress": ("von Mises stress", "Pa"), "pressure": ("pressur
            "equivalent_plastic_strain": ("equivalent plastic strain", ""), "temperature": ("temperature", "K"),
            "speed": ("speed", "m/s")}
 INDENTER_COLOUR = "0.55"
+NO_LOAD = 1e-6  # of the largest load: less is what rounding leaves, and bodies that come to rest
 HEADROOM = 0.1  # of the height of what is drawn, above it, for the indenter
 LARGEST_PANEL, SMALLEST_PANEL = (6.4, 6.4), (2.2, 0.5)  # width and height of a field's axes in inches
 LARGEST_ROW = 12.0  # width of all the axes in a row, in inches
@@ -74,6 +75,8 @@ def state_at(history, time):
     words = [f"t = {in_si_unit(time, 's')}"]
     if results.has_indenter(history):
         depth, load = (np.interp(time, history.beside(name, "time"), history[name]) for name in ("depth", "load"))
+        if abs(load) < NO_LOAD * np.abs(history["load"]).max():
+            load = 0.0
         words += [f"depth {in_si_unit(depth, 'm')}", f"load {in_si_unit(load, 'N')}"]
     return ", ".join(words)
 

@@ -50,5 +50,7 @@ def test_polygon():
 def test_state_in_words():
     history = mlgimp.results.History(time=np.array([0, 1e-9, 2e-9]), depth=np.array([0, 1e-7, 2e-7]), load=np.array([0, 1e-3, 3e-3]))
     assert fields.state_at(history, 1e-9) == "t = 1 ns, depth 100 nm, load 2 mN"  # the mean over an interval belongs to its middle
+    away = mlgimp.results.History(time=np.array([0, 1e-9, 2e-9, 3e-9]), depth=np.full(4, 1e-7), load=np.array([0, 1e-3, 1e-13, 1e-13]))
+    assert fields.state_at(away, 3e-9) == "t = 3 ns, depth 100 nm, load 0 N"
     still = mlgimp.results.History(time=np.array([0, 1e-9]), depth=np.zeros(2), load=np.zeros(2))
     assert fields.state_at(still, 0.5e-9) == "t = 500 ps"

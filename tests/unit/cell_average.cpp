@@ -106,7 +106,8 @@ template <class Geometry> void CheckAverage(GeometryKind kind, double own)
     for (int k = 0; k < dim * dim; ++k) rate2 += std::pow((before.L[k][p] + before.L[k % dim * dim + k / dim][p]) / 2, 2);
     const double difference = cloud.faces[p] ? 0 : cell.volume / cell.mass * cloud.mass[p] / cloud.Volume(p, kDensity) - 1;
     EXPECT_NEAR(cloud.Ratio(p, cloud.motion.L),
-                std::pow(of_cell, 1 - own) * std::pow(alone, own) * std::exp(kSettling * kStep * std::sqrt(rate2) * difference), 1e-12)
+                std::pow(of_cell, 1 - own) * std::pow(alone, own) * std::exp(kSettling * kStep * std::sqrt(rate2) * difference),
+                1e-12)
         << "point " << p;
     for (int d = 0; d < dim; ++d) { // the change of L is a sphere, but for products of dt L with it
       const double share = kStep * (cloud.motion.L[(dim + 1) * d][p] - before.L[(dim + 1) * d][p]) * cloud.Volume(p, kDensity) *

@@ -22,8 +22,9 @@ TODAY = {("one level", 2): (12, 49.2, 0.9), ("one level", 4): (36, 147.6, 0.9),
          ("three levels with contact", 2): (230.5, 371.4, 3.2), ("three levels with contact", 4): (1124, 1065, 4)}
 COUNT_MARGIN = 1.02
 
-# Today's instructions a point and step with vectors of four, whatever the machine has; the second has contact and small levels.
-INSTRUCTIONS = {"one level": 589, "three levels with contact": 1038}
+# Instructions a point and step with vectors of four, whatever the machine has; the second, of which 1038 were counted last, has contact
+# and small levels.
+INSTRUCTIONS = {"one level": 589, "three levels with contact": 958}
 COUNTED = harness.ROOT / "bin" / "counted"
 INSTRUCTION_MARGIN = 1.1  # compilers differ
 

@@ -14,7 +14,7 @@ namespace mlgimp
 class FrameWriter
 {
 public:
-  /// single_precision: of real numbers, which are doubles else.
+  /// single_precision: of real numbers other than places, which are doubles else.
   FrameWriter(std::string directory, const Model &model, bool single_precision)
       : directory_(std::move(directory)), model_(model), single_precision_(single_precision)
   {
@@ -42,9 +42,9 @@ private:
   };
   /// Whether frames have the surface: where patches of it are pressed.
   bool HasSurface() const { return model_.indenter && model_.contact.method == "pressure"; }
-  /// The type of real numbers in the files, in HDF5.
+  /// The type of such numbers in the files, in HDF5.
   hid_t Real() const { return single_precision_ ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE; }
-  hid_t TypeOf(FieldType type) const { return type == FieldType::kReal ? Real() : H5Type(type); }
+  bool IsSingle(int field) const;
   void AddReals(H5Writer &file, const std::string &name, int components, const Slab &slab, const double *values) const;
   void AddDerived(H5Writer &file, const std::string &group, const PointArrays &points, const std::vector<double> &pressures,
                   const Slab &slab) const;

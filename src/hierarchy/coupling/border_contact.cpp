@@ -128,7 +128,7 @@ PetscErrorCode BorderContact::ToCoarse()
     PetscCall(ShareContact());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (const std::ptrdiff_t place : nodes_.Coupled().coarse) shared_[place] = {};
+  std::fill(shared_.begin(), shared_.end(), SharedNode()); // contact has left impulses on other nodes too
   PetscCall(nodes_.ToCoarse(coarse.VelocityUnit(), fields_.mean.data(), coarse.VelocityArray()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

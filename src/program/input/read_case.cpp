@@ -178,7 +178,7 @@ void ReadOutput(OptionReader &reader, Case *c)
               &out.frames);
   std::string precision = "double";
   out.single_precision =
-      reader.Choice({"-frame_precision", "real numbers in frames: of 8 bytes, or of 4, which halves the files"},
+      reader.Choice({"-frame_precision", "real numbers in frames but places: of 8 bytes, or of 4, which nearly halves the files"},
                     {"double", "single"}, &precision) == 1;
   reader.Read({"-checkpoint_interval", "level-0 steps between checkpoints; 0 = none", "", kNotNegative},
               &out.checkpoint_interval);

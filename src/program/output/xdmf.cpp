@@ -22,13 +22,6 @@ static void AddField(std::ostringstream &xml, const FrameField &field, const std
       << H5Tget_size(field.type) << "\" Format=\"HDF\">" << place << field.name << "</DataItem></Attribute>\n";
 }
 
-static std::size_t BytesOfPosition(const VtkSeries &series)
-{
-  for (const FrameField &field : series.point_fields)
-    if (field.name == "position") return H5Tget_size(field.type);
-  return sizeof(double);
-}
-
 static void AddGrid(std::ostringstream &xml, const VtkPart &part, const VtkSeries &series, int dim)
 {
   const std::string place = part.file + ":" + part.group + "/";
@@ -38,8 +31,7 @@ static void AddGrid(std::ostringstream &xml, const VtkPart &part, const VtkSerie
       << series.corners << "\"><DataItem Dimensions=\"" << n << "\" NumberType=\"Int\" Precision=\"4\" Format=\"HDF\">" << place
       << kVertex << "</DataItem></Topology>\n"
       << "<Geometry GeometryType=\"" << (dim == 3 ? "XYZ" : "XY") << "\"><DataItem Dimensions=\"" << n << " " << dim
-      << "\" NumberType=\"Float\" Precision=\"" << BytesOfPosition(series) << "\" Format=\"HDF\">" << place
-      << "position</DataItem></Geometry>\n";
+      << "\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">" << place << "position</DataItem></Geometry>\n";
   for (const FrameField &field : series.point_fields)
     if (field.name != "position") AddField(xml, field, place, n, "Node");
   for (const FrameField &field : series.cell_fields) AddField(xml, field, place, cells, "Cell");

@@ -175,6 +175,16 @@ def test_budgets(expect):
     expect_budgets(expect, "collision, 3 ranks", harness.run(collision, ranks=3).history, 0.01)
 
 
+def test_noise_on_a_finer_level(expect):
+    """A block all of whose points are on level 1 has as much noise of velocities as on one level with such cells."""
+    block = {"domain_lower": "0,0", "domain_upper": "16,16", "boundary_y_lower": "fixed", "materials": "m", "m_youngs_modulus": 1e5,
+             "m_poissons_ratio": 0.3, "m_density": 1000, "bodies": "b", "b_lower": "5,0", "b_upper": "11,6", "b_velocity": "0,-0.5",
+             "time_step": 0.02, "max_steps": 40, "frames": 0}
+    alone = harness.run({**block, "cell_size": 0.5, "time_step": 0.01, "max_steps": 80}).history["noise_energy"]
+    finer = harness.run({**block, "cell_size": 1, "levels": 2, "level_1_lower": "2,0", "level_1_upper": "14,10"}).history["noise_energy"]
+    expect("noise after the same time, of that on one level", finer[-1] / alone[-1], near=1, tolerance=0.1)
+
+
 def table_of(text, event):
     """(times called, flops) of an event in the stage 'level 0' of -log_view."""
     stage = re.split(r"^--- Event Stage \d+: ", text, flags=re.MULTILINE)

@@ -89,35 +89,35 @@ struct CreepStage {
 };
 
 /// No higher than the stress that alone makes all of the target flow: from far above Newton's method is slow.
-template <class Law> [[gnu::always_inline]] inline void BoundStage(const Law &law, double factor, int count, CreepStage &stage)
+template <class Law>
+[[gnu::always_inline]] inline void BoundStage(const Law &law, const double *three_mu, int count, double time, CreepStage &stage)
 {
-  const double inverse = 1 / factor;
 #pragma omp simd
-  for (int p = 0; p < count; ++p) stage.stress[p] = std::min(stage.stress[p], law.StressAt(stage.target[p] * inverse));
+  for (int p = 0; p < count; ++p)
+    stage.stress[p] = std::min(stage.stress[p], law.StressAt(stage.target[p] / (three_mu[p] * time)));
 }
 
 /// Newton's method for q, from stage.stress on: the rate is convex in q, so that all its steps but the first come from above. One
 /// with the slope of the stage before costs nothing.
 template <class Law>
-[[gnu::always_inline]] inline void SolveStage(const Law &law, double three_mu, int count, double time, CreepStage &stage)
+[[gnu::always_inline]] inline void SolveStage(const Law &law, const double *three_mu, int count, double time, CreepStage &stage)
 {
   constexpr int kMaxSteps = 100, kFewSteps = 4; // rounding
   constexpr double kLastStep = 1e-7,
                    kMinTarget = 1e-9; // rounding: of q, as the error after a step is about its square; of target
-  const double factor = three_mu * time;
 #pragma omp simd
   for (int p = 0; p < count; ++p) {
-    const double target = stage.target[p], q = stage.stress[p];
+    const double target = stage.target[p], q = stage.stress[p], factor = three_mu[p] * time;
     const double next = q + (target - q - factor * stage.rate[p]) / (1 + factor * stage.by_stress[p]);
     stage.stress[p] = std::min(std::max(stage.rate[p] > 0 ? next : q, kMinTarget * target), target);
   }
   double open = 1;
   for (int k = 0; k < kMaxSteps && open > 0; ++k) {
-    if (k == kFewSteps) BoundStage(law, factor, count, stage);
+    if (k == kFewSteps) BoundStage(law, three_mu, count, time, stage);
     open = 0;
 #pragma omp simd reduction(+ : open)
     for (int p = 0; p < count; ++p) {
-      const double q = std::max(stage.stress[p], std::numeric_limits<double>::min());
+      const double q = std::max(stage.stress[p], std::numeric_limits<double>::min()), factor = three_mu[p] * time;
       const CreepRate now = law.RateAt(q);
       const double change = (stage.target[p] - q - factor * now.rate) / (1 + factor * now.by_stress);
       const double next = std::min(q + change, stage.target[p]);
@@ -130,16 +130,15 @@ template <class Law>
 }
 
 template <class Hardening>
-[[gnu::always_inline]] inline void SolveStage(const PerzynaFlow<Hardening> &law, double three_mu, int count, double time,
+[[gnu::always_inline]] inline void SolveStage(const PerzynaFlow<Hardening> &law, const double *three_mu, int count, double time,
                                               CreepStage &stage)
 {
-  FindFlow(law, three_mu, {count, stage.target, stage.plastic_strain, nullptr, nullptr, 1 / time}, stage.strain, stage.stress);
+  FindFlow(law, {count, stage.target, stage.plastic_strain, nullptr, nullptr, three_mu, 1 / time}, stage.strain, stage.stress);
 }
 
 /// Flow in a step, of second order: two implicit stages, stable for any length of it (Alexander 1977). Where the first leaves so
 /// little that the second has no stress to flow under, one of first order takes their place.
-template <class Law>
-[[gnu::always_inline]] inline void CreepOf(const Law &law, double three_mu, const FlowStates &states, PlasticStep &step)
+template <class Law> [[gnu::always_inline]] inline void CreepOf(const Law &law, const FlowStates &states, PlasticStep &step)
 {
   const double kPart = 1 - std::sqrt(0.5); // exact
   const double time = 1 / states.rate_per_strain;
@@ -153,16 +152,16 @@ template <class Law>
     stage.rate[p] = stage.by_stress[p] = 0;
     stage.target[p] = states.before[p] + kPart * (states.trial[p] - states.before[p]);
   }
-  SolveStage(law, three_mu, count, kPart * time, stage);
+  SolveStage(law, states.three_mu, count, kPart * time, stage);
 #pragma omp simd reduction(+ : any)
   for (int p = 0; p < count; ++p) {
     first[p] = (1 - kPart) / kPart * stage.strain[p];
-    stage.target[p] = std::max(states.trial[p] - three_mu * first[p], 0.0);
+    stage.target[p] = std::max(states.trial[p] - states.three_mu[p] * first[p], 0.0);
     stage.plastic_strain[p] = states.plastic_strain[p] + first[p];
     relaxes[p] = ((first[p] > 0) & (stage.target[p] <= law.LeastStress(stage.plastic_strain[p]))) ? 1 : 0;
     any += relaxes[p];
   }
-  SolveStage(law, three_mu, count, kPart * time, stage);
+  SolveStage(law, states.three_mu, count, kPart * time, stage);
 #pragma omp simd
   for (int p = 0; p < count; ++p) step.strain[p] = first[p] + stage.strain[p];
   if (any > 0) {
@@ -171,14 +170,14 @@ template <class Law>
       stage.target[p] = stage.stress[p] = states.trial[p], stage.plastic_strain[p] = states.plastic_strain[p];
       stage.rate[p] = stage.by_stress[p] = 0;
     }
-    SolveStage(law, three_mu, count, time, stage);
+    SolveStage(law, states.three_mu, count, time, stage);
 #pragma omp simd
     for (int p = 0; p < count; ++p) step.strain[p] = relaxes[p] > 0 ? stage.strain[p] : step.strain[p];
   }
 #pragma omp simd
   for (int p = 0; p < count; ++p) {
     const double before = std::max(states.before[p], law.LeastStress(states.plastic_strain[p]));
-    step.work[p] = 0.5 * step.strain[p] * (before + states.trial[p] - three_mu * step.strain[p]);
+    step.work[p] = 0.5 * step.strain[p] * (before + states.trial[p] - states.three_mu[p] * step.strain[p]);
   }
 }
 

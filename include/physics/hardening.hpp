@@ -142,10 +142,12 @@ struct FlowStates {
   const double *plastic_strain; ///< at its start
   const double *temperature;    ///< at its start, K; null where the law is not kThermal
   const double *before;         ///< von Mises' stress at its start, Pa; null where the law is not kCreeps
-  double rate_per_strain;       ///< real rate for a plastic strain of one in the step, 1/s
+  const double *three_mu; ///< what the stress q loses by a plastic strain of one: 3 mu/J, as q is that of Cauchy's stress, Pa
+  double rate_per_strain; ///< real rate for a plastic strain of one in the step, 1/s
 };
 
-/// How they flow: plastic strain of the step, and plastic work per volume, J/m3, by the trapezoidal rule at the step's rate.
+/// How they flow: plastic strain of the step, and plastic work per volume of now, J/m3, by the trapezoidal rule at the step's
+/// rate.
 struct PlasticStep {
   alignas(64) double strain[kBlock], work[kBlock];
 };
@@ -165,8 +167,7 @@ template <class Law> double TemperatureOf(const Law &, const FlowStates &states,
 
 /// One step of the search for all points, by Newton's method or by halving; returns how many are still open.
 template <class Law>
-[[gnu::always_inline]] inline double Approach(const Law &law, double three_mu, FlowStates states, bool halves, FlowSearch &search,
-                                              double *strain)
+[[gnu::always_inline]] inline double Approach(const Law &law, FlowStates states, bool halves, FlowSearch &search, double *strain)
 {
   constexpr double kTolerance = 1e-12, kLastStep = 1e-7; // rounding: of q; of d, as the error after a step is about its square
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -174,7 +175,7 @@ template <class Law>
   double still_open = 0;
 #pragma omp simd reduction(+ : still_open)
   for (int p = 0; p < states.count; ++p) {
-    const double q = states.trial[p], d = strain[p];
+    const double q = states.trial[p], d = strain[p], three_mu = states.three_mu[p];
     const FlowPoint flow = law.At(states.plastic_strain[p] + d, rate * d, TemperatureOf(law, states, p));
     const double excess = q - three_mu * d - flow.stress, by_rate = rate * flow.by_rate;
     const bool found = (std::abs(excess) <= kTolerance * q) | (search.upper[p] - search.lower[p] <= kEpsilon * search.upper[p]);
@@ -197,8 +198,7 @@ template <class Law>
 /// where flow rises with the rate, as that is a straight line in ln d: no farther than where that alone takes up q. Halving where
 /// it leaves the interval, and in every third step of many: where a metal first yields, fast, d and ln d can send it to and fro
 /// for ever.
-template <class Law>
-[[gnu::always_inline]] inline void FindFlow(const Law &law, double three_mu, FlowStates states, double *strain, double *start)
+template <class Law> [[gnu::always_inline]] inline void FindFlow(const Law &law, FlowStates states, double *strain, double *start)
 {
   constexpr int kMaxSteps = 200, kFewSteps = 8; // rounding
   FlowSearch search;
@@ -206,39 +206,37 @@ template <class Law>
 #pragma omp simd reduction(+ : open)
   for (int p = 0; p < states.count; ++p) {
     start[p] = law.At(states.plastic_strain[p], 0, TemperatureOf(law, states, p)).stress;
-    strain[p] = search.upper[p] = std::max(states.trial[p] - start[p], 0.0) / three_mu;
+    strain[p] = search.upper[p] = std::max(states.trial[p] - start[p], 0.0) / states.three_mu[p];
     search.lower[p] = 0, search.open[p] = states.trial[p] > start[p] ? 1 : 0;
     open += search.open[p];
   }
   for (int k = 0; k < kMaxSteps && open > 0; ++k) {
     const bool halves = k > kFewSteps && k % 3 == 0;
-    open = Approach(law, three_mu, states, halves, search, strain);
+    open = Approach(law, states, halves, search, strain);
   }
 }
 
 /// Plastic strains, and the work by the flow stress at both ends of the step at its rate.
-template <class Law>
-[[gnu::always_inline]] inline void FlowOf(const Law &law, double three_mu, FlowStates states, PlasticStep &step)
+template <class Law> [[gnu::always_inline]] inline void FlowOf(const Law &law, FlowStates states, PlasticStep &step)
 {
   alignas(64) double start[kBlock];
-  FindFlow(law, three_mu, states, step.strain, start);
+  FindFlow(law, states, step.strain, start);
   const double rate = Law::kOfRate ? states.rate_per_strain : 0;
 #pragma omp simd
   for (int p = 0; p < states.count; ++p) {
     const double d = step.strain[p];
     if constexpr (Law::kOfRate) start[p] = law.At(states.plastic_strain[p], rate * d, TemperatureOf(law, states, p)).stress;
-    step.work[p] = 0.5 * d * (start[p] + states.trial[p] - three_mu * d);
+    step.work[p] = 0.5 * d * (start[p] + states.trial[p] - states.three_mu[p] * d);
   }
 }
 
 /// The same of a straight line, at once.
-inline void FlowOf(const LinearHardening &law, double three_mu, FlowStates states, PlasticStep &step)
+inline void FlowOf(const LinearHardening &law, FlowStates states, PlasticStep &step)
 {
-  const double inverse = 1 / (three_mu + law.modulus);
 #pragma omp simd
   for (int p = 0; p < states.count; ++p) {
     const double start = law.At(states.plastic_strain[p], 0, 0).stress;
-    const double d = std::max(states.trial[p] - start, 0.0) * inverse;
+    const double d = std::max(states.trial[p] - start, 0.0) / (states.three_mu[p] + law.modulus);
     step.strain[p] = d, step.work[p] = 0.5 * d * (2 * start + law.modulus * d);
   }
 }

@@ -1,5 +1,5 @@
-// The law j2: multiplicative von Mises plasticity with logarithmic elastic strain and radial return of the Kirchhoff stress
-// (Simo 1992), with the hardening laws of hardening.hpp, in loops over blocks of points.
+// The law j2: multiplicative von Mises plasticity with logarithmic elastic strain and radial return (Simo 1992) of the Cauchy
+// stress, with the hardening laws of hardening.hpp, in loops over blocks of points.
 #include "physics/creep.hpp"
 #include "physics/log_strain.hpp"
 #include "physics/material.hpp"
@@ -109,9 +109,9 @@ private:
   }
 
   /// The state of a block; stress, before: von Mises' of the trial and at
-  /// the start, which only creep reads, Pa; kept: the part of the deviator that the flow leaves.
+  /// the start, which only creep reads, Pa; three_mu: 3 mu/J; kept: the part of the deviator that the flow leaves.
   struct Flow {
-    alignas(64) Row elastic[kS], deviator[kS], J, inverse_J, norm2, stress, before, kept;
+    alignas(64) Row elastic[kS], deviator[kS], J, inverse_J, norm2, stress, before, three_mu, kept;
     Sym3 Deviator(int p) const { return StressIn<Geometry>(deviator, p); }
   };
 
@@ -128,7 +128,7 @@ private:
   [[gnu::always_inline]] static void Set(const LogStrain &e, int p, double mu, Flow &flow)
   {
     PutStress<Geometry>(e.deviator, p, flow.deviator);
-    flow.norm2[p] = e.norm2, flow.stress[p] = 2 * mu * std::sqrt(1.5 * Contract(e.deviator, e.deviator));
+    flow.norm2[p] = e.norm2, flow.stress[p] = 2 * mu * flow.inverse_J[p] * std::sqrt(1.5 * Contract(e.deviator, e.deviator));
   }
 
   /// I + dt L, with the growth along z where the geometry has no L_zz.
@@ -154,7 +154,8 @@ private:
     const double inverse_both = 1 / (J * growth); // one division
     const Sym3 twice = TwiceStrain(StressIn<Geometry>(stress, p), J * J * inverse_both, mu);
     flow.J[p] = J, flow.inverse_J[p] = growth * inverse_both, flow.norm2[p] = Contract(twice, twice);
-    if constexpr (Hardening::kCreeps) flow.before[p] = mu * std::sqrt(1.5 * flow.norm2[p]);
+    flow.three_mu[p] = 3 * mu * flow.inverse_J[p];
+    if constexpr (Hardening::kCreeps) flow.before[p] = mu * std::sqrt(1.5 * flow.norm2[p]) * growth * flow.inverse_J[p];
     PutStress<Geometry>(Exponential<kInPlane>(twice), p, flow.elastic);
   }
 
@@ -177,22 +178,23 @@ private:
   [[gnu::flatten]] void Return(const MaterialBatch &b, Row *history, Flow &flow, double *dissipated) const
   {
     const std::conditional_t<std::is_trivially_copyable_v<Hardening>, Hardening, const Hardening &> law = hardening_;
-    const double mu3 = 3 * elasticity_.mu, rate = b.scale / b.dt, heating = heating_;
+    const double rate = b.scale / b.dt, heating = heating_;
     PlasticStep step;
     const FlowStates states = {b.count,
                                flow.stress,
                                history[kStrain],
                                Hardening::kThermal ? history[kHeat] : nullptr,
                                Hardening::kCreeps ? flow.before : nullptr,
+                               flow.three_mu,
                                rate};
     if constexpr (Hardening::kCreeps)
-      CreepOf(law, mu3, states, step);
+      CreepOf(law, states, step);
     else
-      FlowOf(law, mu3, states, step);
+      FlowOf(law, states, step);
 #pragma omp simd
     for (int p = 0; p < b.count; ++p) {
-      const double plastic = step.strain[p], work = step.work[p];
-      flow.kept[p] = plastic > 0 ? 1 - mu3 * plastic / flow.stress[p] : 1;
+      const double plastic = step.strain[p], work = flow.J[p] * step.work[p];
+      flow.kept[p] = plastic > 0 ? 1 - flow.three_mu[p] * plastic / flow.stress[p] : 1;
       history[kStrain][p] += plastic;
       if constexpr (Hardening::kThermal) history[kHeat][p] += heating * work;
       dissipated[p] += work;

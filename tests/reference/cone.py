@@ -94,7 +94,7 @@ def cone_case(workdir):
     coarse, fine = (press(workdir, "cone", BLUNT, size) for size in (0.04, 0.02))
     write_csv(HERE / "cone_metal.csv",
               ["Rigid frictionless cone, half-angle 70.3 degrees, 200 nm deep and 30 nm back, on a metal without hardening:",
-               "E 130 GPa, nu 0.3, yield stress 3 GPa (von Mises, on the Kirchhoff stress). Axisymmetric block of 64 x 64 times",
+               "E 130 GPa, nu 0.3, yield stress 3 GPa (von Mises, on the Cauchy stress). Axisymmetric block of 64 x 64 times",
                "200 nm tan 70.3 deg = 35.74 um, rollers below and at its side; static. C3D8 (B-bar) in a sector of 2 degrees,",
                "square elements over 1.0 x 0.7 um below the tip, growing by 1.12 outwards to 4 um; surface-to-surface penalty.",
                "Load by size of the finest elements."], "depth_m,load_h40nm_N,load_h20nm_N", np.column_stack([coarse, fine[:, 1]]))

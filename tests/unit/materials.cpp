@@ -88,10 +88,10 @@ struct Sample {
     return energy;
   }
   double Jacobian() const { return Determinant(LoadGradient<Spatial>(F.data(), 1)); }
-  /// Von Mises stress of the Kirchhoff stress, Pa.
+  /// Of Cauchy's stress, Pa.
   double Mises() const
   {
-    const Sym3 tau = Jacobian() * LoadStress<Spatial>(stress), deviator = tau - Sphere(Trace(tau) / 3);
+    const Sym3 sigma = LoadStress<Spatial>(stress), deviator = sigma - Sphere(Trace(sigma) / 3);
     return std::sqrt(1.5 * Contract(deviator, deviator));
   }
   double PlasticStrain() const { return history[material.PlaceOf(kPlasticStrain)]; }
@@ -190,28 +190,31 @@ TEST(Materials, HypoelasticRotation)
       << "hypoelastic: stress after a quarter turn, relative";
 }
 
-/// Uniaxial strain: the von Mises stress of tau is 2 mu e until it meets the yield stress; then alpha follows from e.
+/// Uniaxial strain e: the von Mises stress of tau = J sigma is 2 mu e until it meets J times the yield stress, J = exp(e); then
+/// alpha follows from 2 mu e - 3 mu alpha = J (sy + H alpha).
 TEST(Materials, UniaxialYield)
 {
   constexpr int kSteps = 1000;
   const auto material = Create("j2");
   Sample sample(*material);
   const double yield_strain = kYield / (2 * kMu), largest_strain = 5.13 * yield_strain;
-  double work = 0, first_yield = 0, off_surface = 0, off_alpha = 0, tau_before = 0;
+  double work = 0, plastic_work = 0, first_yield = 0, off_surface = 0, off_alpha = 0, tau_before = 0, alpha = 0;
   for (int n = 1; n <= kSteps; ++n) {
-    const double strain = n * largest_strain / kSteps;
-    sample.StretchTo(std::exp(strain), 1, 1);
-    const double tau = sample.Jacobian() * sample.stress[0];
+    const double strain = n * largest_strain / kSteps, J = std::exp(strain), before = alpha;
+    sample.StretchTo(J, 1, 1);
+    const double tau = J * sample.stress[0];
     work += 0.5 * (tau + tau_before) * largest_strain / kSteps;
     tau_before = tau;
+    alpha = std::max(0.0, (2 * kMu * strain - J * kYield) / (3 * kMu + J * kHardening));
+    plastic_work += J * (kYield + 0.5 * kHardening * (alpha + before)) * (alpha - before);
     if (sample.dissipated == 0) continue;
     if (first_yield == 0) first_yield = strain;
-    const double alpha = (2 * kMu * strain - kYield) / (3 * kMu + kHardening);
     off_surface = Largest({off_surface, std::abs(sample.Mises() / (kYield + kHardening * sample.PlasticStrain()) - 1)});
     off_alpha = Largest({off_alpha, std::abs(sample.PlasticStrain() - alpha) / yield_strain});
   }
-  const double alpha = sample.PlasticStrain(), plastic_work = kYield * alpha + 0.5 * kHardening * alpha * alpha;
-  EXPECT_LE(std::abs((first_yield - yield_strain) / (largest_strain / kSteps) - 0.5), 0.5)
+  double exact_yield = yield_strain;
+  for (int k = 0; k < 50; ++k) exact_yield = yield_strain * std::exp(exact_yield);
+  EXPECT_LE(std::abs((first_yield - exact_yield) / (largest_strain / kSteps) - 0.5), 0.5)
       << "j2: first yield is within the increment of the exact strain";
   EXPECT_LE(off_surface, 1e-10) << "j2: von Mises stress less yield stress, relative";
   EXPECT_LE(off_alpha, 1e-10) << "j2: plastic strain against the exact one";
@@ -219,6 +222,7 @@ TEST(Materials, UniaxialYield)
   EXPECT_LE(std::abs((sample.Energy() + sample.dissipated) / work - 1), 1e-5)
       << "j2: stored energy and plastic work are the work done";
   const double tau = sample.Jacobian() * sample.stress[0], dissipated = sample.dissipated, back = 0.5 * yield_strain;
+  alpha = sample.PlasticStrain();
   sample.Advance(Diagonal(std::exp(-back) - 1, 0, 0));
   const double drop = tau - sample.Jacobian() * sample.stress[0];
   EXPECT_LE(std::abs(drop / ((kLambda + 2 * kMu) * back) - 1), 1e-10) << "j2: stiffness of unloading";
@@ -226,8 +230,22 @@ TEST(Materials, UniaxialYield)
   EXPECT_EQ(sample.PlasticStrain(), alpha);
 }
 
-/// Uniaxial stress along each axis: e = tau/E + alpha along it and -nu tau/E - alpha/2 across leaves tau = E e up to the
-/// yield stress and sy + H alpha after it, and nothing across.
+/// tau = J sigma along a bar at its strain e and the plastic strain alpha: E e up to the yield stress; then E (e - alpha), where
+/// sigma is sy + H alpha and ln J the elastic strain's (1 - 2 nu) tau/E.
+double StressAlongBar(double e, double *alpha)
+{
+  double tau = kE * e;
+  const auto volume_ratio = [&tau] { return std::exp((1 - 2 * kNu) * tau / kE); };
+  *alpha = 0;
+  if (tau <= volume_ratio() * kYield) return tau;
+  for (int k = 0; k < 100; ++k) {
+    tau = volume_ratio() * (kYield + kHardening * *alpha);
+    *alpha = e - tau / kE;
+  }
+  return tau;
+}
+
+/// Uniaxial stress along each axis: e = tau/E + alpha along it and -nu tau/E - alpha/2 across, and no stress across.
 TEST(Materials, UniaxialStress)
 {
   constexpr double kLargest = 0.2;
@@ -237,9 +255,8 @@ TEST(Materials, UniaxialStress)
   for (int axis = 0; axis < 3; ++axis) {
     Sample sample(*material);
     for (int n = 1; n <= kSteps; ++n) {
-      const double e = kLargest * n / kSteps, alpha = std::max(0.0, (e - kYield / kE) / (1 + kHardening / kE));
-      const double tau = alpha > 0 ? kYield + kHardening * alpha : kE * e;
-      double stretch[3];
+      double alpha, stretch[3];
+      const double e = kLargest * n / kSteps, tau = StressAlongBar(e, &alpha);
       for (int d = 0; d < 3; ++d) stretch[d] = std::exp(d == axis ? e : -kNu * tau / kE - 0.5 * alpha);
       sample.StretchTo(stretch[0], stretch[1], stretch[2]);
       for (int c = 0; c < 6; ++c) {

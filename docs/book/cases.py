@@ -69,8 +69,8 @@ CASES = [
          "the way (`-indenter_unloadings 5`); then it goes back. Lengths, forces and the material are written as people say them: `250nm`, "
          "`1N/um`, `-silica_preset fused_silica`.",
          "Each small unloading has its own stiffness, so that one test gives hardness and modulus over the depth: `scripts/indentation.py "
-         "output/fused_silica_tip --csm`. The hardness is 8.9 GPa at 50 nm, where the tip is round, and 9.3 GPa from "
-         "150 nm on; the modulus, 78 GPa for 72 that were given, has some 5 % of the block's size in it.",
+         "output/fused_silica_tip --csm`. The hardness is 8.8 GPa at 50 nm, where the tip is round, and 9.2 to 9.3 GPa from "
+         "100 nm on; the modulus, 78 GPa for 72 that were given, has some 5 % of the block's size in it.",
          (("load_depth", None), ("von_mises_stress", "near"))),
     Case("indium_hold", "A hold on indium",
          "A cone takes 1 mN within 10 s, holds it for ten minutes and lets go. Indium creeps by a power of the stress, so that what counts "

@@ -78,9 +78,8 @@ private:
     int first, end;
   };
   struct Donor {
-    std::ptrdiff_t place;
-    double weight; ///< (1 - s_j) e_ij
-    int target;
+    double weight;     ///< (1 - s_j) e_ij
+    int place, target; ///< small numbers: there are up to 124 for each light node
   };
   /// A node of which another rank has a copy.
   struct Copy {

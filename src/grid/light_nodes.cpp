@@ -200,7 +200,8 @@ void LightNodes::FindDonors(const Grid &grid, const NodeBodies &bodies, Index no
   for (const Near &one : fits_.near) {
     const Around &at = fits_.around[one.number];
     const std::ptrdiff_t place = light->place + at.step;
-    donors_.push_back({place, (1 - light->own) * (one.even + part * one.slope), Target(grid, place, node + at.offset)});
+    donors_.push_back(
+        {(1 - light->own) * (one.even + part * one.slope), static_cast<int>(place), Target(grid, place, node + at.offset)});
   }
   light->end = static_cast<int>(donors_.size());
 }

@@ -149,7 +149,7 @@ std::vector<Preset> MetalsAndGlasses()
         {"creep_stress", "3MPa", 20},
         {"creep_rate", "1e-3/s"},
         {"creep_exponent", "7.3", 5}}},
-      Plastic("fused_silica", "72GPa", "0.17", "2.20g/cm3", "5.3GPa",
+      Plastic("fused_silica", "72GPa", "0.17", "2.20g/cm3", "5.7GPa",
               "W. C. Oliver, G. M. Pharr, J. Mater. Res. 7 (1992) 1564: elastic constants; the flow stress with which the "
               "hardness of options/fused_silica_tip.opts is the 9.3 GPa of the usual test piece, without densification"),
       Plastic("gold", "78GPa", "0.42", "19.3g/cm3", "205MPa",

@@ -79,7 +79,7 @@ private:
   };
   struct Donor {
     double weight;     ///< (1 - s_j) e_ij
-    int place, target; ///< small numbers: there are up to 124 for each light node
+    int place, target; ///< of the node, and its number among targets_
   };
   /// A node of which another rank has a copy.
   struct Copy {

@@ -8,7 +8,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
-from . import fields, load_depth, outlines, results
+from . import fields, load_depth, outlines, parallelograms, results
 from .errors import ResultError
 from .fields import INDENTER_COLOUR
 from .pictures import in_si_unit, lab_unit, styled, title_of
@@ -81,7 +81,7 @@ def draw_bodies(axes, case, window, factor):
     """Draws the points of each body in its colour."""
     names = case.options["-bodies"].split(",")
     colours = [BODY_COLOURS[k % len(BODY_COLOURS)] for k in range(len(names))]
-    image = fields.paint(case.points, case.points["body"].astype(float), window, fields.dots_of(axes))
+    image = parallelograms.paint(case.points, case.points["body"].astype(float), window, fields.dots_of(axes))
     axes.imshow(image, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, origin="lower", extent=window * factor,
                 interpolation="nearest", aspect="auto")
     entries = []

@@ -1,5 +1,5 @@
 """Fields of points in a plane: the plane itself in two dimensions, mirrored at the axis in axisymmetry, in space the slice
-through the tip's axis. Each point is a rectangle of its present size, in its own colour: nothing is smoothed or filled in."""
+through the tip's axis."""
 
 from collections import namedtuple
 
@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from . import checks, outlines, results
+from . import checks, outlines, parallelograms, results
 from .checks import Rule
 from .errors import Error, ResultError
 from .pictures import LOOK, Unit, entitle, in_lines, in_si_unit, lab_unit, shrink, si_unit, styled, title_of
@@ -111,6 +111,8 @@ def slice_of(points, boxes, y=None):
     inside = np.abs(position - (y + beside * half)) <= half
     cut = {name: values[inside] for name, values in points.items()}
     cut["stress"] = cut["stress"][:, [0, 2, 1, 5]]
+    if "deformation_gradient" in cut:
+        cut["deformation_gradient"] = cut["deformation_gradient"][:, [0, 2, 6, 8]]
     for name, values in cut.items():
         if values.ndim == 2 and values.shape[1] == 3:
             cut[name] = values[:, [0, 2]]
@@ -125,6 +127,8 @@ def mirrored(points, boxes):
         if name in image:
             image[name][:, 0] *= -1
     image["stress"][:, 3] *= -1
+    if "deformation_gradient" in image:
+        image["deformation_gradient"][:, 1:3] *= -1
     both = {name: np.concatenate([image[name], values]) for name, values in points.items()}
     if len(boxes):
         boxes = np.stack([boxes[:, 0] * [0, 1] - boxes[:, 1] * [1, 0], boxes[:, 1]], axis=1)
@@ -291,27 +295,6 @@ def fitted(window, count, spare=0.0):
 
 # ---- drawing ----
 
-def paint(points, values, window, shape):
-    """Returns an image [rows from below][columns] of a window (m): the value at each of its dots, NaN where no point lies.
-
-    A rectangle covers all dots that it touches, so that neighbours leave no seams; stretched points lie beneath the others.
-    """
-    dot = np.array([window[1] - window[0], window[3] - window[2]]) / shape[::-1]
-    seen = np.flatnonzero(in_window(points, window))
-    seen = seen[np.argsort(-points["half_size"][seen].prod(axis=1), kind="stable")]
-    place = points["position"][seen] - window[0::2]
-    first = np.clip(np.floor((place - points["half_size"][seen]) / dot + 1e-6), 0, None).astype(int)
-    last = np.minimum(np.ceil((place + points["half_size"][seen]) / dot - 1e-6).astype(int), shape[::-1])
-    size = np.maximum(last - first, 0)
-    counts = size.prod(axis=1)
-    owner = np.repeat(np.arange(len(seen)), counts)
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    row, column = np.divmod(within, size[owner, 0])
-    image = np.full(shape, np.nan)
-    image[first[owner, 1] + row, first[owner, 0] + column] = values[seen][owner]  # of several the last stays
-    return image
-
-
 def dots_of(axes):
     """Returns how many (rows, columns) of dots axes have on paper."""
     return tuple(np.maximum(np.rint(axes.get_window_extent().size[::-1]), 1).astype(int))
@@ -323,7 +306,7 @@ def draw_field(axes, panel, component, window, scale, units, is_log=False):
     units: Units of (length, stress); is_log: colours by logarithms.
     """
     length, stress = units
-    dots = paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
+    dots = parallelograms.paint(panel.points, values_of(panel.points, component) * stress.factor, window, dots_of(axes))
     image = axes.imshow(dots, cmap=scale.colormap, norm=norm_of(scale, stress.factor, is_log), origin="lower", extent=window * length.factor,
                         interpolation="nearest", aspect="auto")
     for lower, upper in panel.boxes * length.factor:

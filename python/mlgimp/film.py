@@ -9,11 +9,12 @@ from matplotlib import colormaps
 
 from . import fields, outlines, results
 from .errors import ResultError
+from .parallelograms import edges_of
 from .pictures import lab_unit
 
-Shot = namedtuple("Shot", "time words ids position half values boxes tip near")
-Shot.__doc__ = """What the viewer shows of a frame: its time (s) and that with depth and load as text; of the points ids [n], position and
-half_size [n][2] (m) and {component: values [n] in SI}; boxes of levels [levels][lower, upper][2] (m); the place of the tip [2] (m) or
+Shot = namedtuple("Shot", "time words ids position edges values boxes tip near")
+Shot.__doc__ = """What the viewer shows of a frame: its time (s) and that with depth and load as text; of the points ids [n], position
+[n][2] (m), edges [n][side][2] (m, see parallelograms.edges_of) and {component: values [n] in SI}; boxes of levels [levels][lower, upper][2] (m); the place of the tip [2] (m) or
 None; and the window (xmin, xmax, ymin, ymax) in m near the contact."""
 Film = namedtuple("Film", "values left_out")
 Film.__doc__ = "What the script of the page reads, a dict for JSON (viewer.js); and what it does not have of the run, a list of texts."
@@ -70,7 +71,7 @@ def shot(panel, time, history, summary):
               if name in fields.STRESS_COLUMN or name in points}
     tip = None if panel.indenter is None else outlines.place_of_tip(history, time, options)[[0, -1]]
     ids = points["id"][order] if "id" in points else order
-    return Shot(time, fields.state_at(history, time), ids, points["position"][order], points["half_size"][order], values, panel.boxes, tip,
+    return Shot(time, fields.state_at(history, time), ids, points["position"][order], edges_of(points)[order], values, panel.boxes, tip,
                 near(panel, tip, history))
 
 
@@ -130,7 +131,7 @@ def nearest(each, count):
         return each
     centre = each.position.mean(axis=0) if each.tip is None else each.tip
     kept = np.sort(np.argsort(np.linalg.norm(each.position - centre, axis=1), kind="stable")[:count])
-    return each._replace(ids=each.ids[kept], position=each.position[kept], half=each.half[kept],
+    return each._replace(ids=each.ids[kept], position=each.position[kept], edges=each.edges[kept],
                          values={name: values[kept] for name, values in each.values.items()})
 
 
@@ -139,7 +140,7 @@ def nearest(each, count):
 def code(shots, components):
     """Returns the places, as "places", and each component of Shots as base64, a dict."""
     start, step = grid_of(shots)
-    places = [[*np.rint((each.position - start) / step).T, *np.rint(each.half / step).T] for each in shots]
+    places = [[*np.rint((each.position - start) / step).T, *np.rint(each.edges / step).reshape(-1, 4).T] for each in shots]
     found = {"places": packed(places, shots, PLACE_BYTES)}
     for name in components:
         scale = scale_of(shots, name)
@@ -148,17 +149,22 @@ def code(shots, components):
     return found
 
 
+def half_sizes(each):
+    """Returns the half sizes [n][2] (m) of the points of a Shot."""
+    return np.linalg.norm(each.edges, axis=1)
+
+
 def grid_of(shots):
     """Returns the origin [2] and the step (m) of the whole numbers that places of Shots become."""
-    lower = np.min([(each.position - each.half).min(axis=0) for each in shots], axis=0)
-    return lower, min(each.half.min() for each in shots) / PARTS
+    lower = np.min([(each.position - half_sizes(each)).min(axis=0) for each in shots], axis=0)
+    return lower, min(half_sizes(each).min() for each in shots) / PARTS
 
 
 def scale_of(shots, component):
     """Returns the one Scale of a component over all Shots, by the points of the finest level, which are the smallest."""
     ends = []
     for each in shots:
-        size = each.half.max(axis=1)
+        size = half_sizes(each).max(axis=1)
         ends.append(fields.ends_of(each.values[component][size <= 2 * size.min()]))
     return fields.common_scale(ends, component)
 
@@ -189,7 +195,7 @@ def is_as_before(shots, place):
 def described(shots, components, coded, last, is_mirrored):
     """Returns the dict that viewer.js reads; last: the Panel of the last frame."""
     start, step = grid_of(shots)
-    ends = [fields.extent(last._replace(points={"position": each.position, "half_size": each.half})) for each in shots]
+    ends = [fields.extent(last._replace(points={"position": each.position, "half_size": half_sizes(each)})) for each in shots]
     whole = np.where([True, False] * 2, np.min(ends, axis=0), np.max(ends, axis=0))
     if is_mirrored:
         whole[0] = -whole[1]

@@ -20,7 +20,7 @@ def read(folder):
 
 def lines_of(run):
     """Yields the lines of a summary of Results; what the run does not have, as a curve or an unloading, is left out, and a line says why."""
-    yield f"{run.folder.name}: {run.summary.get('status', 'not ended')}, {len(run.frames)} frames in {run.folder}"
+    yield f"{run.folder.name}: {run.summary.get('status', results.NOT_ENDED)}, {len(run.frames)} frames in {run.folder}"
     try:
         curve = run.curve()
         yield f"largest load {curve.load.max():.4g} mN, largest depth {1e3 * curve.depth.max():.4g} nm"
@@ -44,7 +44,7 @@ class Results:
         self.folder = Path(folder)
 
     def __repr__(self):
-        return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', 'not ended')}, {len(self.frames)} frames"
+        return f"mlgimp.read({str(self.folder)!r}): {self.summary.get('status', results.NOT_ENDED)}, {len(self.frames)} frames"
 
     def __str__(self):
         """What print() shows of a run: its largest load and depth, hardness and modulus of the unloading from there, and what is doubtful."""
@@ -64,7 +64,7 @@ class Results:
 
     @cached_property
     def summary(self):
-        """What summary.json has: status, levels, steps, options, ...; an empty dict while the run goes on."""
+        """What summary.json has: status, levels, steps, options, ...; while the run goes on as of its last frame."""
         return results.read_summary(self.folder)
 
     @cached_property

@@ -40,7 +40,7 @@ def surface_of(directory, number=None):
     undeformed surface, with their images at sides of symmetry that the tip is on; the options of the run; and whether the tip touches."""
     options, history = results.read_summary(directory).get("options", {}), results.read_history(directory)
     if "-indenter_tip" not in options:
-        raise ResultError(directory, "summary.json has no options of a tip: has the run ended?")
+        raise ResultError(directory, "there is no summary.json with the options of a tip")
     if options.get("-geometry") == "plane_strain":
         raise ResultError(directory, "a run in plane strain leaves a groove without an end, no imprint")
     number = results.number_in(results.find_frame(directory, number))

@@ -5,7 +5,7 @@ import io
 
 from matplotlib import pyplot as plt
 
-from . import pictures
+from . import pictures, results
 from .errors import Error
 from .folder import FIGURES
 from .page_parts import image, paragraphs, table
@@ -15,7 +15,7 @@ DOTS = 60  # per inch: the pictures stay small
 
 def html_of(run):
     """Returns the piece of HTML about Results; what the run does not have, as a curve or frames, is left out."""
-    status = run.summary.get("status", "not ended")
+    status = run.summary.get("status", results.NOT_ENDED)
     parts = [f"<div><p><b>{html.escape(run.folder.name)}</b>: {html.escape(str(status))}, {len(run.frames)} frames in <code>{html.escape(str(run.folder))}</code></p>"]
     parts += [attempted(part, run) for part in (drawn, figures)]
     return "\n".join([*parts, *paragraphs(run.summary.get("warnings", [])), "</div>"])

@@ -67,7 +67,7 @@ def facts_of(curve, folder=None, poisson=None):
               and name.removeprefix("-indenter_") in ("half_angle", "radius", "tip_radius", "faces", "friction")]
     found += [(name.lstrip("-").replace("_", " "), with_unit(name, value)) for name, value in options.items()
               if name.endswith(MATERIAL) and value != "none" and (has_elastic_tip or not name.startswith("-indenter_"))]
-    found += [("status of the run", str(summary.get("status", "not ended")))]
+    found += [("status of the run", str(summary.get("status", results.NOT_ENDED)))]
     found += [("version", ", ".join(f"{name} {value}" for name, value in summary["versions"].items()))] if isinstance(summary.get("versions"), dict) else []
     return found, options
 

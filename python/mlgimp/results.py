@@ -21,6 +21,7 @@ POINT_DATASETS = {2: {"position": 2, "half_size": 2, "stress": 4},  # components
                   3: {"position": 3, "half_size": 3, "stress": 6}}
 
 
+NOT_ENDED = "not ended"  # the status in summary.json while a run goes on, and for good where it was ended from outside
 MEANS = ("load", "load_quasi_static", "friction_force")  # since the row before
 
 
@@ -68,7 +69,7 @@ def read_history(directory):
 
 
 def read_summary(directory):
-    """Returns summary.json as a dict; an empty one where the run has not ended and so has not written it."""
+    """Returns summary.json as a dict, whose status is NOT_ENDED while the run goes on; an empty one where there is none."""
     path = Path(directory) / "summary.json"
     if not path.exists():
         return {}
@@ -84,7 +85,7 @@ def read_summary(directory):
 
 
 def case_name(directory):
-    """Returns the name of the case in a result folder, or the folder's own name while the run goes on."""
+    """Returns the name of the case in a result folder, or the folder's own name where there is no summary.json."""
     return read_summary(directory).get("case") or Path(directory).resolve().name
 
 

@@ -62,10 +62,10 @@ def attempted(section, directory, history, summary):
 def case(directory, history, summary):
     """The case: facts about the run, its warnings, and the picture of its start."""
     parts = [table([], facts(directory, history, summary)), *paragraphs(summary.get("warnings", []), "warning")]
+    if summary.get("status", results.NOT_ENDED) == results.NOT_ENDED:
+        parts += paragraphs(["The run goes on, or was ended from outside: this is how far it came."], "warning")
     if not summary:
-        parts += paragraphs(["The run has not ended, or was ended from outside: there is no summary.json, so that boxes of levels, the indenter's "
-                             "shape and the options are not known."], "warning")
-        return parts
+        return parts + paragraphs(["There is no summary.json, so that boxes of levels, the indenter's shape and the options are not known."], "warning")
     return parts + ["<h2>The case</h2>", drawing(case_picture.case(directory), f"the case {results.case_name(directory)} at its start")]
 
 
@@ -155,7 +155,7 @@ def about(directory, history, summary):
 
 def facts(directory, history, summary):
     """Returns rows (what, text) about a run."""
-    levels, found = summary.get("levels", []), [("folder", directory.resolve().name), ("status", str(summary.get("status", "not ended")))]
+    levels, found = summary.get("levels", []), [("folder", directory.resolve().name), ("status", str(summary.get("status", results.NOT_ENDED)))]
     if results.has_indenter(history):
         try:
             found += [row for row in facts_of(load_depth.read_run(directory), directory)[0] if row[0] not in ("rows", "status of the run", "version")]

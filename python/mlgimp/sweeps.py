@@ -94,7 +94,7 @@ def row_of(case, fixed, values, folder):
             (folder / KEY).write_text(key)
         summary = results.read_summary(folder)
         warnings = summary.get("warnings", warnings)
-        row |= {"status": summary.get("status", "not ended"), "seconds": summary.get("wall_seconds", math.nan)}
+        row |= {"status": summary.get("status", results.NOT_ENDED), "seconds": summary.get("wall_seconds", math.nan)}
         row |= figures_of(folder)
     except Error as problem:
         row["status"] = row["status"] or f"failed: {problem}"

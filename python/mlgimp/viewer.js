@@ -1,4 +1,4 @@
-// Shows a field over the frames of a run on a canvas: points as rectangles of their size, boxes of levels, the indenter.
+// Shows a field over the frames of a run on a canvas: points as parallelograms of their size, boxes of levels, the indenter.
 // The data is the element "film", see film.py. Lengths are in m, places on the canvas in its dots.
 "use strict";
 
@@ -14,12 +14,13 @@ const VALUE_BYTES = 2;
 const DECADES = 3; // of a logarithmic scale
 const FRAMES_PER_SECOND = 12;
 const CLOSER = 0.8; // of the window, when a step of the wheel or a key zooms
+const SMALL = 1e-6; // of a dot: what rounding leaves where a point ends at the line between two
 const INDENTER = "#8c8c8c";
 const LINE = "#262626";
 
-const orders = []; // of the points of each frame, the largest first, so that stretched ones lie beneath the others
+const orders = []; // of the points of each frame, the largest first, so that the small ones lie above
 const values = {}; // codes by field, an array for each frame
-let places = null; // [frame] = {x, y, halfX, halfY}, whole numbers in steps
+let places = null; // [frame] = {x, y, ax, ay, bx, by}: middles of points, and from there to the middles of two sides, whole numbers in steps
 let field = film.fields[0];
 let palette = null; // colour by code, as the canvas keeps it
 let view = null; // window that is shown: [left, right, lower, upper]
@@ -62,8 +63,8 @@ function columnsOf(bytes, count, width) {
 }
 
 async function readPlaces() {
-  const frames = columnsOf(await unpack(film.places), 4, PLACE_BYTES);
-  places = frames.map(([x, y, halfX, halfY]) => ({ x, y, halfX, halfY }));
+  const frames = columnsOf(await unpack(film.places), 6, PLACE_BYTES);
+  places = frames.map(([x, y, ax, ay, bx, by]) => ({ x, y, ax, ay, bx, by }));
 }
 
 async function readField(chosen) {
@@ -75,12 +76,11 @@ async function readField(chosen) {
 // Points of a frame, the largest first.
 function orderOf(number) {
   if (!orders[number]) {
-    const { halfX, halfY } = places[number];
-    const keys = new Float64Array(halfX.length);
-    let largest = 1;
-    for (let p = 0; p < keys.length; ++p) largest = Math.max(largest, halfX[p] * halfY[p]);
+    const { ax, ay, bx, by } = places[number];
+    const keys = Float64Array.from(ax, (_, p) => Math.abs(ax[p] * by[p] - ay[p] * bx[p]));
+    const largest = keys.reduce((one, other) => Math.max(one, other), 1);
     const parts = 2 ** 21 / largest; // a size and a number of 32 bits fit into one number of 53
-    for (let p = 0; p < keys.length; ++p) keys[p] = Math.floor((largest - halfX[p] * halfY[p]) * parts) * 2 ** 32 + p;
+    for (let p = 0; p < keys.length; ++p) keys[p] = Math.floor((largest - keys[p]) * parts) * 2 ** 32 + p;
     keys.sort();
     orders[number] = Uint32Array.from(keys, (key) => key % 2 ** 32);
   }
@@ -136,28 +136,43 @@ function frameOfView() {
   return { left: Math.round(room.left), top: Math.round(room.top), width, height, perMetre };
 }
 
+// Paints the dots that a parallelogram touches: its middle (x, y) and the vectors a and b from there to the middles of two sides, in
+// dots. Of a side s these are |offset x s| < area + 0.5 (|s_x| + |s_y|), of which each line of dots has an interval.
+function paint(dots, box, x, y, ax, ay, bx, by, colour) {
+  const reachX = Math.abs(ax) + Math.abs(bx);
+  const reachY = Math.abs(ay) + Math.abs(by);
+  const area = Math.abs(ax * by - ay * bx);
+  const slopeA = ay === 0 ? 0 : ax / ay;
+  const slopeB = by === 0 ? 0 : bx / by;
+  const halfA = ay === 0 ? reachX + 0.5 : (area + 0.5 * (Math.abs(ax) + Math.abs(ay))) / Math.abs(ay);
+  const halfB = by === 0 ? reachX + 0.5 : (area + 0.5 * (Math.abs(bx) + Math.abs(by))) / Math.abs(by);
+  const end = Math.min(box.height, Math.ceil(y + reachY - SMALL));
+  for (let line = Math.max(0, Math.floor(y - reachY + SMALL)); line < end; ++line) {
+    const up = line + 0.5 - y;
+    const low = Math.max(up * slopeA - halfA, up * slopeB - halfB);
+    const high = Math.min(up * slopeA + halfA, up * slopeB + halfB);
+    const first = line * box.width + Math.max(0, Math.ceil(x + low - 0.5 + SMALL));
+    const last = line * box.width + Math.min(box.width, Math.floor(x + high - 0.5 - SMALL) + 1);
+    for (let dot = first; dot < last; ++dot) dots[dot] = colour;
+  }
+}
+
 function drawPoints(box) {
   if (!picture || picture.width !== box.width || picture.height !== box.height) picture = pen.createImageData(box.width, box.height);
   const dots = new Uint32Array(picture.data.buffer).fill(0xffffffff);
-  const { x, y, halfX, halfY } = places[number()];
+  const { x, y, ax, ay, bx, by } = places[number()];
   const codes = values[field.name][number()];
   const unit = film.step * box.perMetre;
   const left = (film.start[0] - view[0]) * box.perMetre;
   const top = (view[3] - film.start[1]) * box.perMetre;
-  const fill = (middle, half, row, end, colour) => {
-    const first = Math.max(0, Math.floor(middle - half + 1e-6));
-    const last = Math.min(box.width, Math.ceil(middle + half - 1e-6));
-    if (first >= last) return;
-    for (let line = row; line < end; ++line) dots.fill(colour, line * box.width + first, line * box.width + last);
-  };
   const middle = 2 * -view[0] * box.perMetre; // twice the place of the axis
   for (const p of orderOf(number())) {
-    const row = Math.max(0, Math.floor(top - (y[p] + halfY[p]) * unit + 1e-6));
-    const end = Math.min(box.height, Math.ceil(top - (y[p] - halfY[p]) * unit - 1e-6));
-    if (row >= end) continue;
     const across = left + x[p] * unit;
-    fill(across, halfX[p] * unit, row, end, palette[codes[p]]);
-    if (film.mirror) fill(middle - across, halfX[p] * unit, row, end, palette[field.odd ? CODES - codes[p] : codes[p]]);
+    const down = top - y[p] * unit;
+    paint(dots, box, across, down, ax[p] * unit, -ay[p] * unit, bx[p] * unit, -by[p] * unit, palette[codes[p]]);
+    if (!film.mirror) continue;
+    const colour = palette[field.odd ? CODES - codes[p] : codes[p]];
+    paint(dots, box, middle - across, down, -ax[p] * unit, -ay[p] * unit, -bx[p] * unit, -by[p] * unit, colour);
   }
   pen.putImageData(picture, box.left, box.top);
 }
@@ -374,7 +389,9 @@ function showValue(event) {
   const own = places[number()];
   let found = -1;
   for (const p of orderOf(number())) {
-    if (Math.abs(own.x[p] - at[0]) <= own.halfX[p] && Math.abs(own.y[p] - at[1]) <= own.halfY[p]) found = p;
+    const [across, up] = [at[0] - own.x[p], at[1] - own.y[p]];
+    const area = Math.abs(own.ax[p] * own.by[p] - own.ay[p] * own.bx[p]);
+    if (Math.abs(across * own.ay[p] - up * own.ax[p]) <= area && Math.abs(across * own.by[p] - up * own.bx[p]) <= area) found = p;
   }
   const { factor, name } = film.length;
   const where = `${film.axes[0]} = ${inWords(x * factor)} ${name}, ${film.axes[1]} = ${inWords(y * factor)} ${name}`;

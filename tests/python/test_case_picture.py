@@ -52,7 +52,7 @@ def test_picture_of_a_case(tmp_path, name, axes, boxes, labels):
     assert np.ptp(pictures.plt.imread(tmp_path / "case.png")) > 0.5
 
 
-def test_a_run_that_goes_on_has_no_case_yet(tmp_path):
+def test_a_folder_without_summary_has_no_case(tmp_path):
     folder = harness.run({"max_steps": 1, "frames": 1}, file="tension.opts").folder
     (folder / "summary.json").unlink()
     with pytest.raises(Error, match="no summary.json with the options"):

@@ -17,7 +17,7 @@ from matplotlib import animation
 
 import harness
 import mlgimp
-from mlgimp import fields, movie, options, pictures, program, results, surface
+from mlgimp import fields, movie, options, parallelograms, pictures, program, results, surface
 from mlgimp.gallery import gallery
 from mlgimp.program import show_bar
 
@@ -197,7 +197,7 @@ def test_movie_has_a_colour_bar_in_each_frame(pressed, tmp_path, monkeypatch):
 def test_paint():
     """Rectangles cover the dots that they touch, the stretched ones beneath; what lies outside is cut off."""
     points = {"position": np.array([[1.5, 0.5], [3.0, 1.0], [9.0, 9.0]]), "half_size": np.array([[0.5, 0.5], [2.0, 1.0], [1.0, 1.0]])}
-    image = fields.paint(points, np.array([1.0, 2.0, 3.0]), np.array([0.0, 4.0, 0.0, 3.0]), (3, 4))
+    image = parallelograms.paint(points, np.array([1.0, 2.0, 3.0]), np.array([0.0, 4.0, 0.0, 3.0]), (3, 4))
     np.testing.assert_array_equal(image, [[np.nan, 1, 2, 2], [np.nan, 2, 2, 2], [np.nan] * 4])
 
 

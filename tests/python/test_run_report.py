@@ -1,15 +1,18 @@
 """The page about a run: what it holds, what it leaves out, and in a browser its slider, fields and colours."""
 import json
 import re
+import subprocess
+import time
 import warnings
 
 import numpy as np
 import pytest
 
 import mlgimp
+import harness
 from browser import Browser
 from made_curves import curve, cycles_of
-from mlgimp import budgets, fields, film, pictures, results, run_report
+from mlgimp import budgets, fields, film, options, parallelograms, pictures, results, run_report
 from mlgimp.errors import Error
 from test_outputs import Checker
 from test_package import PRESS
@@ -108,10 +111,12 @@ def test_places_and_values_come_back(runs):
     made = film.film(run.folder).values
     panels = [fields.read_panel(run.folder, number) for number in run.frames]
     order = [np.argsort(panel.points["id"]) for panel in panels]
-    places = unpacked(made["places"], made["frames"], 4, 4)
+    places = unpacked(made["places"], made["frames"], 6, 4)
     for own, panel, sort in zip(places, panels, order):
         for axis in (0, 1):
             assert np.max(np.abs(made["start"][axis] + own[axis] * made["step"] - panel.points["position"][sort, axis])) <= 0.501 * made["step"]
+        edges = np.transpose(own[2:]).reshape(-1, 2, 2) * made["step"]
+        assert np.max(np.abs(edges - parallelograms.edges_of(panel.points)[sort])) <= 0.501 * made["step"]
     lower, upper = (np.array([operation(each.points["position"], axis=0) for each in panels]) for operation in (np.min, np.max))
     assert np.all(np.array(made["whole"])[[0, 2]] < lower.min(axis=0)) and np.all(np.array(made["whole"])[[1, 3]] > upper.max(axis=0))  # of all frames
     assert made["step"] == pytest.approx(min(panel.points["half_size"].min() for panel in panels) / 32)
@@ -181,12 +186,28 @@ def copy_of(run, folder, *names):
     return folder
 
 
-def test_a_run_that_goes_on(runs, tmp_path):
-    """Without summary.json: the page says that levels and indenter are not known, and has the rest."""
+def test_a_killed_run(tmp_path):
+    """The page of a run that was killed after its third frame has the case, the indenter and the boxes of the levels as they were then."""
+    folder, case = tmp_path / "killed", {name: value for name, value in FIVE.items() if value is not None}
+    words = [harness.PROGRAM, *options.to_words({**case, "cfl": 0.1, "frames": 60, "output_dir": folder})]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=harness.environment(1)) as process:
+        while len(list(folder.glob("points_*.h5"))) < 4:
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.kill()
+    run = mlgimp.read(folder)
+    _, words, data = parts_of(run, None)
+    assert run.summary["status"] == results.NOT_ENDED and "status not ended" in words and "The run goes on, or was ended from outside" in words
+    assert 3 <= len(run.frames) < 60 and all(len(frame["boxes"]) == 5 for frame in data["frames"]) and data["indenter"] is not None
+    assert "The case" in words and "-indenter_half_angle" in words and run.summary["steps"] > 0
+
+
+def test_a_folder_without_summary(runs, tmp_path):
+    """The page says that levels and indenter are not known, and has the rest."""
     folder = copy_of(runs("plane"), tmp_path / "läuft <b> a$_$b", "history.csv", "points_*.h5")
     run = mlgimp.read(folder)
     _, words, data = parts_of(run, None)
-    assert "has not ended" in words and "läuft <b> a$_$b" in words and data["indenter"] is None and data["frames"][0]["boxes"] == []
+    assert "There is no summary.json" in words and "läuft <b> a$_$b" in words and data["indenter"] is None and data["frames"][0]["boxes"] == []
     assert (folder / "report.html").exists()
 
 
@@ -347,13 +368,31 @@ def test_a_hundred_frames_move_smoothly(browser, tmp_path, expect):
     assert browser.errors == []
 
 
-def made_film(tmp_path, frames, edge):
-    """A page with only a viewer, of a square of points that a wave goes through."""
+def test_no_gaps_in_a_turned_body(browser, tmp_path):
+    """Inside of a square of points that turned by 30 degrees and was sheared no dot is white, and around it all are."""
+    turned = np.array([[0.866, -0.5], [0.5, 0.866]]) @ [[1, 0.7], [0, 1]]
+    browser.open(made_film(tmp_path, frames=2, edge=20, gradient=turned))
+    assert browser.value(READY)
+    found = browser.value("""(() => { const box = frameOfView(), data = pen.getImageData(box.left, box.top, box.width, box.height).data, found = [];
+      for (let k = 0; k < box.width * box.height; k += 7) if (data[4 * k] + data[4 * k + 1] + data[4 * k + 2] === 765) found.push(k);
+      return [box.width, box.height, view, found]; })()""")
+    width, height, (left, right, low, high), white = found
+    dots = np.arange(0, width * height, 7)
+    places = np.column_stack([left + (dots % width + 0.5) * (right - left) / width, high - (dots // width + 0.5) * (high - low) / height])
+    before, is_white = places @ np.linalg.inv(turned).T, np.isin(dots, white)
+    assert not is_white[np.all((before > 0.3) & (before < 19.7), axis=1)].any()
+    away = np.any((before < -0.6) | (before > 20.6), axis=1) & np.all((places > np.array([left, low]) + 0.5) & (places < np.array([right, high]) - 0.5), axis=1)
+    assert away.sum() > 1000 and is_white[away].all()
+
+
+def made_film(tmp_path, frames, edge, gradient=None):
+    """A page with only a viewer, of a square of points that a wave goes through, or that has a deformation gradient."""
     x, y = (each.ravel() for each in np.meshgrid(np.arange(edge) + 0.5, np.arange(edge) + 0.5))
-    half = np.full((len(x), 2), 0.5)
-    shots = [film.Shot(float(k), f"t = {k} s", np.arange(len(x)), np.column_stack([x + np.sin(x / 9 + k / 5), y]), half,
-                       {"von_mises_stress": 1e6 * (1 + np.cos(x / 9 + k / 5))}, np.zeros((0, 2, 2)), None, None) for k in range(frames)]
-    last = fields.Panel("", {"position": shots[-1].position, "half_size": half}, np.zeros((0, 2, 2)), "xyz")
+    edges = np.tile(0.5 * np.eye(2) if gradient is None else 0.5 * gradient.T, (len(x), 1, 1))
+    places = [np.column_stack([x + np.sin(x / 9 + k / 5), y]) if gradient is None else np.column_stack([x, y]) @ gradient.T for k in range(frames)]
+    shots = [film.Shot(float(k), f"t = {k} s", np.arange(len(x)), places[k], edges, {"von_mises_stress": 1e6 * (1 + np.cos(x / 9 + k / 5))},
+                       np.zeros((0, 2, 2)), None, None) for k in range(frames)]
+    last = fields.Panel("", {"position": places[-1], "half_size": film.half_sizes(shots[-1])}, np.zeros((0, 2, 2)), "xyz")
     history = results.History(time=np.arange(float(frames)), depth=np.zeros(frames))
     made = film.fitting(shots, last, history, frames)
     assert made.left_out == []

@@ -344,7 +344,7 @@ class Scripts(unittest.TestCase):
             self.assert_picture(path)
 
     def test_plot_without_indenter_draws_the_rest(self):
-        (self.one / "summary.json").unlink()  # as while the run goes on
+        (self.one / "summary.json").unlink()
         printed = self.run_quietly(plot.main, self.one)
         self.assertIn("no load_depth.png", printed)
         self.assertEqual(len(list(self.one.glob("*.png"))), 4)

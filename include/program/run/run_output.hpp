@@ -1,4 +1,5 @@
-// What a run writes, and when: rows of the history, frames, checkpoints, the progress line, and the summary at its end.
+// What a run writes, and when: rows of the history, frames, checkpoints, the progress line, and the summary, at the start, with
+// each frame and at the end.
 #pragma once
 
 #include "program/output/frames.hpp"
@@ -26,7 +27,8 @@ public:
   std::string CheckFolder() { return folder_.Check(hierarchy_.Comm()); }
   /// Claims and clears the folder, and starts the files that grow.
   std::string PrepareFolder();
-  /// Prints warnings that are known before the first step; writes the row and the frame of the start, if the run has one.
+  /// Prints warnings that are known before the first step; writes the row and the frame of the start, if the run has one,
+  /// and the summary.
   std::string Begin(const std::vector<std::string> &warnings);
 
   /// What the last step asks for.
@@ -53,6 +55,7 @@ private:
   int FrameNow() const { return frames_before_ + FramesDue(); }
   double Done() const { return case_.time.Done(state_.step, state_.Schedule()); }
   std::string FindKept() const;
+  std::string WriteSummarySoFar();
 
   const Case &case_;
   Hierarchy &hierarchy_;

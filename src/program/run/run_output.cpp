@@ -31,10 +31,13 @@ std::string RunOutput::Begin(const std::vector<std::string> &warnings)
   last_shown_ = MPI_Wtime();
   start_progress_ = Done();
   frames_before_ = state_.frames - FramesDue();
-  if (state_.step > 0) return "";
-  KeepRow();
-  const std::string problem = rows_.Write();
-  return problem.empty() && case_.output.frames > 0 ? frames_.Write(hierarchy_, 0, state_.time, 0) : problem;
+  std::string problem;
+  if (state_.step == 0) {
+    KeepRow();
+    problem = rows_.Write();
+    if (problem.empty() && case_.output.frames > 0) problem = frames_.Write(hierarchy_, 0, state_.time, 0);
+  }
+  return problem.empty() ? WriteSummarySoFar() : problem;
 }
 
 int RunOutput::FramesDue() const
@@ -58,7 +61,8 @@ std::string RunOutput::WriteFrame()
 {
   const LogScope scope(cost_.events.output);
   state_.frames = FrameNow();
-  return frames_.Write(hierarchy_, state_.frames, state_.time, state_.step);
+  const std::string problem = frames_.Write(hierarchy_, state_.frames, state_.time, state_.step);
+  return problem.empty() ? WriteSummarySoFar() : problem;
 }
 
 std::string RunOutput::WriteCheckpoint()
@@ -69,6 +73,9 @@ std::string RunOutput::WriteCheckpoint()
   if (problem.empty()) last_checkpoint_ = state_.step;
   return problem;
 }
+
+/// So that a folder can be read while the run goes on, and after it was killed.
+std::string RunOutput::WriteSummarySoFar() { return WriteSummary(case_, hierarchy_, state_, cost_, rows_, "not ended"); }
 
 std::string RunOutput::Finish(const std::string &status)
 {

@@ -222,7 +222,7 @@ def analysed(each, constants):
         rows, fits = zip(*oliver_pharr.analysed(each.curve, constants))
     except ResultError as problem:
         return each._replace(problem=problem)
-    return each._replace(rows=rows, fits=fits, curve=each.curve._replace(notes=[*each.curve.notes, *oliver_pharr.notes_on_modulus(rows)]))
+    return each._replace(rows=rows, fits=fits, curve=each.curve._replace(notes=[*each.curve.notes, *oliver_pharr.notes_on(rows)]))
 
 
 # ---- output ----

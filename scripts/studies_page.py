@@ -52,7 +52,7 @@ def slope(order, x, y):
 
 
 def figure(title, xlabel, ylabel, curves, log=False, caption=""):
-    """A plot; axes carry their units in the labels. log: both axes are logarithmic."""
+    """A plot; axes carry their units in the labels. log: whether both axes are logarithmic; "x": that one alone."""
     return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "curves": list(curves), "log": log, "caption": caption}
 
 
@@ -84,7 +84,9 @@ def draw_on(axes, drawing):
                           color="0.4", size=10)
     pictures.line_axes(axes, drawing["xlabel"], drawing["ylabel"])
     if drawing["log"]:
-        axes.set(xscale="log", yscale="log")
+        axes.set(xscale="log")
+    if drawing["log"] is True:
+        axes.set(yscale="log")
         log_ticks(axes, drawing["curves"])
     labels = [each["label"] for each in drawing["curves"] if not each["label"].startswith("_")]
     if len(drawing["curves"]) > 1:

@@ -14,6 +14,7 @@ RANKS = {False: (1,), True: (1, 3)}  # of unit tests: those whose suite ends in 
 # Files of half a minute and more, the longest first: processes that -n has started take files in this order, and so end together.
 LONGEST_FIRST = ("stops", "hardness", "ranks", "friction", "restart", "borders", "metals", "following", "limits", "bad_input", "bending", "rounding",
                  "elastic_contact", "test_tutorial", "quasi_static", "test_measured", "test_package", "test_refusals", "bad_input_of_contact")
+LONGEST_STUDIES_FIRST = ("hardness", "crystals", "tables", "following", "creep_laws", "half_plane")
 
 
 def pytest_configure(config):
@@ -143,7 +144,8 @@ def unit_run(item):
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     if hasattr(config, "workerinput"):
-        places = {f"{name}.py": place for place, name in enumerate(LONGEST_FIRST)}
+        are_studies = any(item.name.startswith("verify_") for item in items)
+        places = {f"{name}.py": place for place, name in enumerate(LONGEST_STUDIES_FIRST if are_studies else LONGEST_FIRST)}
         items.sort(key=lambda item: places.get(item.path.name, len(places)))
     for item in items:
         if item.name.startswith("verify_"):

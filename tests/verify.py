@@ -9,10 +9,14 @@ Writes to output/verify/: report.html, one page with all figures, goals and plot
 with the figures of this run; studies/NAME.json, what each study found. Studies that were not selected are shown as they
 were found last. Data and pictures of the book's pages go to docs/images/results. The exit status is 0 only if every study
 shown reached all its goals.
+
+Several studies run side by side, each on a core, but those that measure times or need several ranks, marked `alone`, come one
+after the other.
 """
 import datetime
 import inspect
 import json
+import os
 import re
 import sys
 import time
@@ -163,11 +167,21 @@ def take_into_book(chosen):
             book.take(page, found)
 
 
+def run(tests):
+    """Runs studies, by what pytest calls them; True where one failed. One study prints its figures as it finds them."""
+    if len(tests) == 1:
+        return pytest.main(["-m", "study", "-s", *tests]) != 0
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    parts = ["-m", "study and not alone", "-v", "-n", str(cores), "--dist", "loadfile"], ["-m", "study and alone", "-v"]
+    statuses = [pytest.main([*part, *tests]) for part in parts]
+    return any(status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED) for status in statuses)
+
+
 @book.command
 def main(arguments):
     studies = collect()
     chosen = select(studies, arguments)
-    failed = chosen and pytest.main(["-m", "study", "-s", *(studies[name] for name in chosen)])
+    failed = chosen and run([studies[name] for name in chosen])
     take_into_book(chosen)
     missed = write(known(studies))
     for line in missed:

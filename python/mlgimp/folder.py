@@ -33,7 +33,7 @@ def lines_of(run):
     for label, name in FIGURES:
         if largest[name] == largest[name]:
             yield f"{label} {largest[name]:.3g} GPa" + (f" +- {100 * errors[name]:.2g} % by cells and block" if name in errors else "")
-    yield from (f"note: {note}" for note in oliver_pharr.notes_on_modulus(rows))
+    yield from (f"note: {note}" for note in oliver_pharr.notes_on(rows))
     yield from (f"warning: {line}" for line in (largest["warnings"],) if line)
 
 

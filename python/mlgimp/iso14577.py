@@ -25,13 +25,11 @@ def epsilon(exponent):
     """Returns epsilon of the contact depth for the exponent m of the unloading, between 1 of a flat punch and 0.7 or so.
 
     m (1 - 2 (m - 1) Gamma(m/(2(m - 1)))/(sqrt(pi) Gamma(1/(2(m - 1))))), of the effective indenter of Pharr and Bolshakov, J. Mater. Res. 17
-    (2002) 2660: 1 for m = 1, 0.75 for m = 1.5, 2 - 4/pi = 0.7268 for m = 2.
+    (2002) 2660: 1 for m = 1, 0.75 for m = 1.5, 2 - 4/pi = 0.7268 for m = 2. exponent: a number or an array.
     """
-    above = exponent - 1
-    if above < 1e-6:
-        return 1.0
-    ratio = math.exp(gammaln(exponent / (2 * above)) - gammaln(1 / (2 * above)))
-    return exponent * (1 - 2 * above * ratio / math.sqrt(math.pi))
+    above = np.maximum(exponent - 1, 1e-6)
+    ratio = np.exp(gammaln(exponent / (2 * above)) - gammaln(1 / (2 * above)))
+    return np.where(exponent - 1 < 1e-6, 1.0, exponent * (1 - 2 * above * ratio / math.sqrt(math.pi)))[()]
 
 
 def figures(curve, cycle, fit, row, plane_strain):

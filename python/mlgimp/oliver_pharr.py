@@ -210,7 +210,7 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     row |= dict.fromkeys(names, math.nan)
     true_modulus, pile_up = math.nan, math.nan
     if curve.tip is not None:
-        epsilon, beta = epsilon_and_beta(curve.tip, fit, poisson, constants)
+        epsilon, beta = epsilon_and_beta(curve.tip, fit.exponent, fit.depth, fit.load / fit.stiffness, poisson, constants)
         figures = contact(curve.tip, fit.depth, fit.load, fit.stiffness, epsilon, beta)
         check_depth(curve, figures[0])
         row |= dict(zip(names, (epsilon, beta, *figures, specimen_modulus(figures[-1], poisson, constants))))
@@ -224,12 +224,15 @@ def analyse_cycle(curve, number, cycle, fit, constants):
     return row | held_figures(curve, cycle, fit, row, constants) | norm
 
 
-def epsilon_and_beta(tip, fit, poisson, constants):
-    """Returns epsilon and beta of an Unloading: those that the user chose, else those of the norm or of the Tip."""
-    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(fit.exponent) if constants.iso else tip.epsilon
+def epsilon_and_beta(tip, exponent, depth, elastic, poisson, constants):
+    """Returns epsilon and beta of unloadings: those that the user chose, else those of the norm or of the Tip.
+
+    exponent: m of the unloading; depth, elastic: at its start, and P/S there (um).
+    """
+    epsilon = constants.epsilon if constants.epsilon is not None else iso14577.epsilon(exponent) if constants.iso else tip.epsilon
     if constants.beta is not None or constants.iso:
         return epsilon, 1.0 if constants.beta is None else constants.beta
-    return epsilon, float(tip.beta(poisson, fit.depth - epsilon * fit.load / fit.stiffness))
+    return epsilon, tip.beta(poisson, depth - epsilon * elastic)
 
 
 def check_depth(curve, depth):
@@ -240,7 +243,8 @@ def check_depth(curve, depth):
 
 
 def held_figures(curve, cycle, fit, row, constants):
-    """Returns the results HELD of the hold before an unloading; NaN without a hold or a time of the test.
+    """Returns the results HELD of the hold before an unloading; NaN without a hold or a time of the test, and what creeps or relaxes in it where no
+    material of the run does.
 
     C_IT_percent is C_IT = (h2 - h1)/h1 at constant load and R_IT_percent R_IT = (P1 - P2)/P1 at constant depth, of ISO 14577-1,
     from hold_start_s to hold_end_s. corrected_... are figures of the stiffness without creep, see holds.corrected_stiffness().
@@ -250,6 +254,8 @@ def held_figures(curve, cycle, fit, row, constants):
         return found
     time = holds.clock(curve)
     found |= {"hold_start_s": float(time[hold.begin]), "hold_end_s": float(time[hold.end])}
+    if curve.creeps is False:  # what moves are waves that settle
+        return found
     if hold.kind == "depth":
         return found | {"R_IT_percent": -100 * holds.change(curve, hold)}
     onset = holds.rows_of_onset(curve, cycle, hold)
@@ -257,8 +263,6 @@ def held_figures(curve, cycle, fit, row, constants):
     stiffness = holds.corrected_stiffness(holds.onset_compliance(curve, hold, onset), creep, unloading)
     found |= {"C_IT_percent": 100 * holds.change(curve, hold), "creep_rate_um_per_s": creep, "unloading_rate_mN_per_s": unloading,
               "corrected_stiffness_mN_per_um": stiffness}
-    if curve.creeps is False:  # what moves in its holds are waves
-        return found | {"corrected_stiffness_mN_per_um": math.nan}
     if curve.tip is None or not math.isfinite(stiffness):
         return found
     poisson = curve.poisson if constants.poisson is None else constants.poisson
@@ -286,8 +290,10 @@ def expected_errors(curve, cycle):
         "true_area_um2": area, "true_hardness_GPa": area, "true_modulus_GPa": area + block}}
 
 
-def notes_on_modulus(rows):
-    """Yields a note where reduced moduli are known in dicts of results and no specimen's modulus is."""
+def notes_on(rows):
+    """Yields notes on dicts of results: where reduced moduli are known and no specimen's modulus is, and where nothing creeps in a hold."""
+    if any(math.isfinite(row["hold_start_s"]) and math.isnan(row["C_IT_percent"]) and math.isnan(row["R_IT_percent"]) for row in rows):
+        yield "no material of the run creeps or relaxes: what moves in its holds are waves that settle, and there is no C_IT or R_IT"
     if any(math.isfinite(row["reduced_modulus_GPa"]) for row in rows) and not any(math.isfinite(row["modulus_GPa"]) for row in rows):
         yield ("there is no modulus of the specimen: its Poisson's ratio is not known, or that of a run's materials is not the same; give it "
                "(--poisson, poisson=)")

@@ -123,7 +123,7 @@ def figures(directory, history, summary):
         parts += ["<h3>All unloadings</h3>", table([name.replace("_", " ") for name in EACH], [[shortly(row[name]) for name in EACH] for row in rows],
                                                    set(range(len(EACH))))]
     parts += paragraphs([line for line in (largest["warnings"],) if line], "warning")
-    return parts + bullets([*curve.notes, *oliver_pharr.notes_on_modulus(rows)])
+    return parts + bullets([*curve.notes, *oliver_pharr.notes_on(rows)])
 
 
 def shortly(value):

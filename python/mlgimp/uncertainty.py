@@ -99,27 +99,26 @@ def cycle_of(curve, fit):
 
 
 def windows_fits(curve, fit, window):
-    """Returns the stiffnesses (mN/um) of fits in windows around the one that was chosen, those that have enough rows."""
+    """Returns the stiffnesses (mN/um) and exponents [fits][2] of fits in windows around the one that was chosen, those that have enough rows."""
     found, cycle = [], cycle_of(curve, fit)
     for low in np.clip(np.linspace(-WINDOW[0], WINDOW[0], GRID) + window[0], 0, 1):
         for high in np.clip(np.linspace(-WINDOW[1], WINDOW[1], GRID) + window[1], 0, 1):
             try:
-                found.append(oliver_pharr.fit_unloading(curve, cycle, (low, high)).stiffness)
+                own = oliver_pharr.fit_unloading(curve, cycle, (low, high))
+                found.append((own.stiffness, own.exponent))
             except ResultError:
                 pass
-    return np.array(found or [fit.stiffness])
+    return np.array(found or [(fit.stiffness, fit.exponent)])
 
 
-def figures(curve, constants, depth, load, stiffness, zero, compliance, area, poisson):
+def figures(curve, constants, depth, load, stiffness, exponent, zero, compliance, area, poisson):
     """Returns the QUANTITIES [draws] by Oliver and Pharr: a contact point zero (um) deeper, a compliance (um/mN) more in series, an area
     by a share larger."""
-    epsilon = curve.tip.epsilon if constants.epsilon is None else constants.epsilon
     stiffness = 1 / oliver_pharr.above_zero(1 / stiffness - compliance)
-    beta = constants.beta
-    if beta is None:
-        beta = curve.tip.beta(poisson, depth - zero - compliance * load - epsilon * load / stiffness)
+    depth = depth - zero - compliance * load
+    epsilon, beta = oliver_pharr.epsilon_and_beta(curve.tip, exponent, depth, load / stiffness, poisson, constants)
     tip = curve.tip._replace(area=lambda h: curve.tip.area(h) * (1 + area))
-    *_, hardness, modulus = oliver_pharr.contact(tip, depth - zero - compliance * load, load, stiffness, epsilon, beta)
+    *_, hardness, modulus = oliver_pharr.contact(tip, depth, load, stiffness, epsilon, beta)
     return np.array(np.broadcast_arrays(hardness, modulus, oliver_pharr.specimen_modulus(modulus, poisson, constants)))
 
 
@@ -179,21 +178,21 @@ def uncertainty(curve, row, fit, constants=oliver_pharr.Constants(), inputs=Inpu
     given_zero = inputs.zero_nm
     inputs, random = standard(curve, fit, inputs), np.random.default_rng(seed)
     poisson = curve.poisson if constants.poisson is None else constants.poisson
-    nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "zero": 0.0, "compliance": 0.0, "area": 0.0, "poisson": poisson}
-    stiffnesses = windows_fits(curve, fit, constants.window)
+    nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "exponent": fit.exponent, "zero": 0.0, "compliance": 0.0, "area": 0.0, "poisson": poisson}
+    in_windows = windows_fits(curve, fit, constants.window)
     depth, load, noisy = noisy_starts(curve, fit, inputs, random, count)
-    ratios = random.choice(stiffnesses, count) / fit.stiffness
+    stiffnesses, exponents = random.choice(in_windows, count).T
     given_by = ", of the zero that was found" if curve.zero_error is not None and given_zero is None else ""
     sources = [
         ("noise", f"{inputs.depth_nm:.3g} nm, {inputs.load_uN:.3g} uN of each row", {"depth": depth, "load": load, "stiffness": noisy}),
-        ("window", f"{WINDOW[0]:g} and {WINDOW[1]:g} about {constants.window[0]:g},{constants.window[1]:g}", {"stiffness": fit.stiffness * ratios}),
+        ("window", f"{WINDOW[0]:g} and {WINDOW[1]:g} about {constants.window[0]:g},{constants.window[1]:g}", {"stiffness": stiffnesses, "exponent": exponents}),
         ("contact point", f"{inputs.zero_nm:.3g} nm{given_by} (--u-zero)", {"zero": 1e-3 * inputs.zero_nm * random.normal(size=count)}),
         ("compliance", f"{inputs.compliance_nm_per_mN:.3g} nm/mN", {"compliance": 1e-3 * inputs.compliance_nm_per_mN * random.normal(size=count)}),
         ("area", f"{inputs.area_percent:.3g} %", {"area": 0.01 * inputs.area_percent * random.normal(size=count)})]
     if poisson is not None:
         sources.append(("Poisson's ratio", f"{inputs.poisson:.3g}", {"poisson": np.clip(poisson + inputs.poisson * random.normal(size=count), -0.99, 0.5)}))
     found = [(source, words, figures(curve, constants, **{**nominal, **drawn})) for source, words, drawn in sources]
-    drawn = {name: values for *_, own in sources for name, values in own.items()} | {"stiffness": noisy * ratios}
+    drawn = {name: values for *_, own in sources for name, values in own.items()} | {"stiffness": noisy * stiffnesses / fit.stiffness}
     total = figures(curve, constants, **{**nominal, **drawn})
     values = np.array([row[name] for name in QUANTITIES])
     error, words = errors_of_cells(row, other)

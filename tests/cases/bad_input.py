@@ -396,6 +396,7 @@ def test_refused(expect, files, name):
     expect_refused(expect, TABLES[name], files)
 
 
+@pytest.mark.alone
 def verify_on_three_ranks(study):
     """Bad input on three ranks.
 

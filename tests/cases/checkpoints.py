@@ -7,6 +7,7 @@ import time
 
 import h5py
 import numpy
+import pytest
 
 from safety import BLOCK, ended, refused, succeeds
 
@@ -312,6 +313,7 @@ def test_handmade_checkpoints(tmp_path):
     assert not wrong_on_ranks(tmp_path, 20, 100)
 
 
+@pytest.mark.alone
 def verify_handmade(study, tmp_path):
     """Checkpoints with senseless contents.
 

@@ -132,6 +132,7 @@ def test_kill(expect):
     kill_all(expect, KILLS // 10)
 
 
+@pytest.mark.alone
 def verify_kill(study):
     """Kills at any moment.
 

@@ -311,7 +311,8 @@ def expect_constant(study, result, exponent, name, unit):
     study.expect(f"{name} over its mean, largest difference", numpy.max(numpy.abs(means / numpy.mean(means) - 1)), at_most=0.02)
     study.expect("energy left over the work", energy_left(history), near=0, tolerance=0.01)
     study.figure("depth at the end over that with 8 cells in half the contact's width", depth[-1] / depth[full][0])
-    study.plot(f"Load over the depth, {study.name}", "depth (µm)", f"{name} ({unit})", page.curve(name, 1e6 * middles, means / 1e9))
+    study.figure(f"{name}, mean", numpy.mean(means) / 1e9, unit)
+    study.plot(f"Load over the depth, {study.name}", "depth (µm)", f"{name} over its mean", page.curve(name, 1e6 * middles, means / numpy.mean(means)), log="x")
 
 
 def verify_decades(study):

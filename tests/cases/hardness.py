@@ -221,6 +221,7 @@ def table(name):
     return numpy.genfromtxt(harness.ROOT / "tests" / "reference" / name, delimiter=",", skip_header=4)
 
 
+@pytest.mark.alone
 def verify_time(study):
     """One indentation, loading and unloading, forty cells in the contact's radius, on two ranks
 

@@ -92,6 +92,7 @@ def test_from_python(tmp_path, monkeypatch):
 SHIPPED = "pressure", "sphere_axisymmetric", "punch_axisymmetric", "wedge_3level", "cone_metal", "film_stress", "taylor_bar", "berkovich_3d"
 
 
+@pytest.mark.alone
 def verify_time(study):
     """What -check says of the time
 

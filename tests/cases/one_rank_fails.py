@@ -2,6 +2,8 @@
 import subprocess
 import time
 
+import pytest
+
 import harness
 from checkpoints import NESTED
 
@@ -55,6 +57,7 @@ def test_a_problem_of_one_rank(tmp_path):
     assert not wrong_of_problems(tmp_path, 3)
 
 
+@pytest.mark.alone
 def verify_problems(study, tmp_path):
     """A problem of one rank of three, at each place where they agree.
 

@@ -199,6 +199,7 @@ def layouts(folder):
     return len(cuts), len(counts)
 
 
+@pytest.mark.alone
 def verify_ranks(study):
     """The same run on any number of ranks
 

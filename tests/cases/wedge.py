@@ -82,7 +82,7 @@ def verify_wedge_quality(study):
     expected = {int(depth): numpy.interp(depth * 1e-9, elements["depth_m"], elements["load_h62nm_N"]) for depth in range(50, 451, 50)}
     curves, errors = [], []
     for name, cell in (("wedge_500nm", 500e-9), ("wedge_250nm", 250e-9), ("wedge_125nm", 125e-9), ("wedge_62nm", 62.5e-9)):
-        history = run({"frames": 1}, file=name + ".opts", ranks=2, timeout=3600).history
+        history = run({"frames": 1}, file=name + ".opts", ranks=up_to(2), timeout=3600).history
         quality(study.expect, name, history, cell)
         error = [numpy.interp(depth * 1e-9, history["depth"], history["load"]) / load - 1 for depth, load in expected.items()]
         errors.append([f"{cell * 1e9:g} nm", *(f"{100 * each:+.1f} %" for each in error)])

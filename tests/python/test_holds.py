@@ -95,15 +95,16 @@ def test_stiffness_without_creep(expect, seconds):
         assert row["corrected_hardness_GPa"] > 0 and row["corrected_modulus_GPa"] > 0
 
 
-def test_what_does_not_creep_has_no_stiffness_without_creep(tmp_path):
+def test_what_does_not_creep_has_no_figures_of_creep(tmp_path):
     """A hold of a run whose materials do not flow with the time; in a measured curve nobody knows."""
     depth, load = metal(rows=300)
     depth, load = (np.concatenate([each[:300], np.full(300, each[299]), each[300:]]) for each in (depth, load))
     hold = curve(depth, load, time=np.linspace(0, 30, len(depth)))
     rows = [oliver_pharr.analyse(hold._replace(creeps=known))[0] for known in (None, True, False)]
     assert [math.isfinite(row["corrected_hardness_GPa"]) for row in rows] == [True, True, False]
-    assert rows[2]["C_IT_percent"] == pytest.approx(0, abs=1e-9)
-    assert math.isnan(rows[2]["corrected_stiffness_mN_per_um"])
+    assert [row["C_IT_percent"] == pytest.approx(0, abs=1e-9) for row in rows] == [True, True, False] and rows[2]["hold_end_s"] > rows[2]["hold_start_s"]
+    assert math.isnan(rows[2]["C_IT_percent"]) and math.isnan(rows[2]["corrected_stiffness_mN_per_um"])
+    assert [any("no material of the run creeps" in note for note in oliver_pharr.notes_on([row])) for row in rows] == [False, False, True]
     for options, known in (({}, False), ({"-m_rate_law": "none", "-m_model": "j2"}, False), ({"-m_rate_law": "norton"}, True),
                            ({"-m_model": "viscoelastic"}, True)):
         assert load_depth.creeps(options) == known
@@ -168,7 +169,7 @@ def test_files_have_what_a_hold_gives(tmp_path, capsys):
 
 def test_runs_have_the_time_of_their_test(tmp_path):
     """The column test_time counts, not the time of the program, without which a run has no figures of a hold."""
-    folder = write_run(tmp_path / "run", CONE_OPTIONS)
+    folder = write_run(tmp_path / "run", {**CONE_OPTIONS, "-m_rate_law": "norton"})
     [row] = oliver_pharr.analyse(oliver_pharr_curve(folder))
     assert math.isnan(row["C_IT_percent"])
     lines = (folder / "history.csv").read_text().splitlines()

@@ -59,7 +59,8 @@ def test_sources_one_by_one(expect):
     inputs = uncertainty.standard(test, fit, STATED._replace(depth_nm=0.0, load_uN=0.0))
     random = np.random.default_rng(1)
     draws = random.normal(size=20000)
-    nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "zero": 0.0, "compliance": 0.0, "area": 0.0, "poisson": 0.3}
+    nominal = {"depth": fit.depth, "load": fit.load, "stiffness": fit.stiffness, "exponent": fit.exponent, "zero": 0.0, "compliance": 0.0, "area": 0.0,
+               "poisson": 0.3}
     deep, slope = row["contact_depth_um"], 1e-3 * inputs.compliance_nm_per_mN
     rise = -slope * (1 - 0.75) * fit.load / deep  # of h_c by compliance: -C P from the depth, and 0.75 P C less for the surface beside it
     expected = {"zero": (1e-3 * inputs.zero_nm, 2e-3 * inputs.zero_nm / deep, 1e-3 * inputs.zero_nm / deep),
@@ -69,6 +70,21 @@ def test_sources_one_by_one(expect):
         values = uncertainty.figures(test, oliver_pharr.Constants(), **{**nominal, name: nominal[name] + size * draws})
         for quantity, share, own in zip(QUANTITIES, [*shares, math.hypot(shares[1], 2 * 0.3 * inputs.poisson / 0.91 if name == "poisson" else 0)], values):
             expect(f"{name}, {quantity}", float(np.std(own)) / row[quantity], near=share, tolerance=0.03 * share + 1e-9)
+
+
+@pytest.mark.parametrize("constants", [{"iso": True}, {"epsilon": 0.9}, {"beta": 1.1}, {"iso": True, "epsilon": 0.7, "beta": 1.02}, {}],
+                         ids=lambda given: " ".join(given) or "by default")
+def test_draws_are_by_the_same_conventions(expect, constants):
+    """Without any noise each draw is the figure itself, by the norm, too; with little the middle of the interval is."""
+    chosen = oliver_pharr.checked_constants(**constants)
+    test = curve(*metal(lowest=0.1), tip=tips.make_tip("berkovich"))
+    (row, fit), = oliver_pharr.analysed(test, chosen)
+    nothing = Inputs(**dict.fromkeys(Inputs._fields, 0.0))
+    for inputs, tolerance in ((nothing, 1e-3), (STATED, 0.02)):
+        found = uncertainty.uncertainty(test, row, fit, chosen, inputs, draws=1000)
+        for name in QUANTITIES:
+            expect(f"middle of the interval of {name}", (found.lower[name] + found.upper[name]) / 2 / row[name], near=1, tolerance=tolerance)
+            expect.that(f"interval of {name} holds it", found.lower[name] <= row[name] * (1 + 1e-6) and row[name] <= found.upper[name] * (1 + 1e-6), f"{row[name]}")
 
 
 @pytest.mark.parametrize("final, exponent", [(0.42, 1.4), (0.4, 1.0), (-0.02, 1.6)], ids=["power law", "limit of m", "hf held at zero"])

@@ -143,7 +143,9 @@ def main(words):
         return
     found = fitting.fit(**parse(words))
     for each, value, lower, upper in zip(found.variables, found.values, found.lower, found.upper):
-        print(f"{each.option} {value:.6g}, 95 % confidence {lower:.6g} to {upper:.6g}")
+        print(f"{each.option} {value:.6g}, 95 % confidence {lower:.6g} to {upper:.6g} by noise alone")
+    for line in found.notes:
+        print(f"note: {line}")
     for line in found.warnings:
         print(f"warning: {line}")
     print(found.folder / "fit.csv", found.folder / "fit.json", sep="\n")

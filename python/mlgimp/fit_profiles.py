@@ -31,6 +31,12 @@ def largest_cycle(curve):
     return max(cycles.find_cycles(curve), key=lambda cycle: curve.load[cycle.start])
 
 
+def depth_and_load(curve):
+    """Returns the depth (um) and the load (mN) [2] of a Curve at the start of its largest unloading."""
+    hold = largest_cycle(curve).hold
+    return np.array([np.mean(curve.depth[hold]), np.mean(curve.load[hold])])
+
+
 # ---- the test ----
 
 def parts_of(rows, along, low, high):

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
-from . import checks, fit_profiles, fit_search, hints, imprint, load_depth, presets, units
+from . import checks, fit_profiles, fit_search, hints, imprint, load_depth, oliver_pharr, presets, units
 from .errors import Error, RunError
 from .needs import need
 from .options import named, read_options
@@ -65,6 +65,11 @@ class Fit:
     def warnings(self):
         """Lines that tell what keeps the constants from being determined."""
         return list(doubts(self))
+
+    @property
+    def notes(self):
+        """Lines that tell what the intervals do not include."""
+        return list(left_out(self))
 
     def plot(self):
         """Returns the picture of the measured curves, the first runs and the best ones, as a matplotlib Figure."""
@@ -255,7 +260,7 @@ def search(runs, evaluations):
     lower, upper = (np.log([getattr(each, end) / each.start for each in runs.variables]) for end in ("lower", "upper"))
     going = fit_search.Search(runs.residuals, lower, upper, runs.groups(), runs.errors())
     forecast = going.begin()
-    for line in forecast_lines(runs.variables, forecast):
+    for line in [*of_other_tests(runs), *forecast_lines(runs.variables, forecast)]:
         print(line)
     found, finished = going.go(evaluations)
     freedom = len(found.residuals) - len(found.x)
@@ -282,6 +287,27 @@ def forecast_lines(found, covariance):
     for k, other in zip(*np.tril_indices(len(found), -1)):
         if abs(correlation[k, other]) > ALIKE:
             yield f"this test cannot tell {found[other].name} from {found[k].name}: correlation {correlation[k, other]:.3f}"
+
+
+def of_other_tests(runs):
+    """Yields which first runs are those of another test, pressed to another depth and by another load than the measured curve."""
+    for k, target in enumerate(runs.targets):
+        first, measured = (fit_profiles.depth_and_load(curve) for curve in (load_depth.read_run(folder_of(runs.folder, 1, k, len(runs.targets))), target.curve))
+        if np.all(np.abs(first / measured - 1) > DEEPER):
+            yield (f"warning: the first run of {target.curve.name} is pressed {first[0]:.3g} um deep by {first[1]:.3g} mN, the measured curve {measured[0]:.3g} um by "
+                   f"{measured[1]:.3g} mN: is the case that of the test? An interrupt ends the search")
+
+
+def left_out(fit):
+    """Yields what cells and block of the best runs may do to them, see oliver_pharr.expected_errors()."""
+    number, count = min(fit.rows, key=lambda row: row[-2])[0], len(fit.targets)
+    for k in range(count):
+        curve = load_depth.read_run(folder_of(fit.folder, number, k, count))
+        found = oliver_pharr.expected_errors(curve, fit_profiles.largest_cycle(curve))
+        if found["expected_error"]:
+            load, modulus = (100 * found["expected_error"][name] for name in ("load_mN", "modulus_GPa"))
+            yield (f"the intervals are those of the noise alone: {found['cells']:.2g} cells in half the contact and this block may change the run's loads by "
+                   f"{load:.2g} %, a modulus by {modulus:.2g} %" + f" (test {k + 1})" * (count > 1))
 
 
 def doubts(fit):
@@ -320,7 +346,7 @@ def doubts_of_runs(fit):
     number, count = min(fit.rows, key=lambda row: row[-2])[0], len(fit.targets)
     for k, target in enumerate(fit.targets):
         folder, of = folder_of(fit.folder, number, k, count), f" of {target.curve.name}" * (count > 1)
-        best, measured = (np.mean(curve.depth[fit_profiles.largest_cycle(curve).hold]) for curve in (load_depth.read_run(folder), target.curve))
+        best, measured = (fit_profiles.depth_and_load(curve)[0] for curve in (load_depth.read_run(folder), target.curve))
         if abs(best / measured - 1) > DEEPER:
             yield (f"the best run{of} is pressed {best:.3g} um deep, the measured curve {measured:.3g} um: what lies beyond is a guess; "
                    "give the case the test's largest depth or load")
@@ -333,5 +359,5 @@ def write(fit):
                  for each, value, lower, upper in zip(fit.variables, fit.values, fit.lower, fit.upper)}
     deviation, correlation = parts_of(fit.forecast)
     report = {"constants": constants, "correlation": fit.correlation.tolist(), "misfit": fit.misfit, "runs": len(fit.rows) * len(fit.targets),
-              "forecast": {"standard_errors": deviation.tolist(), "correlation": correlation.tolist()}, "warnings": fit.warnings}
+              "forecast": {"standard_errors": deviation.tolist(), "correlation": correlation.tolist()}, "warnings": fit.warnings, "notes": fit.notes}
     (fit.folder / "fit.json").write_text(json.dumps(report, indent=2) + "\n")

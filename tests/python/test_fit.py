@@ -139,6 +139,24 @@ def test_a_case_of_another_depth(fitted):
     assert any("is pressed 0.4 um deep, the measured curve 0.5 um" in line for line in lines), lines
 
 
+def test_another_test_is_seen_after_the_first_runs(fitted, capsys):
+    """Another depth under another load; a first guess that is too soft gives either, by what the test prescribes, but not both."""
+    fitted(lambda constants, rows: law(constants, depth=0.4, rows=rows), "E,yield_stress")
+    printed = capsys.readouterr().out
+    assert "pressed 0.4 um deep by" in printed and printed.index("is the case that of the test?") < printed.index("by noise and first slopes")
+    fitted(law, "E,yield_stress", seed=2)
+    assert "is the case that of the test?" not in capsys.readouterr().out
+
+
+def test_intervals_say_what_they_do_not_include(fitted, monkeypatch, capsys):
+    """Cells and block of the best run; of runs whose cells are not known nothing."""
+    assert fitted(law, "E")["notes"] == []
+    monkeypatch.setattr(fitting.oliver_pharr, "expected_errors", lambda curve, cycle: {"cells": 5.0, "expected_error": {"load_mN": 0.06, "modulus_GPa": 0.13}})
+    [line] = fitted(law, "E")["notes"]
+    assert line.endswith("5 cells in half the contact and this block may change the run's loads by 6 %, a modulus by 13 %")
+    assert f"note: {line}" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("given, line", [
     ({"vary": []}, r"vary=\[\]: must be a list"), ({"vary": None}, "vary="), ({"vary": [1]}, "vary="),
     ({"evaluations": 0}, "evaluations=0: must be a whole number >= 1"), ({"ranks": 0}, "ranks=0"), ({"runs": "2"}, "runs=2"),

@@ -264,7 +264,7 @@ def print_figures(each):
     for label, name, unit in report_page.SHOWN:
         if not math.isnan(row[name]):
             error = (row["expected_error"] or {}).get(name, math.nan)
-            print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip() + f" +- {100 * error:.2g} %" * math.isfinite(error))
+            print(f"  {label:28s} {row[name]:.5g} {unit}".rstrip() + f" +- {100 * error:.2g} % by cells and block" * math.isfinite(error))
     for note in each.curve.notes:
         print(f"  note: {note}")
     for row in each.rows:

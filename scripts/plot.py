@@ -73,6 +73,8 @@ def draw(options):
     if not options.picture and not results.has_indenter(results.read_history(options.directory)):
         print("no load_depth.png: this run has no indenter, or one that has not moved")
     out = options.out or options.directory
+    if not options.picture and Path(out).suffix.lower() in pictures.ENDINGS:
+        raise Error(f"--out {out}: must be a folder for {len(drawn)} pictures, or stand beside --picture, one of {', '.join(drawn)}")
     if options.picture:
         print(*pictures.save_all({options.picture: drawn[options.picture]()}, out))
         return

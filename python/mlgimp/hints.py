@@ -43,12 +43,13 @@ def alike(name, known, least=ALIKE):
 
 
 def meant(name, known):
-    """Returns the one of the known names that a name was probably to be: it differs in capitals or a few letters, or is its beginning; None where
-    there is none."""
+    """Returns the one of the known names that a name was probably to be: it differs from it, or from its beginning, in capitals or a few letters; None
+    where there is none."""
     small = {each.lower(): each for each in known}
     if not isinstance(name, str) or len(name) < LETTERS:
         return None
-    near = difflib.get_close_matches(name.lower(), small, 1, ALIKE) or [each for each in small if each.startswith(name.lower())]
+    begun = {each[:len(name)]: each for each in reversed(small)}
+    near = difflib.get_close_matches(name.lower(), small, 1, ALIKE) or [begun[each] for each in difflib.get_close_matches(name.lower(), begun, 1, ALIKE)]
     return small[near[0]] if near else None
 
 

@@ -105,8 +105,9 @@ def indentation_options(law="j2", *, tip="berkovich", depth=None, load=None, tes
     options = named(checks.mapping("options", options or {}))
     if "geometry" in options:
         raise Error("options: geometry must be given as the argument geometry, which grid and tip follow")
-    if sum(each is not None for each in (depth, load, test)) != 1:
-        raise Error("depth, load, test: one of them must be given")
+    given = [name for name, each in (("depth", depth), ("load", load), ("test", test)) if each is not None]
+    if len(given) != 1:
+        raise Error(f"{' and '.join(given)}: only one of depth, load and test may be given" if given else "depth, load, test: one of them must be given")
     kind, times, values = instrument.turns_of(test) if test is not None else (None, None, None)
     if test is not None:
         depth, load = instrument.largest_of(kind, values).values()

@@ -51,6 +51,9 @@ class Tip:
         for name, needs in (("depths_nm", "area_nm"), ("map_size", "height_map"), ("poissons_ratio", "youngs_modulus")):
             if getattr(self, name) is not None and getattr(self, needs) is None:
                 raise Error(f"Tip: {name} must stand beside {needs}")
+        for name in ("half_angle", "radius", "tip_radius", "edge_radius"):
+            if getattr(self, name) is not None and self.kind is None:
+                raise Error(f"Tip: {name} must stand beside kind; {given[0]} has the whole shape")
 
     def options(self):
         """Returns the options -indenter... of the program, in SI units."""

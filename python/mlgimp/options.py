@@ -25,8 +25,8 @@ def text_of(value):
 
 
 def shortest(value):
-    """Returns the shortest text that is read as this number again: 7e+10, 0.33."""
-    return next((text for text in (f"{value:.{digits}g}" for digits in range(1, 17)) if float(text) == value), repr(value))
+    """Returns the shortest text that is read as this number again: 7e+10, 0.33, 60."""
+    return min((text for text in (f"{value:.{digits}g}" for digits in range(1, 17)) if float(text) == value), key=len, default=repr(value))
 
 
 def to_words(options):

@@ -33,6 +33,7 @@ the ending of its file, and dots per inch."""
 LOOKS = {"screen": Look(STYLE["font.size"], None, True, ".png", DOTS_PER_INCH),
          "paper": Look(8, 85 / 25.4, False, ".pdf", 600)}  # a column of a journal is 85 mm wide
 ENDINGS = ".png", ".pdf", ".svg"
+OTHER_ENDINGS = ".jpg", ".jpeg", ".gif", ".eps", ".tif", ".tiff", ".bmp", ".webp"
 LOOK = contextvars.ContextVar("look", default=LOOKS["screen"])
 PAPER_LINES = {"axes.linewidth": 0.6, "lines.linewidth": 1.0, "grid.linewidth": 0.5, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
                "xtick.major.size": 2.5, "ytick.major.size": 2.5, "svg.fonttype": "none", "pdf.fonttype": 42}
@@ -261,7 +262,10 @@ def make_folder(path):
 def save_all(figures, out):
     """Writes figures, {name: Figure}, into a folder, or the only one to a file whose name ends as that of a picture, closes them, and returns
     the paths."""
-    if Path(checks.path("out", out)).suffix.lower() in ENDINGS:
+    suffix = Path(checks.path("out", out)).suffix.lower()
+    if suffix in OTHER_ENDINGS:
+        raise ResultError(out, f"must end in {', '.join(ENDINGS)}, or be a folder")
+    if suffix in ENDINGS:
         if len(figures) != 1:
             raise ResultError(out, f"must be a folder for {len(figures)} pictures; a file holds one")
         paths = [Path(out)]

@@ -83,7 +83,7 @@ def with_unit(name, value):
     """Returns the value of an option as people read it: 70 GPa of 7e+10; as it is where its unit is not known here."""
     symbol = next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
     try:
-        return pictures.in_si_unit(float(value), symbol) if symbol in ("Pa", "m") else f"{value} {symbol}".rstrip()
+        return pictures.in_si_unit(float(value), symbol) if symbol in ("Pa", "m") else f"{float(value):.6g} {symbol}".rstrip()
     except ValueError:
         return value
 
@@ -95,7 +95,7 @@ def figures_of(row, uncertainty=None):
         if math.isnan(row[name]):
             continue
         error, interval = (row["expected_error"] or {}).get(name, math.nan), ""
-        words = f"cells: {100 * error:.2g} %" if math.isfinite(error) else ""
+        words = f"cells and block: {100 * error:.2g} %" if math.isfinite(error) else ""
         if uncertainty and math.isfinite(uncertainty.values.get(name, math.nan)):
             words = f"{uncertainty.deviation[name]:.3g}"
             interval = f"{uncertainty.lower[name]:.5g} to {uncertainty.upper[name]:.5g}"

@@ -174,6 +174,13 @@ def plotted(name, values):
     return name + f"_{symbol}" * bool(symbol), {value: units.in_si(value) for value, each in zip(values, found) if each and units.unit(each[2])}
 
 
+def cell(name, value):
+    """Returns a value of a row as sweep.csv has it: nothing where it is not known, and what a run has found with ten digits."""
+    if isinstance(value, float) and math.isnan(value):
+        return ""
+    return f"{value:.10g}" if name in FOUND else text.text_of(value)
+
+
 def write(path, rows, values):
     """Writes the table of the rows that are done, through a file of its own, so that a reader never sees half of it."""
     part = path.with_suffix(".part")
@@ -184,7 +191,7 @@ def write(path, rows, values):
         with open(part, "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, [*(head for head, _ in heads.values()), "status", *FOUND, "folder", "seconds", "warnings"])
             writer.writeheader()
-            writer.writerows({name: "" if isinstance(value, float) and math.isnan(value) else text.text_of(value) for name, value in row.items()}
+            writer.writerows({name: cell(name, value) for name, value in row.items()}
                              for row in rows if row["status"] != "waiting")
         part.replace(path)
     except OSError as problem:

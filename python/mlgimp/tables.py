@@ -177,9 +177,18 @@ def tests_of(path, lines, mark, numerals, wanted):
         raise no_rows(path, lines)
     table = Table(path, wanted, mark, numerals, mode(widths))
     rows = [good and len(line.words) == table.count for line, good in zip(lines, are_numbers)]
+    check_commas(path, lines[:rows.index(True)], mark, table.count)
     for are_rows, group in itertools.groupby(zip(rows, lines), key=lambda pair: pair[0]):
         table.add(are_rows, [line for _, line in group])
     return [functools.partial(table.numbers_of, test) for test in table.finished()]
+
+
+def check_commas(path, above, mark, count):
+    """Refuses commas that part columns and fractions alike: rows of twice as many numbers, their count, as the Lines above have names."""
+    heads = next((line.words for line in reversed(above) if line.text.strip()), [])
+    if mark == "," and len(heads) > 1 and count == 2 * len(heads):
+        raise ResultError(path, f"has {count} numbers in rows under {len(heads)} names: commas part columns and fractions alike; write it with semicolons or "
+                                "tabs between columns, or with dots in numbers")
 
 
 def no_rows(path, lines):

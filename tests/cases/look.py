@@ -35,6 +35,7 @@ def test_facts(tmp_path):
     contact = found["contact"]
     assert contact["depth"] == pytest.approx(200e-9) and contact["cells"] == pytest.approx(200e-9 * numpy.tan(numpy.radians(70.3)) / 250e-9)
     assert contact["load_error"] == pytest.approx(0.3 / contact["cells"]) and found["seconds"] > 0
+    assert contact["block_error"] == pytest.approx(1.09 * contact["half_width"] / 12e-6)
     assert any("copper_ofhc" in note for note in found["notes"]) and any("inertia" in line for line in found["warnings"])
     clock = "seconds", "seconds_per_step", "ranks", "bytes_per_rank"
     assert {key: value for key, value in found.items() if key not in clock} == {key: value for key, value in on_three.items() if key not in clock}
@@ -43,7 +44,26 @@ def test_facts(tmp_path):
 def test_errors_by_cells_are_those_of_the_analysis():
     from mlgimp import oliver_pharr
     source = (harness.ROOT / "src" / "program" / "run" / "check.cpp").read_text()
-    assert f"kLoadError = {oliver_pharr.EDGE}, kAreaError = {oliver_pharr.AREA};" in source
+    assert f"kLoadError = {oliver_pharr.EDGE}, kAreaError = {oliver_pharr.AREA}, kBlockError = {oliver_pharr.STIFFER};" in source
+
+
+@pytest.mark.parametrize("changes, where, line", [
+    ({"indenter_half_angle": "45deg"}, "warnings", "half the contact's width is at most 0.8 cells of level 1, fewer than 6"),
+    ({"cell_size": "250nm", "level_1_upper": "1um,12um", "indenter_half_angle": "80deg"}, "warnings", "contact crosses a border of levels by time 4e-09 s, "
+     "half its width being 9.074 cells of level 1 and 4.537 of level 0"),
+    ({"boundary_x_upper": "symmetry", "geometry": "plane_strain", "indenter": "wedge", "indenter_tip": "11.5um,10um", "level_1_lower": "6um,6um", "level_1_upper": "12um,12um"}, "warnings",
+     "contact has reached x_upper"),
+    ({"indenter_max_depth": "6um", "level_1_lower": "0,2um", "indenter_half_angle": "30deg"}, "warnings", "the largest depth is 60 % of the height"),
+    ({"domain_upper": "12um,20um", "indenter_tip": "0,10.6um"}, "notes", "the tip starts 600 nm above the body: 75 % of the time goes by"), ({}, "notes", None)],
+    ids=["few cells", "border", "mirror", "deep", "far above", "nothing of these"])
+def test_what_the_run_will_meet(tmp_path, changes, where, line):
+    """Warnings of the run that follow from its largest depth, in its words, and a long way to the body."""
+    found = facts(tmp_path, **changes)
+    if line:
+        assert any(line in each for each in found[where]), found[where]
+        return
+    foreseen = "at most", "crosses a border", "has reached", "of the height", "the tip starts"
+    assert not [each for each in found["notes"] + found["warnings"] if any(words in each for words in foreseen)]
 
 
 def test_text(tmp_path):

@@ -86,7 +86,7 @@ def test_a_misspelt_material_leads_to_the_right_one(tmp_path):
 
 
 @pytest.mark.parametrize("case, line", [
-    (dict(METAL), "depth, load, test: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "depth, load"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
+    (dict(METAL), "depth, load, test: one of them must be given"), (dict(METAL, depth=1e-7, load=1e-3), "^depth and load: only one of depth, load and test may be given$"), (dict(METAL, depth=200), "depth=200: must be in .* m; 200 nm"),
     (dict(METAL, depth="deep"), "depth=deep"), (dict(METAL, depth=float("nan")), "depth=nan"), (dict(METAL, load=-1), "load=-1: must be a number > 0 in N"),
     (dict(youngs_modulus=70, depth=1e-7), "youngs_modulus=70: must be .* in Pa; 70 GPa are 70e9"), (dict(depth=1e-7), "youngs_modulus=None"),
     (dict(METAL, depth=1e-7, poissons_ratio=0.5), "poissons_ratio=0.5"),

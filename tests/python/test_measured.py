@@ -63,6 +63,16 @@ def test_another_unit_above_the_column_is_refused(tmp_path, head, load):
 
 # ---- lines of words ----
 
+def test_commas_that_part_columns_and_fractions(tmp_path):
+    """Rows of 6 numbers under 3 names are refused; with semicolons between columns they are read."""
+    rows = [("0,5", f"{k},25", f"{k * k},75") for k in range(40)]
+    (tmp_path / "m.csv").write_text("\n".join(["Time (s),Depth (nm),Load (uN)", *(",".join(row) for row in rows)]) + "\n")
+    with pytest.raises(mlgimp.Error, match="has 6 numbers in rows under 3 names: commas part columns and fractions alike"):
+        load_depth.read_measured(tmp_path / "m.csv")
+    (tmp_path / "m.csv").write_text("\n".join(["Time (s);Depth (nm);Load (uN)", *(";".join(row) for row in rows)]) + "\n")
+    assert load_depth.read_measured(tmp_path / "m.csv").depth[-1] == pytest.approx(39.25e-3)
+
+
 @pytest.mark.parametrize("line", ["END", "END,,", "Test finished OK", "end,of", ",,", "Hardness,3.2", "--- unload ---", "OVERLOAD,1.5"])
 @pytest.mark.parametrize("place", [300, 401, 800])
 def test_lines_of_words_between_and_below_the_rows(tmp_path, line, place):

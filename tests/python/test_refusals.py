@@ -39,6 +39,8 @@ def refusal(main, *words):
 @pytest.mark.parametrize("out", ["/proc", "/proc/pictures", "/dev/null", "/dev/null/pictures"])
 def test_pictures_into_a_folder_that_cannot_be(made, out):
     assert out in refusal(plot.main, made, "--out", out)
+    assert "must be a folder for 6 pictures, or stand beside --picture" in refusal(plot.main, made, "--out", "figure.pdf")
+    assert "gold.jpg: must end in .png, .pdf, .svg" in refusal(plot.main, made, "--picture", "energy", "--out", "gold.jpg")
 
 
 @pytest.mark.parametrize("window", ["nan,1,0,1", "0,inf,0,1", "-inf,0,0,1", "1,0,0,1", "0,1", "a,b,c,d"])

@@ -80,7 +80,7 @@ def test_figures_and_warnings(runs, tmp_path):
     """Hardness of a run with an unloading, with its uncertainty; a run without one says why there is none; warnings of the run."""
     run = runs("plane")
     _, words, _ = parts_of(run, tmp_path / "page.html")
-    assert "Figures of the unloading" in words and "load over true area" in words and "cells: " in words
+    assert "Figures of the unloading" in words and "load over true area" in words and "cells and block: " in words
     assert all(line in words for line in run.summary["warnings"])
     assert "Hardness and modulus: " in parts_of(runs("axis"), tmp_path / "page.html")[1]
 

@@ -241,6 +241,14 @@ TEST(Options, NoNameTwice)
   EXPECT_EQ(Refusal("", twice), "-size: must be an option of one body, material or load; rename one of those that it belongs to");
 }
 
+TEST(Options, NearestIsAlsoANameOfWhichThatIsTheBeginning)
+{
+  const std::vector<std::string> known = {"-ti_preset", "-ti_yield_stress", "-frames", "-frame_precision"};
+  EXPECT_EQ(Nearest("-ti_yeild", known), "-ti_yield_stress");
+  EXPECT_EQ(Nearest("-frame", known), "-frames");
+  EXPECT_EQ(Nearest("-ti_presets", known), "-ti_preset");
+}
+
 TEST(Options, WhatNothingReads)
 {
   double value = 1;
@@ -252,6 +260,8 @@ TEST(Options, WhatNothingReads)
   EXPECT_EQ(Refusal("-cell_size 1", read), "");
   EXPECT_EQ(Refusal("-cell_siez 1", read),
             "-cell_siez: unknown or unused option in this case; the nearest known name is -cell_size");
+  EXPECT_EQ(Refusal("-cell_sezi_of 1", read), // near to no name that this case reads
+            "-cell_sezi_of: unknown or unused option in this case; another kind of indenter, law, geometry or test has it");
   EXPECT_EQ(Refusal("-thickness=2 -cell_size 1", read),
             "-thickness=2: a blank must be between an option's name and its value, not =");
 }

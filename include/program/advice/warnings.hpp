@@ -29,6 +29,10 @@ struct WarningState {
   }
 };
 
+/// What a run will warn of when its contact has a half width (m) at a time (s), as far as that follows from the case: few cells,
+/// borders of levels, mirror images.
+std::vector<std::string> ForeseenWarnings(const Case &c, double half_width, double time);
+
 class Warnings
 {
 public:

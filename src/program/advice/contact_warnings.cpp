@@ -129,4 +129,40 @@ std::string LoadWarning(const Case &c, const Budgets &budgets, const Watched &wa
                 missed ? watched.carried : budgets.load);
 }
 
+/// The coarsest level on the surface at a distance from the tip, as far as bodies reach.
+static int CoarsestLevelAround(const Case &c, double distance)
+{
+  int coarsest = c.LevelAtTip();
+  const Indenter &indenter = *c.model.indenter;
+  for (int axis = 0; axis < indenter.up; ++axis)
+    for (const double away : {-distance, distance}) {
+      Vec3 x = indenter.tip;
+      x[indenter.up] = indenter.initial_surface - 1e-6 * c.CellSize(c.levels - 1);
+      x[axis] += away;
+      const auto holds = [&](const Body &body) { return body.region->Bounds().Contains(x); };
+      if (std::any_of(c.model.bodies.begin(), c.model.bodies.end(), holds)) coarsest = std::min(coarsest, c.LevelAt(x));
+    }
+  return coarsest;
+}
+
+std::vector<std::string> ForeseenWarnings(const Case &c, double half_width, double time)
+{
+  if (c.model.contact.method == "none" || !std::isfinite(c.model.indenter->initial_surface)) return {};
+  const int level = c.LevelAtTip();
+  Budgets budgets{};
+  budgets.time = time;
+  budgets.schedule = time;
+  budgets.contact_half_width = half_width;
+  budgets.contact_cells = half_width / c.CellSize(level);
+  budgets.contact_level = level;
+  budgets.contact_coarseness = c.levels - CoarsestLevelAround(c, half_width);
+  const QuasiStaticWatch slow(c.quasi_static);
+  const MotionWatch motion;
+  const Watched watched = {WarningState{}, slow, motion, 0, 0};
+  std::vector<std::string> lines;
+  for (const auto line_of : {NarrowestContactWarning, BorderWarning, MirrorWarning, WidestContactWarning})
+    if (std::string line = line_of(c, budgets, watched); !line.empty()) lines.push_back(std::move(line));
+  return lines;
+}
+
 } // namespace mlgimp

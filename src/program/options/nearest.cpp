@@ -26,8 +26,10 @@ std::size_t EditDistance(const std::string &a, const std::string &b)
 
 const std::string &Nearest(const std::string &name, const std::vector<std::string> &known)
 {
-  return *std::min_element(known.begin(), known.end(),
-                           [&](const auto &a, const auto &b) { return EditDistance(name, a) < EditDistance(name, b); });
+  const auto distance = [&](const std::string &one) { // or that of its beginning, where not even that is a name
+    return std::min(EditDistance(name, one), EditDistance(name, one.substr(0, name.size())) + kMaxTypingErrors);
+  };
+  return *std::min_element(known.begin(), known.end(), [&](const auto &a, const auto &b) { return distance(a) < distance(b); });
 }
 
 std::string Meant(const std::string &name, const std::vector<std::string> &known)

@@ -338,8 +338,11 @@ void RefuseUnused(const std::vector<std::string> &known)
 {
   for (const std::string &unused : FindUnused()) {
     if (std::find(known.begin(), known.end(), unused) != known.end()) Refuse("{}: is not used in this case", Shortened(unused));
-    if (EditDistance(unused, Nearest(unused, known)) > kMaxTypingErrors && LooksLikePetsc(unused)) continue;
-    RefuseUnknown(unused, known);
+    const bool near = EditDistance(unused, Nearest(unused, known)) <= kMaxTypingErrors;
+    if (!near && LooksLikePetsc(unused)) continue;
+    if (near || unused.find('=') != std::string::npos) RefuseUnknown(unused, known);
+    Refuse("{}: unknown or unused option in this case; another kind of indenter, law, geometry or test has it",
+           Shortened(unused));
   }
 }
 

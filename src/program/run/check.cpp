@@ -2,6 +2,7 @@
 #include "program/run/check.hpp"
 
 #include "program/advice/case_checks.hpp"
+#include "program/advice/warnings.hpp"
 #include "program/system/agree.hpp"
 
 #include <nlohmann/json.hpp>
@@ -16,9 +17,10 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// Largest errors that were seen against 20 cells, of load and of the true area, times the cells in half the width of the contact:
-// see docs/indentation.md.
-constexpr double kLoadError = 0.3, kAreaError = 0.6; // size: what is printed of a case
+// Largest errors that were seen against 20 cells, of load and of the true area, times the cells in half the width of the contact;
+// and by which share a block makes moduli too large, times its width in those of the contact: see docs/indentation.md.
+constexpr double kLoadError = 0.3, kAreaError = 0.6, kBlockError = 1.09; // size: what is printed of a case
+constexpr double kLongWay = 0.1; // size: what is printed of a case; share of the time before the tip touches
 
 Json Vector(Vec3 x, int dim)
 {
@@ -56,6 +58,9 @@ double StepsOf(const Case &c, const RunState &state)
   return c.time.max_steps > 0 ? std::min<double>(by_time, c.time.max_steps) : by_time;
 }
 
+/// The time until which the motion that is known goes on.
+double LastTime(const Case &c) { return std::min(c.time.end_time, c.model.indenter->motion.turning_time); }
+
 /// The largest depth that the motion is known to reach, m, with a compliance that of the whole; not a number where it follows
 /// from a load.
 double LargestDepth(const Case &c)
@@ -63,8 +68,43 @@ double LargestDepth(const Case &c)
   if (!c.model.indenter || c.model.indenter->by_load) return NAN;
   const Indenter &indenter = *c.model.indenter;
   if (c.quasi_static.depth > 0) return c.quasi_static.depth;
-  const double end = std::min(c.time.end_time, indenter.motion.turning_time);
-  return std::isfinite(end) ? indenter.Depth(indenter.Tip(end)) : NAN;
+  return std::isfinite(LastTime(c)) ? indenter.Depth(indenter.Tip(LastTime(c))) : NAN;
+}
+
+/// How far the model reaches from the tip, in the direction across in which that is least, m.
+double RoomBesideTip(const Case &c)
+{
+  double room = HUGE_VAL;
+  for (int axis = 0; axis < c.model.indenter->up; ++axis) {
+    const double x = c.model.indenter->tip[axis];
+    room = std::min(room, std::max(x - c.domain.lower[axis], c.domain.upper[axis] - x));
+  }
+  return room;
+}
+
+/// The way to a body that takes much of the time, as a line; empty where there is none.
+std::vector<std::string> EmptyWay(const Case &c)
+{
+  constexpr int kSamples = 1000; // size
+  if (!c.model.indenter || c.model.indenter->by_load || !std::isfinite(LastTime(c))) return {};
+  const Indenter &indenter = *c.model.indenter;
+  int sample = 0;
+  while (sample <= kSamples && indenter.Tip(LastTime(c) * sample / kSamples)[indenter.up] > indenter.initial_surface) ++sample;
+  const double share = LastTime(c) * sample / kSamples / c.time.end_time;
+  if (sample > kSamples || !(share > kLongWay)) return {};
+  return {Format("the tip starts {} above the body: {} % of the time goes by before it touches",
+                 Quantity(indenter.tip[indenter.up] - indenter.initial_surface, "m"), std::round(100 * share))};
+}
+
+/// A tip that comes near to the lower end of the domain, as a line; empty where it does not.
+std::vector<std::string> DeepWay(const Case &c)
+{
+  constexpr double kDeep = 0.5; // size: what is printed of a case
+  const double depth = LargestDepth(c);
+  if (!(depth > 0)) return {};
+  const double share = depth / (c.model.indenter->initial_surface - c.domain.lower[c.model.indenter->up]);
+  if (!(share > kDeep)) return {};
+  return {Format("the largest depth is {} % of the height from the domain's lower end to the surface", std::round(100 * share))};
 }
 
 /// The cells under the tip at the end, m: where boxes follow the contact, finest levels end as it grows.
@@ -87,6 +127,7 @@ Json ContactJson(const Case &c)
           {"cells", cells},
           {"load_error", kLoadError / cells},
           {"area_error", kAreaError / cells},
+          {"block_error", kBlockError * half / RoomBesideTip(c)},
           {"at_most", c.model.indenter->compliance.Any()}};
 }
 
@@ -118,11 +159,13 @@ std::string ContactLine(const Json &contact)
 {
   if (contact.is_null()) return "contact     its width follows from the load and is not known before the run";
   return Format(
-      "contact     at the largest depth, {}{}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of the area",
+      "contact     at the largest depth, {}{}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of the area; "
+      "the block makes moduli up to {} % too large",
       Quantity(contact["depth"].get<double>(), "m"),
       contact["at_most"].get<bool>() ? " less what frame and tip take of it (what follows is without that)" : "",
       Quantity(contact["half_width"].get<double>(), "m"), std::round(10 * contact["cells"].get<double>()) / 10,
-      std::round(1000 * contact["load_error"].get<double>()) / 10, std::round(1000 * contact["area_error"].get<double>()) / 10);
+      std::round(1000 * contact["load_error"].get<double>()) / 10, std::round(1000 * contact["area_error"].get<double>()) / 10,
+      std::round(1000 * contact["block_error"].get<double>()) / 10);
 }
 
 std::string Text(const Json &json)
@@ -151,11 +194,19 @@ std::string DescribeCase(const Case &c, Hierarchy &hierarchy, const RunState &st
 {
   const double steps = StepsOf(c, state), each = measured.steps > 0 ? measured.seconds / measured.steps : 0;
   const int ranks = RanksOf(hierarchy.Comm());
+  const Json contact = ContactJson(c);
+  std::vector<std::string> notes = EmptyWay(c), doubts = warnings;
+  notes.insert(notes.begin(), c.notes.begin(), c.notes.end());
+  for (std::string &line : DeepWay(c)) doubts.push_back(std::move(line));
+  if (!contact.is_null()) {
+    const std::vector<std::string> foreseen = ForeseenWarnings(c, contact["half_width"].get<double>(), LastTime(c));
+    doubts.insert(doubts.end(), foreseen.begin(), foreseen.end());
+  }
   const Json json = {{"case", c.name},
                      {"geometry", kGeometryNames[static_cast<int>(c.model.geometry.kind)]},
                      {"levels", LevelsJson(hierarchy, c)},
                      {"has_indenter", c.model.indenter.has_value()},
-                     {"contact", ContactJson(c)},
+                     {"contact", contact},
                      {"steps", steps},
                      {"time_step", state.time_step},
                      {"finest_steps", steps * std::pow(c.hierarchy.ratio, hierarchy.Levels() - 1)},
@@ -165,8 +216,8 @@ std::string DescribeCase(const Case &c, Hierarchy &hierarchy, const RunState &st
                      {"seconds_per_step", each},
                      {"seconds", steps * each},
                      {"changes", c.hierarchy.follow.kind != FollowKind::kNone || c.quasi_static.test.On()},
-                     {"notes", c.notes},
-                     {"warnings", warnings}};
+                     {"notes", notes},
+                     {"warnings", doubts}};
   return ShareText(hierarchy.Comm(), c.output.check == "json" ? json.dump() : Text(json));
 }
 

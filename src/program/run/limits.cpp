@@ -80,8 +80,9 @@ static std::string DescribeTip(const Case &c, const TipTrack &tip, double time)
         "{}are not met although the tip comes down at {} m/s, a tenth of the speed of waves; try smaller or slower ones", load,
         indenter.largest_speed);
   if (height < lowest)
-    return Format("{}press the tip {} m below {}, to which level {} can hold it; try smaller ones or a larger box", load,
-                  lowest - height, lowest, c.hierarchy.tip_level);
+    return Format("{}press the tip {} m below {}, to which level {} can hold it; try smaller ones, a larger box, or smaller "
+                  "cells, of which the box's border takes some",
+                  load, lowest - height, lowest, c.hierarchy.tip_level);
   return "";
 }
 

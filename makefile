@@ -133,10 +133,11 @@ docs:
 	@$(PYTHON) -m sphinx -q -E -n -W --keep-going -c docs -d $(BUILD)/docs . $(PAGES)
 	@echo "$(PAGES)/index.html"
 
-# SELECT="NAME NAME": runs and draws only these cases of the gallery.
+# SELECT="NAME NAME": runs and draws only these cases of the gallery, without the pictures of the other documents.
 gallery: deps
 	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp
 	@MLGIMP_BIN=$(BIN) $(PYTHON) scripts/gallery.py $(SELECT)
+	@$(if $(SELECT),,MLGIMP_BIN=$(BIN) $(PYTHON) scripts/illustrations.py)
 
 bench: deps
 	@$(MAKE) $(ON_CORES) $(BIN)/mlgimp $(BIN)/bench_machine

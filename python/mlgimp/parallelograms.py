@@ -1,5 +1,5 @@
 """Domains of material points in a picture: each point is a square that deformed with the body, a parallelogram, in its own colour. Nothing
-is smoothed or filled in."""
+is smoothed."""
 
 import numpy as np
 
@@ -31,14 +31,24 @@ def edges_of(points):
 def paint(points, values, window, shape):
     """Returns an image [rows from below][columns] of a window (xmin, xmax, ymin, ymax in m): the value at each of its dots, NaN where no point lies.
 
-    A domain covers all dots that it touches, so that neighbours leave no seams; large ones lie beneath the others.
+    A domain covers all dots that it touches, so that neighbours leave no seams; large ones lie beneath the others. Where a metal has flowed far,
+    domains leave gaps: beneath all lie the rectangles of the points inside of bodies (faces [n] == 0), which the method itself takes for domains.
     """
+    image = np.full(shape, np.nan)
+    inner = {name: each[points["faces"] == 0] for name, each in points.items()} if "faces" in points else None
+    if inner is not None and len(inner["position"]):
+        paint_domains(image, inner["position"], inner["half_size"][:, :, None] * np.eye(2), values[points["faces"] == 0], window)
+    paint_domains(image, points["position"], edges_of(points), values, window)
+    return image
+
+
+def paint_domains(image, position, edges, values, window):
+    """Paints domains with their middles [n][2] (m), edges [n][side][2] (m) and values [n] over what an image of the window has."""
+    shape = image.shape
     dot = np.array([window[1] - window[0], window[3] - window[2]]) / shape[::-1]
-    edges = edges_of(points)
-    reach, place = np.abs(edges).sum(axis=1), points["position"] - window[0::2]
+    reach, place = np.abs(edges).sum(axis=1), position - window[0::2]
     seen = np.flatnonzero(np.all((place + reach >= 0) & (place - reach <= dot * shape[::-1]), axis=1))
-    area = np.abs(np.linalg.det(edges[seen]))
-    seen = seen[np.argsort(-area, kind="stable")]
+    seen = seen[np.argsort(-np.abs(np.linalg.det(edges[seen])), kind="stable")]
     middle, reach = place[seen] / dot, reach[seen] / dot
     first = np.clip(np.floor(middle - reach + SMALL), 0, None).astype(int)
     last = np.minimum(np.ceil(middle + reach - SMALL).astype(int), shape[::-1])
@@ -48,9 +58,7 @@ def paint(points, values, window, shape):
     row, column = np.divmod(np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts), size[owner, 0])
     dots = first[owner] + np.column_stack([column, row])
     inside = touched(edges[seen] / dot, owner, dots + 0.5 - middle[owner])
-    image = np.full(shape, np.nan)
     image[dots[inside, 1], dots[inside, 0]] = values[seen][owner[inside]]  # of several the last stays
-    return image
 
 
 def touched(edges, owner, offset):

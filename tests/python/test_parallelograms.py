@@ -56,3 +56,12 @@ def test_an_image_in_the_axis_is_an_image():
     image = parallelograms.paint(both, np.ones(2), np.array([-5, 5, -2, 2]), (80, 200))
     assert np.isfinite(image).sum() > 300
     np.testing.assert_array_equal(image, image[:, ::-1])
+
+
+def test_rectangles_lie_beneath_points_inside_of_bodies():
+    """A point that turned by 45 degrees leaves the corners of its rectangle to others; where it has no outer face they are its own."""
+    points = points_of(np.zeros((1, 2)), turned(45), (1, 1))
+    window, values = np.array([-2, 2, -2, 2]), np.ones(1)
+    bare, outer, inner = (np.isfinite(parallelograms.paint(points | faces, values, window, (80, 80))) for faces in ({}, {"faces": np.ones(1)}, {"faces": np.zeros(1)}))
+    corner = np.ix_(range(57, 60), range(57, 60))  # up to 1 along both axes
+    assert not bare[corner].any() and not outer[corner].any() and inner[corner].all() and np.array_equal(bare, outer) and np.all(inner[bare])

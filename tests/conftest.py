@@ -14,7 +14,7 @@ RANKS = {False: (1,), True: (1, 3)}  # of unit tests: those whose suite ends in 
 # Files of half a minute and more, the longest first: processes that -n has started take files in this order, and so end together.
 LONGEST_FIRST = ("stops", "hardness", "ranks", "friction", "restart", "borders", "metals", "following", "limits", "bad_input", "bending", "rounding",
                  "elastic_contact", "test_tutorial", "quasi_static", "test_measured", "test_package", "test_refusals", "bad_input_of_contact")
-LONGEST_STUDIES_FIRST = ("hardness", "crystals", "tables", "following", "creep_laws", "half_plane")
+LONGEST_STUDIES_FIRST = ("hardness", "crystals", "tables", "following", "unloading", "debian_package", "creep_laws", "fuzz", "half_plane", "instrument")
 
 
 def pytest_configure(config):

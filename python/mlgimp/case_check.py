@@ -15,7 +15,7 @@ FIGURES = "load", "stiffness", "hardness"  # that are off like the load
 
 Check = namedtuple("Check", "facts warnings figure")
 Check.__doc__ = """What mlgimp.check has found: facts, a dict as the program has them, in SI units (`contact` is None where the largest depth is not
-known before the run; `seconds` of the run on this machine, `load_error`, `area_error` and `block_error` as shares); warnings, a list of lines; and the
+known before the run; `seconds` of the run on this machine, `load_error`, `area_error` and, not in plane strain, `block_error` as shares); warnings, a list of lines; and the
 picture of the case, a matplotlib Figure, or None."""
 
 
@@ -66,9 +66,9 @@ def text_of(found, error_of=FIGURES):
              f"about {time_of(facts['seconds'])} on {facts['ranks']} {'rank' if facts['ranks'] == 1 else 'ranks'} of this machine"]
     if contact:
         less = " less what frame and tip take of it (what follows is without that)" if contact["at_most"] else ""
-        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm{less}: "
-                     f"{', '.join(error_of)} off by up to "
-                     f"{100 * contact['load_error']:.2g} %, the true area by {100 * contact['area_error']:.2g} %; the block makes moduli up to {100 * contact['block_error']:.2g} % too large")
+        block = "" if contact["block_error"] is None else f"; the block makes moduli up to {100 * contact['block_error']:.2g} % too large"
+        lines.append(f"{contact['cells']:.3g} cells in half the width of the contact at {1e9 * contact['depth']:.4g} nm{less}: {', '.join(error_of)} off by "
+                     f"up to {100 * contact['load_error']:.2g} %, the true area by {100 * contact['area_error']:.2g} %{block}")
     else:
         lines.append("the largest depth is not known before the run, nor the cells in the contact")
     return [*lines, *facts["notes"], *(f"warning: {line}" for line in found.warnings)]

@@ -62,6 +62,7 @@ def test_what_the_run_will_meet(tmp_path, changes, where, line):
     if line:
         assert any(line in each for each in found[where]), found[where]
         return
+    assert facts(tmp_path, geometry="plane_strain", indenter="wedge")["contact"]["block_error"] is None
     foreseen = "at most", "crosses a border", "has reached", "of the height", "the tip starts"
     assert not [each for each in found["notes"] + found["warnings"] if any(words in each for words in foreseen)]
 

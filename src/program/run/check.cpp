@@ -121,13 +121,14 @@ Json ContactJson(const Case &c)
   const double depth = LargestDepth(c);
   if (!(depth > 0)) return nullptr;
   const double half = c.model.indenter->HalfWidth(depth), cells = half / CellAtEnd(c, half);
+  const bool plane = c.model.geometry.kind == GeometryKind::kPlaneStrain;
   return {{"depth", depth},
           {"surface", c.model.indenter->initial_surface},
           {"half_width", half},
           {"cells", cells},
           {"load_error", kLoadError / cells},
           {"area_error", kAreaError / cells},
-          {"block_error", kBlockError * half / RoomBesideTip(c)},
+          {"block_error", plane ? Json(nullptr) : Json(kBlockError * half / RoomBesideTip(c))}, // there depths have no limit
           {"at_most", c.model.indenter->compliance.Any()}};
 }
 
@@ -158,14 +159,15 @@ std::string LevelLine(const Json &level, std::size_t number)
 std::string ContactLine(const Json &contact)
 {
   if (contact.is_null()) return "contact     its width follows from the load and is not known before the run";
-  return Format(
-      "contact     at the largest depth, {}{}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of the area; "
-      "the block makes moduli up to {} % too large",
-      Quantity(contact["depth"].get<double>(), "m"),
-      contact["at_most"].get<bool>() ? " less what frame and tip take of it (what follows is without that)" : "",
-      Quantity(contact["half_width"].get<double>(), "m"), std::round(10 * contact["cells"].get<double>()) / 10,
-      std::round(1000 * contact["load_error"].get<double>()) / 10, std::round(1000 * contact["area_error"].get<double>()) / 10,
-      std::round(1000 * contact["block_error"].get<double>()) / 10);
+  const auto percent = [&](const char *name) { return std::round(1000 * contact[name].get<double>()) / 10; };
+  const std::string block =
+      contact["block_error"].is_null() ? "" : Format("; the block makes moduli up to {} % too large", percent("block_error"));
+  return Format("contact     at the largest depth, {}{}, half as wide as {}, {} cells: errors of up to {} % of the load, {} % of "
+                "the area{}",
+                Quantity(contact["depth"].get<double>(), "m"),
+                contact["at_most"].get<bool>() ? " less what frame and tip take of it (what follows is without that)" : "",
+                Quantity(contact["half_width"].get<double>(), "m"), std::round(10 * contact["cells"].get<double>()) / 10,
+                percent("load_error"), percent("area_error"), block);
 }
 
 std::string Text(const Json &json)

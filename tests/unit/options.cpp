@@ -2,6 +2,7 @@
 #include "program/options/options.hpp"
 #include "program/input/read_case.hpp"
 #include "program/options/command_line.hpp"
+#include "program/options/nearest.hpp"
 
 #include <gtest/gtest.h>
 

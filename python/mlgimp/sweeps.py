@@ -175,10 +175,10 @@ def plotted(name, values):
 
 
 def cell(name, value):
-    """Returns a value of a row as sweep.csv has it: nothing where it is not known, and what a run has found with ten digits."""
+    """Returns a value of a row as sweep.csv has it: nothing where it is not known, and what a run has found with twelve digits."""
     if isinstance(value, float) and math.isnan(value):
         return ""
-    return f"{value:.10g}" if name in FOUND else text.text_of(value)
+    return f"{value:.12g}" if name in FOUND else text.text_of(value)
 
 
 def write(path, rows, values):

@@ -322,10 +322,10 @@ def full_disks():
     """(case, bytes): sizes of the disk in whole pages, by which each kind of file is the first that does not fit."""
     page, reserved = 4096, 16  # bytes; pages that a frame asks for beside its own
     pages = {path.name: -(-path.stat().st_size // page) for case in (LONG, LIGHT) for path in harness.run(case).folder.iterdir()}
-    rows = -(-(harness.run(LONG).folder / "history.csv").stat().st_size // page)
+    rows, summary = (-(-(harness.run(LONG).folder / name).stat().st_size // page) for name in ("history.csv", "summary.json"))
     frames = sum(count for name, count in pages.items() if name.startswith("points_"))
     yield LONG, 2 * page
-    yield LONG, rows * page  # all but the summary
+    yield LONG, (rows + summary) * page  # all but the summary of the end, which replaces that of the start
     vtkhdf, xdmf = pages["points.vtkhdf"], pages["points.xdmf"]  # which are replaced in this order
     assert reserved < vtkhdf < xdmf
     for room in (vtkhdf - 16, vtkhdf - 2, (vtkhdf + xdmf) // 2):  # one of the last frames, but not its place in one of the lists

@@ -14,7 +14,8 @@ from .pictures import lab_unit
 
 Shot = namedtuple("Shot", "time words ids position edges values boxes tip near")
 Shot.__doc__ = """What the viewer shows of a frame: its time (s) and that with depth and load as text; of the points ids [n], position
-[n][2] (m), edges [n][side][2] (m, see parallelograms.edges_of) and {component: values [n] in SI}; boxes of levels [levels][lower, upper][2] (m); the place of the tip [2] (m) or
+[n][2] (m), edges [n][side][2] (m, see parallelograms.edges_of) and {component: values [n] in SI}; boxes of levels
+[levels][lower, upper][2] (m); the place of the tip [2] (m) or
 None; and the window (xmin, xmax, ymin, ymax) in m near the contact."""
 Film = namedtuple("Film", "values left_out")
 Film.__doc__ = "What the script of the page reads, a dict for JSON (viewer.js); and what it does not have of the run, a list of texts."

@@ -6,6 +6,7 @@ from matplotlib import pyplot as plt
 
 from . import fields, load_depth, results
 from .errors import ResultError
+from .parallelograms import edges_of
 from .pictures import LOOK, Unit, entitle, lab_unit, line_axes, shrink, si_unit, size_of, styled, title_of
 
 PRESSED = 0.05  # of the largest pressure: what counts as contact when the part to show is chosen
@@ -84,10 +85,8 @@ def carried_load(points, options):
 
     A row of the history has its mean over the steps since the last row, which is another load where the tip turns.
     """
-    gradient = points["deformation_gradient"].reshape(-1, 2, 2)
-    half = np.sqrt(np.linalg.solve(gradient**2, points["half_size"][:, :, None] ** 2)[..., 0])  # before the deformation
-    width = 2 * gradient[:, 0, 0] * half[:, 0]
-    middle = points["position"][:, 0] + gradient[:, 0, 1] * half[:, 1]  # of the face
+    along, up = np.swapaxes(edges_of(points), 0, 1)
+    width, middle = 2 * along[:, 0], points["position"][:, 0] + up[:, 0]  # of the face
     depth = 2 * np.pi * middle if has_axis(options) else float(options.get("-thickness", 1))
     return float(np.sum(points["contact_pressure"] * width * depth))
 
